@@ -1,0 +1,118 @@
+//! What every backend does: render a frame of a scene.
+
+use crate::layout::{Hit, Lit, Surface};
+use crate::scene::{Camera, Scene, SetupError};
+use alloc::boxed::Box;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// The stages of a frame, in order. [`Picture::stages_ms`] is indexed alike.
+pub const STAGES: [&str; 8] =
+    ["prepare", "bin", "visibility", "surface", "occlusion", "light", "shade", "resolve"];
+
+/// What to render.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// From where.
+    pub camera: &'a Camera,
+    /// Pixels in a row, and rows.
+    pub size: [u32; 2],
+    /// Sub-rays a pixel: 1, 4 or 16.
+    pub samples: u32,
+    /// Whether lights cast shadows.
+    pub shadows: bool,
+    /// Whether to keep the deferred buffers.
+    pub deferred: bool,
+}
+
+/// The deferred buffers of a frame, one record a ray in the order of
+/// [`crate::grid::Grid`], and the lists they came from.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Deferred {
+    /// The lists of all blocks of all views, as words (see
+    /// [`crate::kernel::lists::Lists`]).
+    pub lists: Vec<u32>,
+    /// The closest surfaces.
+    pub hits: Vec<Hit>,
+    /// What is known about them.
+    pub surfaces: Vec<Surface>,
+    /// Which lights reach them: [`Deferred::mask_words`] words a ray.
+    pub masks: Vec<u32>,
+    /// The light that arrives.
+    pub lit: Vec<Lit>,
+    /// Linear RGB and alpha.
+    pub colors: Vec<[f32; 4]>,
+    /// Words of the shadow mask a ray.
+    pub mask_words: u32,
+}
+
+/// A rendered frame. Give the same one again, and its memory is used again.
+#[derive(Debug, Clone, Default)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Rows from top to bottom: sRGB with 8 bits a channel, red lowest, alpha highest.
+    pub pixels: Vec<u32>,
+    /// The deferred buffers, if they were asked for.
+    pub deferred: Option<Deferred>,
+    /// Milliseconds in each of [`STAGES`].
+    pub stages_ms: [f64; STAGES.len()],
+}
+
+impl Picture {
+    /// The pixels as bytes: red, green, blue, alpha.
+    pub fn bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.pixels)
+    }
+}
+
+/// Which machine a backend runs on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Description {
+    /// `"cpu"` or `"gpu"`, or another backend's own name.
+    pub kind: String,
+    /// The processor or adapter.
+    pub adapter: String,
+    /// Numbers side by side in one instruction; 1 where that is not the backend's choice.
+    pub lanes: u32,
+    /// Threads; 0 where that is not the backend's choice.
+    pub threads: u32,
+}
+
+/// Why a frame could not be rendered.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The request makes no picture.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The backend failed.
+    #[error("{backend}: {source}")]
+    Backend {
+        /// Which one.
+        backend: &'static str,
+        /// Why.
+        source: Box<dyn core::error::Error + Send + Sync>,
+    },
+}
+
+/// A machine that renders: a function from scene and request to picture, the same bits
+/// whichever implements it.
+pub trait Backend: Send {
+    /// Where it runs.
+    fn describe(&self) -> Description;
+
+    /// Renders a frame into `picture`.
+    ///
+    /// # Errors
+    /// The request makes no picture, or the backend failed; `picture` then holds nothing
+    /// of use.
+    fn render(
+        &mut self,
+        scene: &Scene,
+        request: &Request<'_>,
+        picture: &mut Picture,
+    ) -> Result<(), RenderError>;
+}

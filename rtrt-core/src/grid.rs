@@ -1,0 +1,121 @@
+//! Where a pixel, a ray and a block lie: the ground that every stage stands on.
+//!
+//! A frame of `width × height` pixels with `n × n` sub-rays a pixel is a grid of
+//! `width·n × height·n` rays. [`BLOCK`] × [`BLOCK`] rays are a block. Rays are numbered
+//! block after block; inside a block, tile after tile of 4 × 4, so that 8 or 16
+//! neighbors in number are neighbors in the picture. Blocks at the right and lower edge
+//! may reach outside the frame; their outer rays exist and hit nothing.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Side of a block, in rays.
+pub const BLOCK: u32 = 16;
+/// Rays in a block.
+pub const BLOCK_RAYS: u32 = BLOCK * BLOCK;
+
+/// The number of a ray: `block · BLOCK_RAYS + place in the block`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct RayIndex(pub u32);
+
+/// The number of a block of the camera's grid, row by row.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BlockIndex(pub u32);
+
+/// The size of a frame.
+#[repr(C)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Pod, Zeroable)]
+pub struct Grid {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows of pixels.
+    pub height: u32,
+    /// Sub-rays along one side of a pixel: 1, 2 or 4.
+    pub side: u32,
+}
+
+impl Grid {
+    /// Blocks in a row.
+    #[inline(always)]
+    pub fn blocks_x(self) -> u32 {
+        (self.width * self.side).div_ceil(BLOCK)
+    }
+    /// Rows of blocks.
+    #[inline(always)]
+    pub fn blocks_y(self) -> u32 {
+        (self.height * self.side).div_ceil(BLOCK)
+    }
+    /// Blocks in the frame.
+    #[inline(always)]
+    pub fn blocks(self) -> u32 {
+        self.blocks_x() * self.blocks_y()
+    }
+    /// Rays in all blocks, those outside the frame included.
+    #[inline(always)]
+    pub fn rays(self) -> u32 {
+        self.blocks() * BLOCK_RAYS
+    }
+    /// Pixels along one side of a block.
+    #[inline(always)]
+    pub fn block_pixels(self) -> u32 {
+        BLOCK / self.side
+    }
+    /// Column and row of the ray, counted in rays from the upper left.
+    #[inline(always)]
+    pub fn ray(self, index: RayIndex) -> [u32; 2] {
+        let block = index.0 / BLOCK_RAYS;
+        let blocks_x = self.blocks_x();
+        let [x, y] = place(index.0 % BLOCK_RAYS);
+        [block % blocks_x * BLOCK + x, block / blocks_x * BLOCK + y]
+    }
+    /// Whether the ray at `[x, y]` belongs to the frame.
+    #[inline(always)]
+    pub fn contains(self, ray: [u32; 2]) -> bool {
+        ray[0] < self.width * self.side && ray[1] < self.height * self.side
+    }
+    /// The ray at column `x` and row `y`.
+    #[inline(always)]
+    pub fn index(self, [x, y]: [u32; 2]) -> RayIndex {
+        let block = y / BLOCK * self.blocks_x() + x / BLOCK;
+        RayIndex(block * BLOCK_RAYS + number([x % BLOCK, y % BLOCK]))
+    }
+    /// The block that the ray lies in.
+    #[inline(always)]
+    pub fn block(self, index: RayIndex) -> BlockIndex {
+        BlockIndex(index.0 / BLOCK_RAYS)
+    }
+}
+
+/// Column and row of the ray with this number inside its block.
+#[inline(always)]
+pub fn place(number: u32) -> [u32; 2] {
+    let tile = number >> 4;
+    [(number & 3) | (tile & 3) << 2, (number >> 2 & 3) | (tile >> 2) << 2]
+}
+
+/// The number inside its block of the ray at column and row `[x, y]` of the block.
+#[inline(always)]
+pub fn number([x, y]: [u32; 2]) -> u32 {
+    (x & 3) | (y & 3) << 2 | (x >> 2) << 4 | (y >> 2) << 6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_places_are_inverse() {
+        let grid = Grid { width: 37, height: 21, side: 2 };
+        for i in 0..grid.rays() {
+            assert_eq!(grid.index(grid.ray(RayIndex(i))), RayIndex(i));
+        }
+        assert_eq!(grid.blocks(), 5 * 3);
+    }
+
+    #[test]
+    fn sixteen_neighbors_in_number_are_one_tile() {
+        for n in 0..BLOCK_RAYS {
+            let ([x, y], [x0, y0]) = (place(n), place(n / 16 * 16));
+            assert!(x - x0 < 4 && y - y0 < 4 && x0 % 4 == 0 && y0 % 4 == 0);
+        }
+    }
+}

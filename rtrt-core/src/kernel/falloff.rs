@@ -1,0 +1,52 @@
+//! How a light fades with distance.
+
+use crate::lane::{Lane, Select};
+use crate::layout::View;
+use crate::num::recip;
+
+/// The share of the light left at `distance`.
+///
+/// ```text
+/// linear            1 − distance / reach
+/// inverse square    (1 − (distance / reach)²)² / distance²
+/// ```
+///
+/// Linear is the paper's; it is not inverse-square, whatever the prototype called it. The
+/// windowed inverse square is how glTF's `range` is usually read (KHR_lights_punctual).
+/// Both are exactly 0 at the reach and beyond, so binning may drop the light there, and a
+/// light without limit (`inv_reach` = 0) never fades by its window. A NaN distance is dark.
+#[inline(always)]
+pub fn falloff<L: Lane>(light: &View, distance: L) -> L {
+    let spent = distance * light.inv_reach;
+    let (zero, one) = (spent.like(0.0), spent.like(1.0));
+    let left = if light.inverse_square == 1.0 {
+        let window = one - spent * spent;
+        window * window * recip(distance * distance)
+    } else {
+        one - spent
+    };
+    spent.less_than(one).select(left, zero)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn is_zero_exactly_where_binning_drops_the_light() {
+        for inverse_square in [0.0, 1.0] {
+            let light = View { inv_reach: 1.0 / 8.0, inverse_square, ..View::zeroed() };
+            assert_eq!([falloff(&light, 8.0_f32), falloff(&light, f32::NAN)], [0.0; 2]);
+            assert!(falloff(&light, 7.9_f32) > 0.0);
+        }
+    }
+
+    #[test]
+    fn without_reach_only_the_square_fades() {
+        let light = View::zeroed();
+        assert_eq!(falloff(&light, 1e6_f32), 1.0);
+        let square = View { inverse_square: 1.0, ..light };
+        assert!((falloff(&square, 4.0_f32) - 1.0 / 16.0).abs() < 1e-7);
+    }
+}

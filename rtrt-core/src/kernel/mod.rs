@@ -1,0 +1,16 @@
+//! One idea a file: pure functions that stages are composed of.
+
+pub mod cover;
+pub mod falloff;
+pub mod interpolate;
+pub mod lists;
+pub mod mip;
+pub mod offset;
+pub mod ray;
+pub mod reflect;
+pub mod slab;
+pub mod span;
+pub mod texture;
+pub mod traverse;
+pub mod triangle;
+pub mod view;

@@ -1,0 +1,62 @@
+//! A ray, and its way into an object's space.
+
+use crate::lane::{Lane, V3};
+use crate::layout::Object;
+use crate::num::recip;
+
+/// The points `origin + t · direction`, `t > 0`.
+#[derive(Clone, Copy)]
+pub struct Ray<L> {
+    /// Where the ray starts.
+    pub origin: V3<L>,
+    /// Where it goes; any length.
+    pub direction: V3<L>,
+    /// The reciprocals of the direction, finite even where it is 0.
+    pub inverse: V3<L>,
+}
+
+impl<L: Lane> Ray<L> {
+    /// The ray from `origin` along `direction`.
+    #[inline(always)]
+    pub fn new(origin: V3<L>, direction: V3<L>) -> Self {
+        Self { origin, direction, inverse: direction.map(recip) }
+    }
+
+    /// The same points, `t` for `t`, in the object's space.
+    #[inline(always)]
+    pub fn to_object(&self, object: &Object) -> Self {
+        let m = &object.to_object;
+        Self::new(point(m, self.origin), vector(m, self.direction))
+    }
+}
+
+/// `m · (p, 1)`, each row summed from left to right.
+#[inline(always)]
+pub fn point<L: Lane>(m: &[[f32; 4]; 3], p: V3<L>) -> V3<L> {
+    V3 {
+        x: p.x * m[0][0] + p.y * m[0][1] + p.z * m[0][2] + m[0][3],
+        y: p.x * m[1][0] + p.y * m[1][1] + p.z * m[1][2] + m[1][3],
+        z: p.x * m[2][0] + p.y * m[2][1] + p.z * m[2][2] + m[2][3],
+    }
+}
+
+/// `m · (v, 0)`, each row summed from left to right.
+#[inline(always)]
+pub fn vector<L: Lane>(m: &[[f32; 4]; 3], v: V3<L>) -> V3<L> {
+    V3 {
+        x: v.x * m[0][0] + v.y * m[0][1] + v.z * m[0][2],
+        y: v.x * m[1][0] + v.y * m[1][1] + v.z * m[1][2],
+        z: v.x * m[2][0] + v.y * m[2][1] + v.z * m[2][2],
+    }
+}
+
+/// `transpose(m) · n`: takes a normal from object to world space when `m` takes points
+/// from world to object space.
+#[inline(always)]
+pub fn normal<L: Lane>(m: &[[f32; 4]; 3], n: V3<L>) -> V3<L> {
+    V3 {
+        x: n.x * m[0][0] + n.y * m[1][0] + n.z * m[2][0],
+        y: n.x * m[0][1] + n.y * m[1][1] + n.z * m[2][1],
+        z: n.x * m[0][2] + n.y * m[1][2] + n.z * m[2][2],
+    }
+}

@@ -1,0 +1,116 @@
+//! A packet of rays as one: intervals of origins and reciprocal directions, and the
+//! boxes that none of the rays can meet.
+
+use crate::kernel::ray::Ray;
+use crate::kernel::slab::STRETCH;
+use crate::lane::{Lane, Mask, V3};
+
+/// Bounds on the rays of a packet.
+///
+/// Every bound is taken over the very numbers that [`crate::kernel::slab::slab`] uses,
+/// and rounding is monotone, so [`Span::misses`] is exact interval arithmetic: it never
+/// culls a box that one of the rays would enter, without any epsilon (after Boulos,
+/// Wald and Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets",
+/// 2006).
+#[derive(Clone, Copy)]
+pub struct Span {
+    /// Smallest origin.
+    pub origin_low: [f32; 3],
+    /// Largest origin.
+    pub origin_high: [f32; 3],
+    /// Smallest reciprocal direction.
+    pub inverse_low: [f32; 3],
+    /// Largest reciprocal direction.
+    pub inverse_high: [f32; 3],
+}
+
+impl Span {
+    /// The bounds of those rays whose limit is not negative.
+    #[inline(always)]
+    pub fn of<L: Lane, const G: usize>(rays: &[Ray<L>; G], limits: &[L; G]) -> Self {
+        let like = rays[0].origin.x;
+        let (most, least) = (like.like(f32::MAX), like.like(-f32::MAX));
+        let everything = V3 { x: most, y: most, z: most };
+        let nothing = V3 { x: least, y: least, z: least };
+        let mut low = [everything; 2];
+        let mut high = [nothing; 2];
+        let mut g = 0;
+        while g < G {
+            let active = like.like(0.0).less_equal(limits[g]);
+            if active.any() {
+                let values = [rays[g].origin, rays[g].inverse];
+                let mut k = 0;
+                while k < 2 {
+                    low[k] = zip(low[k], V3::select(active, values[k], everything), L::min);
+                    high[k] = zip(high[k], V3::select(active, values[k], nothing), L::max);
+                    k += 1;
+                }
+            }
+            g += 1;
+        }
+        Self {
+            origin_low: fold(low[0], smaller),
+            origin_high: fold(high[0], larger),
+            inverse_low: fold(low[1], smaller),
+            inverse_high: fold(high[1], larger),
+        }
+    }
+
+    /// Whether no ray of the packet meets the box at a `t ≤ limit`; may be false where
+    /// none does.
+    #[inline(always)]
+    pub fn misses(&self, low: &[f32; 3], high: &[f32; 3], limit: f32) -> bool {
+        let mut near = 0.0_f32;
+        let mut far = limit;
+        let mut axis = 0;
+        while axis < 3 {
+            let (i0, i1) = (self.inverse_low[axis], self.inverse_high[axis]);
+            // Entry and exit plane by the sign that all rays share; an axis on which the
+            // signs differ says nothing.
+            if i0 > 0.0 {
+                let entry = low[axis] - self.origin_high[axis];
+                let exit = high[axis] - self.origin_low[axis];
+                near = larger(near, entry * if entry >= 0.0 { i0 } else { i1 });
+                far = smaller(far, exit * if exit >= 0.0 { i1 } else { i0 } * STRETCH);
+            } else if i1 < 0.0 {
+                let entry = high[axis] - self.origin_low[axis];
+                let exit = low[axis] - self.origin_high[axis];
+                near = larger(near, entry * if entry >= 0.0 { i0 } else { i1 });
+                far = smaller(far, exit * if exit >= 0.0 { i1 } else { i0 } * STRETCH);
+            }
+            axis += 1;
+        }
+        far < near
+    }
+}
+
+/// `f` of each component of `a` and `b`.
+#[inline(always)]
+fn zip<L: Lane>(a: V3<L>, b: V3<L>, f: impl Fn(L, L) -> L) -> V3<L> {
+    V3 { x: f(a.x, b.x), y: f(a.y, b.y), z: f(a.z, b.z) }
+}
+
+/// `f` over the lanes of each component.
+#[inline(always)]
+fn fold<L: Lane>(v: V3<L>, f: impl Fn(f32, f32) -> f32) -> [f32; 3] {
+    let mut result = v.lane(0);
+    let mut lane = 1;
+    while lane < L::WIDTH {
+        let next = v.lane(lane);
+        result = [f(result[0], next[0]), f(result[1], next[1]), f(result[2], next[2])];
+        lane += 1;
+    }
+    result
+}
+
+/// [`Lane::min`] of two plain numbers (`f32::min` is another function on some devices).
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    <f32 as Lane>::min(a, b)
+}
+
+/// [`Lane::max`] of two plain numbers.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    <f32 as Lane>::max(a, b)
+}

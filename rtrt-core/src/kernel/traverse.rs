@@ -1,0 +1,217 @@
+//! A packet of rays through the tree of one mesh.
+
+use crate::kernel::ray::Ray;
+use crate::kernel::slab::meets;
+use crate::kernel::span::Span;
+use crate::kernel::triangle::{Triangle, meet};
+use crate::lane::{Bits, Lane, Mask, Select};
+use crate::layout::{Node, Object};
+
+/// How many children can wait on the way down: one a level, so trees are built no deeper.
+pub const STACK: usize = 64;
+
+/// Everything that a ray can meet.
+#[derive(Clone, Copy)]
+pub struct Geometry<'a> {
+    /// Objects, placed in the world.
+    pub objects: &'a [Object],
+    /// Nodes of all mesh trees.
+    pub nodes: &'a [Node],
+    /// Of each mesh: vertex indices, three a triangle, and the tree's references.
+    pub words: &'a [u32],
+    /// Vertex positions, object space.
+    pub positions: &'a [[f32; 3]],
+    /// The frame's magnitude (see [`crate::layout::Frame`]).
+    pub magnitude: f32,
+}
+
+impl Geometry<'_> {
+    /// The corners of a triangle of the object's mesh.
+    #[inline(always)]
+    pub fn corners(&self, object: &Object, triangle: u32) -> [u32; 3] {
+        let first = (object.first_index + 3 * triangle) as usize;
+        let base = object.first_vertex;
+        [base + self.words[first], base + self.words[first + 1], base + self.words[first + 2]]
+    }
+
+    /// A triangle of the object's mesh, object space.
+    #[inline(always)]
+    pub fn triangle(&self, object: &Object, triangle: u32) -> Triangle {
+        let [a, b, c] = self.corners(object, triangle);
+        Triangle::new(self.positions[a as usize], self.positions[b as usize], self.positions[c as usize])
+    }
+}
+
+/// The best hit found so far for one lane-group of rays.
+///
+/// `t` is also the limit of the search: a group that looks for nothing has a negative one.
+#[derive(Clone, Copy)]
+pub struct Best<L: Lane> {
+    /// Where on the ray.
+    pub t: L,
+    /// The object.
+    pub object: L::Bits,
+    /// The triangle of the object's mesh.
+    pub triangle: L::Bits,
+    /// Barycentric weight of the second corner.
+    pub u: L,
+    /// Barycentric weight of the third corner.
+    pub v: L,
+}
+
+/// The largest limit in a packet; negative when every ray is done.
+#[inline(always)]
+pub fn widest<L: Lane, const G: usize>(best: &[Best<L>; G]) -> f32 {
+    let mut limit = best[0].t;
+    let mut g = 1;
+    while g < G {
+        limit = limit.max(best[g].t);
+        g += 1;
+    }
+    let mut widest = limit.lane(0);
+    let mut lane = 1;
+    while lane < L::WIDTH {
+        widest = Lane::max(widest, limit.lane(lane));
+        lane += 1;
+    }
+    widest
+}
+
+/// Meets the packet with one object and keeps in `best`, for each ray, the least of what
+/// it holds and of the object's hits, by `(t, object, triangle)`. With `ANY`, a ray that
+/// meets something at all gets the limit −1 instead, and is done.
+///
+/// `rays` are in the object's space and `span` bounds them. The result is a function of
+/// the set of triangles: the tree, its order and the packet's shape only decide how soon
+/// it is found. A node is passed over when its box is, for every ray, empty, behind the
+/// start, or beyond the best hit; nested boxes have nested intervals and a hit lies in
+/// its triangle's (see [`meet`]), so no hit is lost.
+///
+/// The first ray group that meets a node decides for the packet; only when it fails are
+/// the others asked, after [`Span`] (Wald, Slusallek, Benthin and Wagner's packets, with
+/// Reshetov's first-hit tests).
+#[inline(always)]
+pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
+    geometry: &Geometry<'_>,
+    object_index: u32,
+    rays: &[Ray<L>; G],
+    span: &Span,
+    best: &mut [Best<L>; G],
+) {
+    let object = &geometry.objects[object_index as usize];
+    let mut stack = [0_u32; STACK];
+    let mut waiting = 0_usize;
+    let mut index = 0_u32;
+    let mut first = 0_usize;
+    let mut limit = widest(best);
+    loop {
+        let node = geometry.nodes[(object.root + index) as usize];
+        let mut group = first;
+        if !meets(&rays[group], &node.low, &node.high, best[group].t).any() {
+            if G > 1 && span.misses(&node.low, &node.high, limit) {
+                group = G;
+            } else {
+                group += 1;
+                while group < G && !meets(&rays[group], &node.low, &node.high, best[group].t).any() {
+                    group += 1;
+                }
+            }
+        }
+        if group < G {
+            if !node.is_leaf() {
+                // Near child first: the lower one when the packet's first ray goes up.
+                let axis = node.kind;
+                let rising = &rays[group].direction;
+                let slope = if axis == 0 {
+                    rising.x
+                } else if axis == 1 {
+                    rising.y
+                } else {
+                    rising.z
+                };
+                let far_first = (slope.lane(0) < 0.0) as u32;
+                stack[waiting] = (node.first + 1 - far_first) | (group as u32) << 26;
+                waiting += 1;
+                index = node.first + far_first;
+                first = group;
+                continue;
+            }
+            leaf::<L, G, ANY>(geometry, object, object_index, &node, group, rays, best);
+            if G > 1 || ANY {
+                limit = widest(best);
+                if ANY && limit < 0.0 {
+                    return;
+                }
+            }
+        }
+        if waiting == 0 {
+            return;
+        }
+        waiting -= 1;
+        index = stack[waiting] & 0x03ff_ffff;
+        first = (stack[waiting] >> 26) as usize;
+    }
+}
+
+/// Meets the groups from `group` on with every triangle of a leaf.
+#[inline(always)]
+fn leaf<L: Lane, const G: usize, const ANY: bool>(
+    geometry: &Geometry<'_>,
+    object: &Object,
+    object_index: u32,
+    node: &Node,
+    group: usize,
+    rays: &[Ray<L>; G],
+    best: &mut [Best<L>; G],
+) {
+    let mut groups = 1_u32 << group;
+    if G > 1 {
+        let mut g = group + 1;
+        while g < G {
+            if meets(&rays[g], &node.low, &node.high, best[g].t).any() {
+                groups |= 1 << g;
+            }
+            g += 1;
+        }
+    }
+    let mut i = 0;
+    while i < node.triangles() {
+        let id = geometry.words[(object.first_reference + node.first + i) as usize];
+        let triangle = geometry.triangle(object, id);
+        let mut left = groups;
+        while left != 0 {
+            let g = if G == 1 { 0 } else { left.trailing_zeros() as usize };
+            left &= left - 1;
+            keep::<L, ANY>(&rays[g], &triangle, object_index, id, &mut best[g]);
+        }
+        i += 1;
+    }
+}
+
+/// Meets one group with one triangle.
+#[inline(always)]
+fn keep<L: Lane, const ANY: bool>(
+    ray: &Ray<L>,
+    triangle: &Triangle,
+    object: u32,
+    id: u32,
+    best: &mut Best<L>,
+) {
+    let found = meet(ray, triangle, best.t);
+    if !found.mask.any() {
+        return;
+    }
+    if ANY {
+        best.t = found.mask.select(best.t.like(-1.0), best.t);
+        return;
+    }
+    let (object, id) = (best.object.like(object), best.object.like(id));
+    // Equal t: the lower object, then the lower triangle.
+    let earlier = object.less_than(best.object) | (object.equal(best.object) & id.less_than(best.triangle));
+    let closer = found.mask & (found.t.less_than(best.t) | (found.t.less_equal(best.t) & earlier));
+    best.t = closer.select(found.t, best.t);
+    best.u = closer.select(found.u, best.u);
+    best.v = closer.select(found.v, best.v);
+    best.object = closer.select(object, best.object);
+    best.triangle = closer.select(id, best.triangle);
+}

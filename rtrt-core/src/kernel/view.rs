@@ -1,0 +1,84 @@
+//! The rays of a view, and the block of a light in which a point lies.
+
+use crate::grid::BLOCK;
+use crate::kernel::ray::Ray;
+use crate::lane::{Bits, Lane, Select, V3};
+use crate::layout::{View, ViewKind};
+use crate::num::{clamp, floor, recip, to_integer};
+
+/// Side of a ray's cell, in blocks.
+const BLOCKS_PER_RAY: f32 = 1.0 / BLOCK as f32;
+
+/// The ray through column `a` and row `b` of the view's blocks (not whole numbers).
+#[inline(always)]
+pub fn ray<L: Lane>(view: &View, a: L, b: L) -> Ray<L> {
+    let token = a.token();
+    let affine = |base: [f32; 3], by_a: [f32; 3], by_b: [f32; 3]| {
+        let component = |i: usize| a * by_a[i] + b * by_b[i] + base[i];
+        V3 { x: component(0), y: component(1), z: component(2) }
+    };
+    let start = affine(view.start, view.start_x, view.start_y);
+    Ray::new(V3::splat(token, view.center) + start, affine(view.along, view.along_x, view.along_y))
+}
+
+/// The camera ray with these column and row, counted in rays: it goes through the
+/// middle of its cell of the grid.
+#[inline(always)]
+pub fn camera_ray<L: Lane>(view: &View, x: L, y: L) -> Ray<L> {
+    ray(view, (x + 0.5) * BLOCKS_PER_RAY, (y + 0.5) * BLOCKS_PER_RAY)
+}
+
+/// The block of `light` (numbered as in the lists) whose list holds everything that can
+/// stand between the light and the point, where a shadow ray starts.
+///
+/// For a point light: the face of the offset's longest axis (`+x −x +y −y +z −z`, the
+/// first of equals), in which the other two coordinates, divided by it, give column and
+/// row. The offset is taken first, so that column and row are off by a few rounding errors
+/// of themselves only; binning widens every object by more.
+#[inline(always)]
+pub fn light_block<L: Lane>(light: &View, point: V3<L>) -> L::Bits {
+    let token = point.x.token();
+    let offset = point - V3::splat(token, light.center);
+    let (column, row, face) = if light.kind == ViewKind::Point as u32 {
+        let (x, y, z) = (offset.x, offset.y, offset.z);
+        let in_x = y.abs().less_equal(x.abs()) & z.abs().less_equal(x.abs());
+        let in_y = z.abs().less_equal(y.abs());
+        let major = in_x.select(x, in_y.select(y, z));
+        let inverse = recip(major.abs());
+        let half = light.width as f32 * 0.5;
+        let column = in_x.select(y, x) * inverse * half + half;
+        let row = (in_x | in_y).select(z, y) * inverse * half + half;
+        let axis = in_x.select(x.bits_like(0), in_y.select(x.bits_like(2), x.bits_like(4)));
+        (column, row, axis + (major.to_bits() >> 31))
+    } else {
+        let column = offset.dot(V3::splat(token, light.x));
+        let row = offset.dot(V3::splat(token, light.y));
+        (column, row, column.bits_like(0))
+    };
+    let size = light.width * light.height;
+    let block = times(cell(row, light.height), light.width) + cell(column, light.width);
+    block + times(face, size) + block.like(light.first_block)
+}
+
+/// `a · b`, as a sum: lanes have no integer multiplication.
+#[inline(always)]
+fn times<B: Bits>(a: B, b: u32) -> B {
+    let mut sum = a.like(0);
+    let mut shift = 0;
+    while b >> shift != 0 {
+        if b >> shift & 1 == 1 {
+            sum = sum + (a << shift);
+        }
+        shift += 1;
+    }
+    sum
+}
+
+/// The cell of `0 .. count` that a coordinate is in; the nearest one if it is outside, and
+/// the first for NaN.
+#[inline(always)]
+pub fn cell<L: Lane>(coordinate: L, count: u32) -> L::Bits {
+    let zero = coordinate.like(0.0);
+    let c = zero.less_than(coordinate).select(coordinate, zero);
+    to_integer(clamp(floor(clamp(c, 0.0, count as f32)), 0.0, (count - 1) as f32))
+}

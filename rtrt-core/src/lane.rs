@@ -1,0 +1,337 @@
+//! Numbers that kernels compute with: one `f32`, or several side by side.
+//!
+//! A kernel is written once, generic over [`Lane`]. `f32` is the lane of width 1 and is
+//! what a GPU invocation runs; a CPU backend instantiates wider ones. Every operation is
+//! the IEEE 754 operation on each lane, rounded on its own, so widths agree by
+//! construction. There is no division, no square root and no fused multiply-add here:
+//! devices do not agree on them (see [`crate::num`]).
+
+use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Shl, Shr, Sub};
+
+/// One truth value per lane.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// Whether any lane is true.
+    fn any(self) -> bool;
+}
+
+/// Picks between two values, lane by lane.
+pub trait Select<T>: Copy {
+    /// `if_true` where the mask is true, `if_false` elsewhere.
+    fn select(self, if_true: T, if_false: T) -> T;
+}
+
+/// The bits of a [`Lane`], as unsigned 32-bit integers. Arithmetic wraps.
+pub trait Bits:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + Shl<u32, Output = Self>
+    + Shr<u32, Output = Self>
+{
+    /// The mask that comparisons give.
+    type Mask: Mask;
+
+    /// The same number in every lane, shaped like `self`.
+    fn like(self, value: u32) -> Self;
+    /// Exclusive or.
+    fn xor(self, other: Self) -> Self;
+    /// Equality, lane by lane.
+    fn equal(self, other: Self) -> Self::Mask;
+    /// Unsigned less-than, lane by lane.
+    fn less_than(self, other: Self) -> Self::Mask;
+    /// The number in lane `index`; `index` is below the lane's width.
+    fn lane(self, index: usize) -> u32;
+}
+
+/// A number type that kernels are generic over.
+///
+/// Comparisons with NaN are false, as in IEEE 754.
+pub trait Lane:
+    Copy
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Add<f32, Output = Self>
+    + Sub<f32, Output = Self>
+    + Mul<f32, Output = Self>
+{
+    /// Proof that the machine can run this lane; `()` where none is needed.
+    type Token: Copy;
+    /// What comparisons give.
+    type Mask: Mask + Select<Self> + Select<Self::Bits>;
+    /// The bits of the number.
+    type Bits: Bits<Mask = Self::Mask>;
+
+    /// How many numbers there are side by side.
+    const WIDTH: usize;
+
+    /// `value` in every lane.
+    fn splat(token: Self::Token, value: f32) -> Self;
+    /// `N` numbers whose lanes 0, 1, … are `f(0)`, `f(1)`, ….
+    fn gather<const N: usize>(token: Self::Token, f: impl Fn(usize) -> [f32; N]) -> [Self; N];
+    /// `f(0)`, `f(1)`, … in lanes 0, 1, …, as bits.
+    fn bits_from_fn(token: Self::Token, f: impl Fn(usize) -> u32) -> Self::Bits;
+    /// The token that made this number.
+    fn token(self) -> Self::Token;
+    /// The number in lane `index`; `index` is below [`Lane::WIDTH`].
+    fn lane(self, index: usize) -> f32;
+
+    /// `self < other`.
+    fn less_than(self, other: Self) -> Self::Mask;
+    /// `self ≤ other`.
+    fn less_equal(self, other: Self) -> Self::Mask;
+    /// The IEEE 754 bits.
+    fn to_bits(self) -> Self::Bits;
+    /// The number with these IEEE 754 bits.
+    fn from_bits(bits: Self::Bits) -> Self;
+
+    /// `f(0)`, `f(1)`, … in lanes 0, 1, ….
+    #[inline(always)]
+    fn from_fn(token: Self::Token, f: impl Fn(usize) -> f32) -> Self {
+        Self::gather(token, |lane| [f(lane)])[0]
+    }
+    /// `value` in every lane, shaped like `self`.
+    #[inline(always)]
+    fn like(self, value: f32) -> Self {
+        Self::splat(self.token(), value)
+    }
+    /// `value` in every lane, as bits, shaped like `self`.
+    #[inline(always)]
+    fn bits_like(self, value: u32) -> Self::Bits {
+        self.to_bits().like(value)
+    }
+    /// The smaller; `other` where the comparison fails, as for NaN.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.less_than(other).select(self, other)
+    }
+    /// The larger; `other` where the comparison fails, as for NaN.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        other.less_than(self).select(self, other)
+    }
+    /// The number without its sign.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::from_bits(self.to_bits() & self.bits_like(0x7fff_ffff))
+    }
+    /// The sign bit alone.
+    #[inline(always)]
+    fn sign_bit(self) -> Self::Bits {
+        self.to_bits() & self.bits_like(0x8000_0000)
+    }
+    /// `self`, negated where `sign` has its top bit set.
+    #[inline(always)]
+    fn flip_sign(self, sign: Self::Bits) -> Self {
+        Self::from_bits(self.to_bits().xor(sign))
+    }
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+}
+
+impl<T> Select<T> for bool {
+    #[inline(always)]
+    fn select(self, if_true: T, if_false: T) -> T {
+        if self { if_true } else { if_false }
+    }
+}
+
+/// `u32` as [`Bits`], wrapping: plain `u32` would panic on overflow in a debug build.
+#[derive(Clone, Copy)]
+pub struct Word(pub u32);
+
+macro_rules! word_operator {
+    ($($operator:ident $name:ident $right:ty, $a:ident $b:ident => $result:expr;)*) => {$(
+        impl $operator<$right> for Word {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, $b: $right) -> Self {
+                let $a = self.0;
+                Self($result)
+            }
+        }
+    )*};
+}
+word_operator! {
+    Add add Word, a b => a.wrapping_add(b.0);
+    Sub sub Word, a b => a.wrapping_sub(b.0);
+    BitAnd bitand Word, a b => a & b.0;
+    BitOr bitor Word, a b => a | b.0;
+    Shl shl u32, a b => a << b;
+    Shr shr u32, a b => a >> b;
+}
+
+impl Bits for Word {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn like(self, value: u32) -> Self {
+        Self(value)
+    }
+    #[inline(always)]
+    fn xor(self, other: Self) -> Self {
+        Self(self.0 ^ other.0)
+    }
+    #[inline(always)]
+    fn equal(self, other: Self) -> bool {
+        self.0 == other.0
+    }
+    #[inline(always)]
+    fn less_than(self, other: Self) -> bool {
+        self.0 < other.0
+    }
+    #[inline(always)]
+    fn lane(self, _: usize) -> u32 {
+        self.0
+    }
+}
+
+impl Lane for f32 {
+    type Token = ();
+    type Mask = bool;
+    type Bits = Word;
+
+    const WIDTH: usize = 1;
+
+    #[inline(always)]
+    fn splat(_: (), value: f32) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn gather<const N: usize>(_: (), f: impl Fn(usize) -> [f32; N]) -> [Self; N] {
+        f(0)
+    }
+    #[inline(always)]
+    fn bits_from_fn(_: (), f: impl Fn(usize) -> u32) -> Word {
+        Word(f(0))
+    }
+    #[inline(always)]
+    fn token(self) {}
+    #[inline(always)]
+    fn lane(self, _: usize) -> f32 {
+        self
+    }
+    #[inline(always)]
+    fn less_than(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn less_equal(self, other: Self) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn to_bits(self) -> Word {
+        Word(f32::to_bits(self))
+    }
+    #[inline(always)]
+    fn from_bits(bits: Word) -> Self {
+        f32::from_bits(bits.0)
+    }
+}
+
+/// Three numbers: a point, a direction, a normal.
+#[derive(Clone, Copy)]
+pub struct V3<L> {
+    /// First component.
+    pub x: L,
+    /// Second component.
+    pub y: L,
+    /// Third component.
+    pub z: L,
+}
+
+impl<L: Lane> V3<L> {
+    /// The same vector in every lane.
+    #[inline(always)]
+    pub fn splat(token: L::Token, v: [f32; 3]) -> Self {
+        Self { x: L::splat(token, v[0]), y: L::splat(token, v[1]), z: L::splat(token, v[2]) }
+    }
+    /// `f(0)`, `f(1)`, … in lanes 0, 1, ….
+    #[inline(always)]
+    pub fn from_fn(token: L::Token, f: impl Fn(usize) -> [f32; 3]) -> Self {
+        let [x, y, z] = L::gather(token, f);
+        Self { x, y, z }
+    }
+    /// The vector in lane `index`.
+    #[inline(always)]
+    pub fn lane(self, index: usize) -> [f32; 3] {
+        [self.x.lane(index), self.y.lane(index), self.z.lane(index)]
+    }
+    /// `x·x' + y·y' + z·z'`, summed from left to right.
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> L {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+    /// The cross product.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+    /// Every component multiplied by `factor`.
+    #[inline(always)]
+    pub fn scale(self, factor: L) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+    /// Every component passed through `f`.
+    #[inline(always)]
+    pub fn map(self, f: impl Fn(L) -> L) -> Self {
+        Self { x: f(self.x), y: f(self.y), z: f(self.z) }
+    }
+    /// `if_true` where `mask` is true, `if_false` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
+        Self {
+            x: mask.select(if_true.x, if_false.x),
+            y: mask.select(if_true.y, if_false.y),
+            z: mask.select(if_true.z, if_false.z),
+        }
+    }
+}
+
+impl<L: Lane> Add for V3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl<L: Lane> Sub for V3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}
+
+impl<L: Lane> Neg for V3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}
+
+/// `[f(0), f(1), …]`; `core::array::from_fn` does not compile for GPUs.
+#[inline(always)]
+pub fn groups<T: Copy, const G: usize>(f: impl Fn(usize) -> T) -> [T; G] {
+    let mut all = [f(0); G];
+    let mut group = 1;
+    while group < G {
+        all[group] = f(group);
+        group += 1;
+    }
+    all
+}

@@ -1,0 +1,94 @@
+//! Meshes, their trees, and the objects that place them in the world.
+
+use bytemuck::{Pod, Zeroable};
+use core::mem::offset_of;
+
+/// One node of a mesh tree: a box, and what it holds.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Node {
+    /// Lower corner, object space.
+    pub low: [f32; 3],
+    /// Inside: the first of two neighboring children, counted from the mesh's root.
+    /// A leaf: the first of its triangles, counted from the mesh's first reference.
+    pub first: u32,
+    /// Upper corner, object space.
+    pub high: [f32; 3],
+    /// Inside: the axis (0, 1, 2) that separates the children, the first one lower.
+    /// A leaf: `4 · triangles + 3`.
+    pub kind: u32,
+}
+const _: () = assert!(size_of::<Node>() == 32 && offset_of!(Node, high) == 16);
+
+impl Node {
+    /// Whether the node holds triangles.
+    #[inline(always)]
+    pub fn is_leaf(&self) -> bool {
+        self.kind & 3 == 3
+    }
+    /// How many triangles a leaf holds.
+    #[inline(always)]
+    pub fn triangles(&self) -> u32 {
+        self.kind >> 2
+    }
+}
+
+/// What is interpolated across a triangle, one per vertex.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Attribute {
+    /// Object space; any length.
+    pub normal: [f32; 3],
+    /// Texture coordinates, `v` pointing down.
+    pub uv: [f32; 2],
+    /// Linear RGBA, 8 bits each, red lowest.
+    pub color: u32,
+}
+const _: () = assert!(size_of::<Attribute>() == 24 && offset_of!(Attribute, color) == 20);
+
+/// A mesh placed in the world.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Object {
+    /// World to object space, three rows.
+    pub to_object: [[f32; 4]; 3],
+    /// Object to world space, three rows.
+    pub to_world: [[f32; 4]; 3],
+    /// Lower corner of the bounds, world space.
+    pub low: [f32; 3],
+    /// The mesh's root in the scene's nodes.
+    pub root: u32,
+    /// Upper corner of the bounds.
+    pub high: [f32; 3],
+    /// The mesh's first vertex in the scene's positions and attributes.
+    pub first_vertex: u32,
+    /// Center of the bounding sphere, world space.
+    pub center: [f32; 3],
+    /// Radius of the bounding sphere.
+    pub radius: f32,
+    /// Where the mesh's vertex indices, three a triangle, start in the scene's words.
+    pub first_index: u32,
+    /// Where the mesh tree's references to triangles start in the scene's words.
+    pub first_reference: u32,
+    /// The material, in the scene's materials.
+    pub material: u32,
+    /// 1 where object and world space are the same, else 0.
+    pub is_identity: u32,
+    /// Rounding error of whatever culls with the bounds, relative to the frame's
+    /// magnitude.
+    pub slack: f32,
+}
+const _: () = assert!(size_of::<Object>() == 164 && offset_of!(Object, slack) == 160);
+const _: () = assert!(offset_of!(Object, low) == 96 && offset_of!(Object, center) == 128);
+const _: () = assert!(offset_of!(Object, first_index) == 144);
+
+impl Object {
+    /// The bounds, widened by the rounding error of a frame of this magnitude: a ray that
+    /// meets the object in its own space meets these in world space.
+    #[inline(always)]
+    pub fn widened(&self, magnitude: f32) -> ([f32; 3], [f32; 3]) {
+        let (low, high) = (&self.low, &self.high);
+        let by = self.slack * magnitude;
+        ([low[0] - by, low[1] - by, low[2] - by], [high[0] + by, high[1] + by, high[2] + by])
+    }
+}

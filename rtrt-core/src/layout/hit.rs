@@ -1,0 +1,60 @@
+//! The deferred buffers: what each stage leaves for the next, one per ray.
+
+use bytemuck::{Pod, Zeroable};
+use core::mem::offset_of;
+
+/// The id of no object and no triangle.
+pub const NONE: u32 = u32::MAX;
+
+/// The closest surface on a ray.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Hit {
+    /// Where on the ray, in lengths of its direction; `f32::MAX` where nothing is hit.
+    /// For a camera ray that is the depth, in world units.
+    pub t: f32,
+    /// The object, or [`NONE`].
+    pub object: u32,
+    /// The triangle of the object's mesh, or [`NONE`].
+    pub triangle: u32,
+    /// Barycentric weight of the second corner.
+    pub u: f32,
+    /// Barycentric weight of the third corner.
+    pub v: f32,
+}
+const _: () = assert!(size_of::<Hit>() == 20 && offset_of!(Hit, v) == 16);
+
+impl Hit {
+    /// No hit.
+    pub const MISS: Self = Self { t: f32::MAX, object: NONE, triangle: NONE, u: 0.0, v: 0.0 };
+}
+
+/// The surface at a hit; all zero where nothing was hit.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Surface {
+    /// Where a ray that leaves the surface on the viewer's side starts, world space.
+    pub origin: [f32; 3],
+    /// 1 + the material, or 0 where nothing was hit.
+    pub material: u32,
+    /// Unit normal on the viewer's side, world space.
+    pub normal: [f32; 3],
+    /// Vertex color, linear RGBA, 8 bits each, red lowest.
+    pub color: u32,
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+    /// Side of a ray's footprint on the surface, in texture coordinates.
+    pub footprint: f32,
+}
+const _: () = assert!(size_of::<Surface>() == 44 && offset_of!(Surface, footprint) == 40);
+
+/// The light that arrives at a surface, before its material colors it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Lit {
+    /// Sum over lights of color × falloff × Lambert's cosine, linear RGB.
+    pub diffuse: [f32; 3],
+    /// Sum over lights of color × falloff × cosine × Blinn-Phong lobe, linear RGB.
+    pub specular: [f32; 3],
+}
+const _: () = assert!(size_of::<Lit>() == 24);

@@ -1,0 +1,12 @@
+//! What backends share in memory, declared once: sizes and offsets are checked here by
+//! the compiler and, on a device, by the conformance suite.
+
+mod geometry;
+mod hit;
+mod material;
+mod view;
+
+pub use geometry::{Attribute, Node, Object};
+pub use hit::{Hit, Lit, NONE, Surface};
+pub use material::{Material, Texture, Wrap};
+pub use view::{Frame, View, ViewKind};

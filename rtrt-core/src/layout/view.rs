@@ -1,0 +1,146 @@
+//! Viewpoints (the camera and the lights) and the numbers of a frame.
+
+use bytemuck::{Pod, Zeroable};
+use core::mem::offset_of;
+
+/// What a view is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum ViewKind {
+    /// Bins nothing.
+    Off = 0,
+    /// The camera: entries ordered by depth.
+    Camera = 1,
+    /// One cube face around a point light.
+    Point = 2,
+    /// Parallel light.
+    Sun = 3,
+}
+
+/// One viewpoint with its grid of blocks.
+///
+/// A point `p` lies in column `X/W` and row `Y/W`, where `X`, `Y`, `W` are the rows below
+/// applied to `p − center`. The ray through column `a` and row `b` (not whole numbers)
+/// starts at `center + start + a·start_x + b·start_y` and goes along
+/// `along + a·along_x + b·along_y`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct View {
+    /// Eye, light, or the corner of a parallel view; world space.
+    pub center: [f32; 3],
+    /// [`ViewKind`].
+    pub kind: u32,
+    /// Column, times `W`.
+    pub x: [f32; 3],
+    /// Added to `W`: 0 for perspective, 1 for a parallel view (whose `w` is zero).
+    pub w_offset: f32,
+    /// Row, times `W`.
+    pub y: [f32; 3],
+    /// Radius of a block's rays around its middle ray at its start, world units.
+    pub spread: f32,
+    /// `W`.
+    pub w: [f32; 3],
+    /// How much `spread` grows a unit of `W`.
+    pub spread_w: f32,
+    /// Depth along the rays: where on a ray (its `t`) the point is.
+    pub depth: [f32; 3],
+    /// Blocks in a row.
+    pub width: u32,
+    /// Start of the ray at column 0, row 0, from `center`.
+    pub start: [f32; 3],
+    /// Rows of blocks.
+    pub height: u32,
+    /// How `start` changes a column.
+    pub start_x: [f32; 3],
+    /// The first of the view's blocks in the lists.
+    pub first_block: u32,
+    /// How `start` changes a row.
+    pub start_y: [f32; 3],
+    /// Light: 1 / reach, in 1/world units; 0 for no limit.
+    pub inv_reach: f32,
+    /// Direction of the ray at column 0, row 0.
+    pub along: [f32; 3],
+    /// Light: 1 for falloff with the square of the distance, else 0.
+    pub inverse_square: f32,
+    /// How `along` changes a column.
+    pub along_x: [f32; 3],
+    /// The footprint of a ray at `t` = 0, world units.
+    pub pixel: f32,
+    /// How `along` changes a row.
+    pub along_y: [f32; 3],
+    /// How the footprint grows with `t`.
+    pub pixel_t: f32,
+    /// Light: linear RGB.
+    pub color: [f32; 3],
+    /// Light: the squared reach, widened by its rounding error; `f32::MAX` for no limit.
+    pub reach_squared: f32,
+}
+const _: () = assert!(size_of::<View>() == 192 && offset_of!(View, depth) == 64);
+const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, color) == 176);
+
+/// The numbers of one frame. Scalars only, so that it may be a uniform block.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Frame {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows of pixels.
+    pub height: u32,
+    /// Sub-rays along one side of a pixel.
+    pub side: u32,
+    /// Views: the camera, then [`Frame::VIEWS_PER_LIGHT`] a light.
+    pub views: u32,
+    /// Objects in the scene.
+    pub objects: u32,
+    /// Lights in the scene.
+    pub lights: u32,
+    /// Blocks in the lists, of all views.
+    pub blocks: u32,
+    /// 32-bit words of the shadow mask per ray.
+    pub mask_words: u32,
+    /// Room in the lists, in entries.
+    pub capacity: u32,
+    /// 1 to cast shadows, 0 to light everything that faces a light.
+    pub shadows: u32,
+    /// First ray that this dispatch works on.
+    pub first_ray: u32,
+    /// Rays that this dispatch works on.
+    pub rays: u32,
+    /// Light from everywhere, linear RGB: red.
+    pub ambient_r: f32,
+    /// Green.
+    pub ambient_g: f32,
+    /// Blue.
+    pub ambient_b: f32,
+    /// What a ray that hits nothing sees, linear RGB: red.
+    pub background_r: f32,
+    /// Green.
+    pub background_g: f32,
+    /// Blue.
+    pub background_b: f32,
+    /// The largest coordinate of anything in the frame, in magnitude: objects, camera,
+    /// lights. Rounding errors of culling are relative to it.
+    pub magnitude: f32,
+    /// Rounds the size up to a multiple of 16 bytes.
+    pub padding: u32,
+}
+const _: () = assert!(size_of::<Frame>() == 80 && offset_of!(Frame, ambient_r) == 48);
+
+impl Frame {
+    /// Views of one light: the six faces of a cube, of which parallel light uses one.
+    pub const VIEWS_PER_LIGHT: u32 = 6;
+
+    /// The camera's view.
+    pub const CAMERA: u32 = 0;
+
+    /// The frame's grid of rays.
+    #[inline(always)]
+    pub fn grid(&self) -> crate::grid::Grid {
+        crate::grid::Grid { width: self.width, height: self.height, side: self.side }
+    }
+    /// The first view of a light.
+    #[inline(always)]
+    pub fn light_view(&self, light: u32) -> u32 {
+        1 + light * Self::VIEWS_PER_LIGHT
+    }
+}

@@ -1,0 +1,285 @@
+//! Reciprocals, roots, powers and color encoding, with the same bits on every device.
+//!
+//! On a GPU only `+ − ×`, comparisons and integer operations are exact; division, square
+//! root and everything transcendental are not. So each function here is built from that
+//! exact subset: a seed from the number's bits and a fixed number of Newton steps, or a
+//! fixed polynomial, evaluated in the written order. This is the only file that divides.
+//!
+//! | function | error against f64 (tested below) | domain, and what lies outside |
+//! |---|---|---|
+//! | [`recip`] | 2 ULP | 2⁻⁹⁰ ≤ abs(x) ≤ 2⁹⁰; clamped into it, sign kept; NaN as 2⁹⁰ |
+//! | [`rsqrt`] | 3 ULP | 2⁻⁹⁰ ≤ x ≤ 2⁹⁰; clamped into it; NaN as 2⁹⁰ |
+//! | [`sqrt`] | 3 ULP | 2⁻⁹⁰ ≤ x ≤ 2⁹⁰; 0 below (NaN too) |
+//! | [`exp2`] | relative 2⁻²² | −126 ≤ x ≤ 127; clamped into it; NaN as −126 |
+//! | [`log2`] | 2⁻²¹ · max(1, abs(log2 x)), and relative 2⁻²¹ within 0.75 ..= 1.4 | 2⁻⁹⁰ ≤ x ≤ 2⁹⁰; clamped into it |
+//! | [`pow`] | relative 2⁻¹⁹ · max(1, abs(y · log2 x)) | x ≥ 0; 0 for x < 2⁻⁹⁰ |
+//! | [`srgb_encode`], [`srgb_decode`] | absolute 2⁻²⁰ | 0 ..= 1; clamped into it |
+
+use crate::lane::{Bits, Lane, Select, V3};
+
+/// Numbers smaller than this in magnitude decide nothing: some devices flush
+/// denormals (below 2⁻¹²⁶), and above 2⁻¹⁰⁰ a flushed term can no longer change the
+/// rounding of a sum.
+pub const FLOOR: f32 = f32::from_bits((127 - 100) << 23);
+
+/// 2⁻⁹⁰, the smallest magnitude that has its own reciprocal.
+pub const TINY: f32 = f32::from_bits((127 - 90) << 23);
+/// 2⁹⁰, the largest magnitude that has its own reciprocal.
+pub const HUGE: f32 = f32::from_bits((127 + 90) << 23);
+
+/// 1.5 · 2²³: adding it rounds to the nearest integer, ties to even.
+const ROUND: f32 = 12_582_912.0;
+
+/// `x`, or 0 where `|x| <` [`FLOOR`].
+#[inline(always)]
+pub fn flush<L: Lane>(x: L) -> L {
+    x.abs().less_than(x.like(FLOOR)).select(x.like(0.0), x)
+}
+
+/// `x` clamped to `low ..= high`; NaN gives `high`.
+#[inline(always)]
+pub fn clamp<L: Lane>(x: L, low: f32, high: f32) -> L {
+    let (low, high) = (x.like(low), x.like(high));
+    let capped = x.less_than(high).select(x, high);
+    capped.less_than(low).select(low, capped)
+}
+
+/// `1 / x`. Three Newton steps, `y ← y (2 − x y)`, from a seed within 13 % (the exponent
+/// negated by an integer subtraction).
+#[inline(always)]
+pub fn recip<L: Lane>(x: L) -> L {
+    let sign = x.sign_bit();
+    let a = clamp(x.abs(), TINY, HUGE);
+    let mut y = L::from_bits(a.bits_like(0x7ef3_11c7) - a.to_bits());
+    y = y * (y.like(2.0) - a * y);
+    y = y * (y.like(2.0) - a * y);
+    y = y * (y.like(2.0) - a * y);
+    y.flip_sign(sign)
+}
+
+/// `1 / √x`. Three Newton steps, `y ← y (3/2 − x/2 y²)`, from a seed within 4 % (the
+/// exponent halved and negated by a shift and a subtraction).
+#[inline(always)]
+pub fn rsqrt<L: Lane>(x: L) -> L {
+    let a = clamp(x, TINY, HUGE);
+    let half = a * 0.5;
+    let mut y = L::from_bits(a.bits_like(0x5f37_5a86) - (a.to_bits() >> 1));
+    y = y * (y.like(1.5) - half * y * y);
+    y = y * (y.like(1.5) - half * y * y);
+    y = y * (y.like(1.5) - half * y * y);
+    y
+}
+
+/// `√x`, as `x · rsqrt(x)`.
+#[inline(always)]
+pub fn sqrt<L: Lane>(x: L) -> L {
+    x.like(TINY).less_equal(x).select(clamp(x, TINY, HUGE) * rsqrt(x), x.like(0.0))
+}
+
+/// `x` rounded to the nearest integer, ties to even. For `|x| < 2²²`.
+#[inline(always)]
+pub fn round<L: Lane>(x: L) -> L {
+    (x + ROUND) - ROUND
+}
+
+/// The largest integer not above `x`. For `|x| < 2²²`.
+#[inline(always)]
+pub fn floor<L: Lane>(x: L) -> L {
+    let nearest = round(x);
+    x.less_than(nearest).select(nearest - 1.0, nearest)
+}
+
+/// The integer that `x` is, as two's complement bits. For an integer `|x| < 2²²`.
+#[inline(always)]
+pub fn to_integer<L: Lane>(x: L) -> L::Bits {
+    (x + ROUND).to_bits() - x.bits_like(ROUND.to_bits())
+}
+
+/// The number that the two's complement `bits` are. For `|bits| < 2²²`.
+#[inline(always)]
+pub fn from_integer<L: Lane>(bits: L::Bits) -> L {
+    L::from_bits(bits + bits.like(ROUND.to_bits())) - ROUND
+}
+
+/// `2ˣ`: the nearest integer goes into the exponent, the rest (within ±½) through the
+/// Taylor polynomial of degree 7, whose remainder is below 2⁻²⁷.
+#[inline(always)]
+pub fn exp2<L: Lane>(x: L) -> L {
+    // NaN fails the comparison and becomes the lower end.
+    let x = x.like(-126.0).less_than(x).select(x, x.like(-126.0));
+    let x = x.less_than(x.like(127.0)).select(x, x.like(127.0));
+    let whole = round(x);
+    let f = x - whole;
+    // (ln 2)ⁿ / n!
+    let mut p = f * 1.525_273_4e-5 + 1.540_353e-4;
+    p = p * f + 1.333_355_8e-3;
+    p = p * f + 9.618_129e-3;
+    p = p * f + 5.550_411e-2;
+    p = p * f + 2.402_265_1e-1;
+    p = p * f + core::f32::consts::LN_2;
+    p = p * f + 1.0;
+    p * L::from_bits((to_integer(whole) + x.bits_like(127)) << 23)
+}
+
+/// `log₂ x`: the exponent, plus the mantissa `m` (within √½ ..= √2) through
+/// `2/ln 2 · artanh(s)`, `s = (m − 1)/(m + 1)`, as a series up to `s⁹`.
+#[inline(always)]
+pub fn log2<L: Lane>(x: L) -> L {
+    let bits = clamp(x, TINY, HUGE).to_bits();
+    // Counted from √½, so that m straddles 1.
+    let offset = bits - bits.like(0x3f35_04f3);
+    let exponent = (offset >> 23).xor(bits.like(0x100)) - bits.like(0x100);
+    let m = L::from_bits(bits - (exponent << 23));
+    let s = (m - 1.0) * recip(m + 1.0);
+    let s2 = s * s;
+    // 2 / (n ln 2)
+    let mut p = s2 * 0.320_598_9 + 0.412_198_6;
+    p = p * s2 + 0.577_078;
+    p = p * s2 + 0.961_796_7;
+    p = p * s2 + 2.885_39;
+    p * s + from_integer::<L>(exponent)
+}
+
+/// `xʸ`, as `exp2(y · log2 x)`.
+#[inline(always)]
+pub fn pow<L: Lane>(x: L, y: L) -> L {
+    x.like(TINY).less_equal(x).select(exp2(y * log2(x)), x.like(0.0))
+}
+
+const ENCODE_POWER: f32 = 1.0 / 2.4;
+const DECODE_SCALE: f32 = 1.0 / 1.055;
+const DECODE_SLOPE: f32 = 1.0 / 12.92;
+
+/// The sRGB encoding of linear light (IEC 61966-2-1).
+///
+/// ```text
+/// 12.92 c                     for c ≤ 0.0031308
+/// 1.055 c^(1/2.4) − 0.055     above
+/// ```
+#[inline(always)]
+pub fn srgb_encode<L: Lane>(linear: L) -> L {
+    // NaN would be white through `clamp`; it is black.
+    let c = linear.like(0.0).less_than(linear).select(linear, linear.like(0.0));
+    let c = clamp(c, 0.0, 1.0);
+    let curve = pow(c, c.like(ENCODE_POWER)) * 1.055 - 0.055;
+    clamp(c.less_equal(c.like(0.003_130_8)).select(c * 12.92, curve), 0.0, 1.0)
+}
+
+/// The linear light that `encoded` stands for in sRGB (IEC 61966-2-1).
+///
+/// ```text
+/// c / 12.92                   for c ≤ 0.04045
+/// ((c + 0.055) / 1.055)^2.4   above
+/// ```
+#[inline(always)]
+pub fn srgb_decode<L: Lane>(encoded: L) -> L {
+    let c = encoded.like(0.0).less_than(encoded).select(encoded, encoded.like(0.0));
+    let c = clamp(c, 0.0, 1.0);
+    let curve = pow((c + 0.055) * DECODE_SCALE, c.like(2.4));
+    clamp(c.less_equal(c.like(0.040_45)).select(c * DECODE_SLOPE, curve), 0.0, 1.0)
+}
+
+/// `v` at length 1; a vector shorter than 2⁻⁴⁵ keeps its direction but not that length.
+#[inline(always)]
+pub fn normalize<L: Lane>(v: V3<L>) -> V3<L> {
+    v.scale(rsqrt(v.dot(v)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Positive numbers spread over all exponents of the domain, dense within each.
+    fn positive() -> impl Iterator<Item = f32> {
+        (TINY.to_bits()..HUGE.to_bits()).step_by(10_007).map(f32::from_bits)
+    }
+
+    fn ulps(got: f32, exact: f64) -> f64 {
+        let rounded = exact as f32;
+        let ulp = f64::from(f32::from_bits(rounded.abs().to_bits() + 1)) - f64::from(rounded.abs());
+        (f64::from(got) - exact).abs() / ulp
+    }
+
+    #[test]
+    fn reciprocals_and_roots_are_within_their_ulps() {
+        let mut worst = [0.0_f64; 3];
+        for x in positive() {
+            let wide = f64::from(x);
+            worst[0] = worst[0].max(ulps(recip(x), 1.0 / wide)).max(ulps(recip(-x), -1.0 / wide));
+            worst[1] = worst[1].max(ulps(rsqrt(x), 1.0 / libm::sqrt(wide)));
+            worst[2] = worst[2].max(ulps(sqrt(x), libm::sqrt(wide)));
+        }
+        assert!(worst[0] <= 2.0 && worst[1] <= 3.0 && worst[2] <= 3.0, "{worst:?}");
+    }
+
+    #[test]
+    fn reciprocals_of_zero_and_nan_are_finite() {
+        assert_eq!(recip(0.0_f32), recip(TINY));
+        assert_eq!(recip(-0.0_f32), -recip(TINY));
+        assert_eq!(recip(f32::NAN).abs(), recip(HUGE));
+        assert_eq!(recip(f32::INFINITY), recip(HUGE));
+        assert_eq!(rsqrt(0.0_f32), rsqrt(TINY));
+        assert_eq!([sqrt(0.0_f32), sqrt(-1.0), sqrt(f32::NAN)], [0.0; 3]);
+    }
+
+    #[test]
+    fn exp2_is_within_its_error() {
+        for i in -125_999..=126_999 {
+            let x = i as f32 * 0.001;
+            let exact = libm::exp2(f64::from(x));
+            assert!((f64::from(exp2(x)) - exact).abs() <= exact * 2f64.powi(-22), "{x}");
+        }
+        assert_eq!([exp2(-1e9_f32), exp2(f32::NAN)], [f32::MIN_POSITIVE; 2]);
+        assert_eq!([exp2(0.0_f32), exp2(10.0), exp2(-3.0)], [1.0, 1024.0, 0.125]);
+    }
+
+    #[test]
+    fn log2_is_within_its_error() {
+        for x in positive() {
+            let exact = libm::log2(f64::from(x));
+            let error = (f64::from(log2(x)) - exact).abs();
+            // Near 1 the logarithm is small, and keeps its relative precision.
+            let size = if (0.75..1.4).contains(&x) { exact.abs() } else { exact.abs().max(1.0) };
+            assert!(error <= 2f64.powi(-21) * size, "{x} {error:e} {exact}");
+        }
+        assert_eq!([log2(1.0_f32), log2(8.0), log2(0.25)], [0.0, 3.0, -2.0]);
+    }
+
+    #[test]
+    fn pow_is_within_its_error() {
+        for i in 1..1000 {
+            for y in [0.25_f32, 1.0 / 2.4, 2.4, 16.0, 900.0] {
+                let x = i as f32 * 0.001;
+                let exact = libm::pow(f64::from(x), f64::from(y));
+                let scale = (f64::from(y) * libm::log2(f64::from(x))).abs().max(1.0);
+                let bound = exact * 2f64.powi(-19) * scale + 2f64.powi(-120);
+                assert!((f64::from(pow(x, y)) - exact).abs() <= bound, "{x} {y}");
+            }
+        }
+        assert_eq!([pow(0.0_f32, 2.0), pow(-1.0, 2.0), pow(f32::NAN, 1.0)], [0.0; 3]);
+    }
+
+    #[test]
+    fn srgb_is_within_its_error_and_every_byte_survives() {
+        for i in 0..=255_u32 {
+            let encoded = i as f32 / 255.0;
+            let c = f64::from(encoded);
+            let exact = if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) };
+            let linear = srgb_decode(encoded);
+            assert!((f64::from(linear) - exact).abs() < 2f64.powi(-20), "{i}");
+            assert_eq!(floor(srgb_encode(linear) * 255.0 + 0.5), i as f32);
+        }
+        assert_eq!([srgb_encode(-1.0_f32), srgb_encode(f32::NAN)], [0.0; 2]);
+        assert_eq!(srgb_encode(2.0_f32), srgb_encode(1.0));
+        assert!((1.0 - srgb_encode(1.0_f32)).abs() < 2f32.powi(-20));
+    }
+
+    #[test]
+    fn floor_and_integers_round_trip() {
+        for i in -5000..5000 {
+            let x = i as f32 * 0.37;
+            assert_eq!(floor(x), libm::floorf(x));
+            assert_eq!(from_integer::<f32>(to_integer(floor(x))), floor(x));
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Textures and their mip chains.
+
+use crate::kernel::texture::{DECODE_WORDS, half};
+use crate::layout::{Texture, Wrap};
+use crate::num::{floor, srgb_decode, srgb_encode};
+use alloc::vec::Vec;
+
+/// A picture: sRGB with alpha, 8 bits a channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Rows from top to bottom, four bytes a pixel: red, green, blue, alpha.
+    pub rgba: Vec<u8>,
+}
+
+/// Why an image was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImageError {
+    /// The size is 0, or beyond [`Image::MAX_SIDE`].
+    #[error("a texture of {width} x {height} is not within 1 .. 16384 on a side")]
+    Size {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// The bytes are not four a pixel.
+    #[error("{bytes} bytes do not make {width} x {height} RGBA pixels")]
+    Bytes {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// How many bytes there are.
+        bytes: usize,
+    },
+}
+
+impl Image {
+    /// The most columns or rows.
+    pub const MAX_SIDE: u32 = 16_384;
+
+    fn check(&self) -> Result<(), ImageError> {
+        let &Self { width, height, ref rgba } = self;
+        let side = 1..=Self::MAX_SIDE;
+        if !side.contains(&width) || !side.contains(&height) {
+            return Err(ImageError::Size { width, height });
+        }
+        if rgba.len() as u64 != u64::from(width) * u64::from(height) * 4 {
+            return Err(ImageError::Bytes { width, height, bytes: rgba.len() });
+        }
+        Ok(())
+    }
+
+    /// Appends the mip chain to `texels` and says where it lies.
+    ///
+    /// Each level halves the one before, rounding down; a texel is the average of the
+    /// texels it covers (two by two, or three where a size is odd), in linear light.
+    ///
+    /// # Errors
+    /// The size or the number of bytes is wrong.
+    pub(super) fn append(&self, wrap: [Wrap; 2], texels: &mut Vec<u32>) -> Result<Texture, ImageError> {
+        self.check()?;
+        let first = texels.len() as u32;
+        texels.extend(self.rgba.chunks_exact(4).map(|p| u32::from_le_bytes([p[0], p[1], p[2], p[3]])));
+        let (mut size, mut start, mut levels) = ([self.width, self.height], first as usize, 1);
+        while size != [1, 1] {
+            let finer = size;
+            size = size.map(half);
+            let coarser: Vec<u32> = (0..size[1])
+                .flat_map(|y| (0..size[0]).map(move |x| [x, y]))
+                .map(|at| average(texels, start, finer, size, at))
+                .collect();
+            start = texels.len();
+            texels.extend(coarser);
+            levels += 1;
+        }
+        let log_size = libm::log2(f64::from(self.width) * f64::from(self.height)) * 0.5;
+        Ok(Texture {
+            first,
+            width: self.width,
+            height: self.height,
+            levels,
+            log_size: log_size as f32,
+            wrap_u: wrap[0] as u32,
+            wrap_v: wrap[1] as u32,
+        })
+    }
+}
+
+/// The average of the texels of the finer level that one texel of the coarser covers.
+fn average(texels: &[u32], start: usize, finer: [u32; 2], coarser: [u32; 2], at: [u32; 2]) -> u32 {
+    let range = |axis: usize| {
+        let end = if at[axis] + 1 == coarser[axis] { finer[axis] } else { 2 * at[axis] + 2 };
+        2 * at[axis]..end.min(finer[axis]).max(2 * at[axis] + 1)
+    };
+    let (mut sum, mut count) = ([0.0_f32; 4], 0.0_f32);
+    for y in range(1) {
+        for x in range(0) {
+            let texel = texels[start + (y * finer[0] + x) as usize];
+            for (channel, sum) in sum.iter_mut().enumerate() {
+                let byte = (texel >> (8 * channel) & 255) as usize;
+                *sum += if channel < 3 { f32::from_bits(texels[byte]) } else { byte as f32 / 255.0 };
+            }
+            count += 1.0;
+        }
+    }
+    (0..4).fold(0, |texel, channel| {
+        let mean = sum[channel] / count;
+        let encoded = if channel < 3 { srgb_encode(mean) } else { mean };
+        texel | (floor(encoded * 255.0 + 0.5) as u32) << (8 * channel)
+    })
+}
+
+/// The words that texels start with: the linear light of each byte, as bits.
+pub(super) fn decode_words() -> Vec<u32> {
+    (0..DECODE_WORDS).map(|byte| srgb_decode(byte as f32 / 255.0).to_bits()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+
+    fn chain(width: u32, height: u32, rgba: Vec<u8>) -> (Texture, Vec<u32>) {
+        let mut texels = decode_words();
+        let image = Image { width, height, rgba };
+        (image.append([Wrap::Repeat; 2], &mut texels).unwrap(), texels)
+    }
+
+    #[test]
+    fn a_chain_ends_at_one_texel_of_the_average_light() {
+        let (texture, texels) = chain(2, 1, vec![255, 255, 255, 255, 0, 0, 0, 255]);
+        assert_eq!((texture.levels, texels.len()), (2, DECODE_WORDS + 3));
+        // Half the light of white is 188 in sRGB, not 128.
+        assert_eq!(texels[DECODE_WORDS + 2], 0xff_bc_bc_bc);
+    }
+
+    #[test]
+    fn odd_sizes_lose_no_texel() {
+        let (texture, texels) = chain(5, 3, [9, 9, 9, 9].repeat(15));
+        assert_eq!(texture.levels, 3);
+        assert_eq!(texels[DECODE_WORDS..], [0x0909_0909; 15 + 2 + 1]);
+    }
+
+    #[test]
+    fn refuses_wrong_sizes() {
+        let image = |width, height, bytes| Image { width, height, rgba: vec![0; bytes] };
+        let mut texels = decode_words();
+        assert!(matches!(image(0, 4, 0).append([Wrap::Clamp; 2], &mut texels), Err(ImageError::Size { .. })));
+        assert!(matches!(
+            image(2, 2, 15).append([Wrap::Clamp; 2], &mut texels),
+            Err(ImageError::Bytes { .. })
+        ));
+    }
+}

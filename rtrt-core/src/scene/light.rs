@@ -1,0 +1,142 @@
+//! Lights.
+
+use crate::layout::{Frame, View, ViewKind};
+use crate::scene::SetupError;
+use crate::scene::camera::{single, unit};
+use crate::scene::tree::Bounds;
+use bytemuck::Zeroable;
+use glam::{DVec3, Vec3};
+
+/// A light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    /// Shines from a point in all directions.
+    Point {
+        /// World space.
+        position: Vec3,
+        /// Linear RGB. At distance 0, or at 1 world unit where it fades by the square.
+        color: Vec3,
+        /// World units; beyond it the light is 0. `None` for no limit.
+        reach: Option<f32>,
+        /// Whether it fades with the square of the distance; else linearly toward
+        /// `reach`, or not at all without one.
+        inverse_square: bool,
+    },
+    /// Shines from infinitely far away.
+    Sun {
+        /// Where the light goes; any length but 0.
+        direction: Vec3,
+        /// Linear RGB.
+        color: Vec3,
+    },
+}
+
+impl Light {
+    /// The views of the light: six faces of a cube around a point, one parallel view and
+    /// five that bin nothing for a sun. `cells` is the number of blocks along one side.
+    pub(super) fn views(
+        &self,
+        bounds: &Bounds,
+        cells: u32,
+        first_block: u32,
+    ) -> Result<[View; Frame::VIEWS_PER_LIGHT as usize], SetupError> {
+        match *self {
+            Self::Point { position, color, reach, inverse_square } => {
+                let reach = reach.unwrap_or(f32::INFINITY);
+                if !position.is_finite() || !color.is_finite() || !(reach > 0.0) {
+                    return Err(SetupError::Light {
+                        why: "position, color and reach must be finite and the reach positive",
+                    });
+                }
+                let inv_reach = 1.0 / reach;
+                let wider = reach * (1.0 + 1.0 / 65536.0);
+                let squared = wider * wider;
+                let light = View {
+                    center: position.to_array(),
+                    kind: ViewKind::Point as u32,
+                    inv_reach,
+                    inverse_square: f32::from(u8::from(inverse_square)),
+                    color: color.to_array(),
+                    reach_squared: if squared.is_finite() { squared } else { f32::MAX },
+                    ..View::zeroed()
+                };
+                let blocks = cells * cells;
+                Ok(core::array::from_fn(|face| {
+                    cube_face(&light, face, cells, first_block + face as u32 * blocks)
+                }))
+            }
+            Self::Sun { direction, color } => {
+                let direction =
+                    unit(direction.as_dvec3()).filter(|_| color.is_finite()).ok_or(SetupError::Light {
+                        why: "the direction must not be zero, and the color finite",
+                    })?;
+                let mut views = [View::zeroed(); Frame::VIEWS_PER_LIGHT as usize];
+                views[0] = parallel(direction, color, bounds, cells, first_block);
+                Ok(views)
+            }
+        }
+    }
+}
+
+/// One face of the cube around a point light, in the order and with the axes of
+/// [`crate::kernel::view::light_block`].
+fn cube_face(light: &View, face: usize, cells: u32, first_block: u32) -> View {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let [u, v] = [[1, 2], [0, 2], [0, 1]][face / 2].map(|axis: usize| axes[axis]);
+    let forward = axes[face / 2] * if face % 2 == 0 { 1.0 } else { -1.0 };
+    let half = f64::from(cells) * 0.5;
+    View {
+        x: single((u + forward) * half),
+        y: single((v + forward) * half),
+        w: single(forward),
+        depth: single(forward),
+        along: single(forward - u - v),
+        along_x: single(u / half),
+        along_y: single(v / half),
+        spread_w: (core::f64::consts::FRAC_1_SQRT_2 / half) as f32,
+        width: cells,
+        height: cells,
+        first_block,
+        ..*light
+    }
+}
+
+/// The view along parallel light, fitted to the scene's bounds.
+fn parallel(direction: DVec3, color: Vec3, bounds: &Bounds, cells: u32, first_block: u32) -> View {
+    let helper = if direction.x.abs() < 0.5 { DVec3::X } else { DVec3::Y };
+    let u = unit(direction.cross(helper)).unwrap_or(DVec3::Y);
+    let v = direction.cross(u);
+    let low = DVec3::from(bounds.low.map(f64::from));
+    let high = DVec3::from(bounds.high.map(f64::from));
+    // Extent of the box along an axis.
+    let extent = |axis: DVec3| {
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        for corner in 0..8 {
+            let pick = |bit: u32, low: f64, high: f64| if corner >> bit & 1 == 0 { low } else { high };
+            let p = DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
+            (least, most) = (least.min(axis.dot(p)), most.max(axis.dot(p)));
+        }
+        let slack = (most - least) * 1e-3 + 1e-6;
+        (least - slack, most - least + 2.0 * slack)
+    };
+    let ((u0, u_size), (v0, v_size)) = (extent(u), extent(v));
+    let (step_u, step_v) = (u_size / f64::from(cells), v_size / f64::from(cells));
+    View {
+        center: single(u * u0 + v * v0),
+        kind: ViewKind::Sun as u32,
+        x: single(u / step_u),
+        y: single(v / step_v),
+        w_offset: 1.0,
+        spread: (0.5 * libm::sqrt(step_u * step_u + step_v * step_v)) as f32,
+        depth: single(direction),
+        width: cells,
+        height: cells,
+        first_block,
+        start_x: single(u * step_u),
+        start_y: single(v * step_v),
+        along: single(direction),
+        color: color.to_array(),
+        reach_squared: f32::MAX,
+        ..View::zeroed()
+    }
+}

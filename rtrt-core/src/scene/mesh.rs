@@ -1,0 +1,165 @@
+//! A mesh as it comes from outside, checked.
+
+use crate::layout::Attribute;
+use alloc::vec::Vec;
+
+/// The largest coordinate that a mesh or a placed object may have, in magnitude: 2³⁰.
+/// The triangle test multiplies three of them, which must stay far from overflow.
+pub const COORDINATE_LIMIT: f32 = 1_073_741_824.0;
+
+/// Coordinates smaller than this in magnitude (2⁻⁶⁰) become 0, so that no difference of
+/// two coordinates is a denormal, which some devices flush and others keep.
+const COORDINATE_FLOOR: f32 = f32::from_bits((127 - 60) << 23);
+
+/// Why a mesh was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A coordinate is NaN, infinite, or beyond [`COORDINATE_LIMIT`].
+    #[error("vertex {vertex} has the coordinate {value}, which is not within ±2^30")]
+    Coordinate {
+        /// The vertex.
+        vertex: usize,
+        /// Its coordinate.
+        value: f32,
+    },
+    /// A normal or a texture coordinate is NaN or infinite.
+    #[error("vertex {vertex} has the normal or texture coordinate {value}")]
+    Attribute {
+        /// The vertex.
+        vertex: usize,
+        /// The value.
+        value: f32,
+    },
+    /// An index names a vertex that the mesh does not have.
+    #[error("index {index} is {value}, but the mesh has {vertices} vertices")]
+    Index {
+        /// Which index.
+        index: usize,
+        /// What it says.
+        value: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// The number of indices is not a multiple of three.
+    #[error("{count} indices do not make whole triangles")]
+    Ragged {
+        /// How many indices there are.
+        count: usize,
+    },
+    /// Positions and attributes differ in number.
+    #[error("{positions} positions but {attributes} attributes")]
+    Lengths {
+        /// How many positions there are.
+        positions: usize,
+        /// How many attributes there are.
+        attributes: usize,
+    },
+    /// More triangles than references can number.
+    #[error("{triangles} triangles are more than a mesh may have (33 million)")]
+    TooLarge {
+        /// How many triangles there are.
+        triangles: usize,
+    },
+}
+
+/// Triangles with their vertices, checked: every number is finite and every index valid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    positions: Vec<[f32; 3]>,
+    attributes: Vec<Attribute>,
+    indices: Vec<u32>,
+}
+
+impl Mesh {
+    /// The most triangles a mesh may have: nodes are numbered with 26 bits.
+    pub const MAX_TRIANGLES: usize = 1 << 25;
+
+    /// The mesh of these vertices (positions in object space, one attribute each) and
+    /// triangles (three indices each). Triangles without area are kept; no ray meets them.
+    ///
+    /// # Errors
+    /// Anything that is not finite, out of range, or does not fit together; see
+    /// [`MeshError`].
+    pub fn new(
+        mut positions: Vec<[f32; 3]>,
+        attributes: Vec<Attribute>,
+        indices: Vec<u32>,
+    ) -> Result<Self, MeshError> {
+        if positions.len() != attributes.len() {
+            return Err(MeshError::Lengths { positions: positions.len(), attributes: attributes.len() });
+        }
+        if indices.len() % 3 != 0 {
+            return Err(MeshError::Ragged { count: indices.len() });
+        }
+        if indices.len() / 3 > Self::MAX_TRIANGLES {
+            return Err(MeshError::TooLarge { triangles: indices.len() / 3 });
+        }
+        for (vertex, position) in positions.iter_mut().enumerate() {
+            for value in position {
+                if !(value.abs() <= COORDINATE_LIMIT) {
+                    return Err(MeshError::Coordinate { vertex, value: *value });
+                }
+                if value.abs() < COORDINATE_FLOOR {
+                    *value = 0.0;
+                }
+            }
+        }
+        for (vertex, attribute) in attributes.iter().enumerate() {
+            for value in attribute.normal.into_iter().chain(attribute.uv) {
+                if !value.is_finite() {
+                    return Err(MeshError::Attribute { vertex, value });
+                }
+            }
+        }
+        let vertices = positions.len();
+        match indices.iter().position(|&i| i as usize >= vertices) {
+            Some(index) => Err(MeshError::Index { index, value: indices[index], vertices }),
+            None => Ok(Self { positions, attributes, indices }),
+        }
+    }
+
+    /// Vertex positions, object space.
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.positions
+    }
+    /// What is interpolated, one a vertex.
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.attributes
+    }
+    /// Vertex indices, three a triangle.
+    pub fn indices(&self) -> &[u32] {
+        &self.indices
+    }
+    /// How many triangles there are.
+    pub fn triangles(&self) -> usize {
+        self.indices.len() / 3
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+    use bytemuck::Zeroable;
+
+    fn triangle(third: [f32; 3], indices: Vec<u32>) -> Result<Mesh, MeshError> {
+        Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], third], vec![Attribute::zeroed(); 3], indices)
+    }
+
+    #[test]
+    fn refuses_what_is_not_finite_or_does_not_fit() {
+        for bad in [f32::NAN, f32::INFINITY, -2e9] {
+            let error = triangle([0.0, bad, 0.0], vec![0, 1, 2]).unwrap_err();
+            assert!(matches!(error, MeshError::Coordinate { vertex: 2, .. }), "{error}");
+        }
+        assert!(matches!(triangle([0.0; 3], vec![0, 1, 3]), Err(MeshError::Index { value: 3, .. })));
+        assert!(matches!(triangle([0.0; 3], vec![0, 1]), Err(MeshError::Ragged { count: 2 })));
+    }
+
+    #[test]
+    fn coordinates_too_small_to_subtract_are_zero() {
+        let mesh = triangle([1e-30, 1e-17, -1e-19], vec![0, 1, 2]).unwrap();
+        assert_eq!(mesh.positions()[2], [0.0, 1e-17, 0.0]);
+    }
+}

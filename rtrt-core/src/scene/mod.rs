@@ -1,0 +1,23 @@
+//! Building a scene, on the host: meshes and their trees, mip chains, cameras, lights.
+//!
+//! This is the part of the crate that allocates (feature `alloc`) and the only one that
+//! calls `libm`, which makes hosts agree where the standard libraries differ. Kernels read
+//! what is built here.
+
+mod camera;
+mod image;
+mod light;
+mod material;
+mod mesh;
+mod setup;
+mod store;
+mod tree;
+
+pub use camera::{Camera, Projection};
+pub use image::{Image, ImageError};
+pub use light::Light;
+pub use material::phong;
+pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};
+pub use setup::{Setup, SetupError};
+pub use store::{MaterialIndex, MeshIndex, ObjectIndex, Scene, SceneError, Versions};
+pub use tree::{Join, MeshTree, Sequential};

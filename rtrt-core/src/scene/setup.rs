@@ -1,0 +1,142 @@
+//! The numbers of one frame: views, grids, sizes.
+
+use crate::grid::Grid;
+use crate::layout::{Frame, View};
+use crate::scene::{Camera, Scene};
+use crate::stage::occlusion::LIGHTS_PER_WORD;
+use alloc::vec::Vec;
+use bytemuck::Zeroable;
+
+/// Why a frame cannot be set up.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SetupError {
+    /// The camera shows nothing.
+    #[error("the camera is not usable: {why}")]
+    Camera {
+        /// What is wrong with it.
+        why: &'static str,
+    },
+    /// A light has numbers that are not usable.
+    #[error("a light is not usable: {why}")]
+    Light {
+        /// What is wrong with it.
+        why: &'static str,
+    },
+    /// The frame has no pixels, or too many.
+    #[error("a frame of {width} x {height} is not within 1 .. 16384 on a side")]
+    Size {
+        /// Pixels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// The number of sub-rays a pixel is not 1, 4 or 16.
+    #[error("{samples} samples a pixel; only 1, 4 and 16 are possible")]
+    Samples {
+        /// Sub-rays a pixel.
+        samples: u32,
+    },
+    /// More lights than block lists can number.
+    #[error("{lights} lights are more than a scene may have ({limit})")]
+    Lights {
+        /// Lights in the scene.
+        lights: usize,
+        /// The most there may be.
+        limit: usize,
+    },
+}
+
+/// A frame, ready for the stages: what [`Frame`] says in numbers, and its views. Keeps its
+/// memory from frame to frame.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The numbers.
+    pub frame: Frame,
+    /// The camera, then six views a light.
+    pub views: Vec<View>,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self { frame: Frame::zeroed(), views: Vec::new() }
+    }
+}
+
+impl Setup {
+    /// The most pixels in a row, and the most rows.
+    pub const MAX_SIDE: u32 = 16_384;
+    /// The most lights in a scene.
+    pub const MAX_LIGHTS: usize = 1024;
+
+    /// Sets up a frame of `width` × `height` pixels with 1, 4 or 16 `samples` each.
+    ///
+    /// # Errors
+    /// Camera, lights or sizes are not usable; see [`SetupError`].
+    pub fn prepare(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        [width, height]: [u32; 2],
+        samples: u32,
+        shadows: bool,
+    ) -> Result<(), SetupError> {
+        let side = match samples {
+            1 => 1,
+            4 => 2,
+            16 => 4,
+            _ => return Err(SetupError::Samples { samples }),
+        };
+        if !(1..=Self::MAX_SIDE).contains(&width) || !(1..=Self::MAX_SIDE).contains(&height) {
+            return Err(SetupError::Size { width, height });
+        }
+        let lights = scene.lights();
+        if lights.len() > Self::MAX_LIGHTS {
+            return Err(SetupError::Lights { lights: lights.len(), limit: Self::MAX_LIGHTS });
+        }
+        let grid = Grid { width, height, side };
+        self.views.clear();
+        self.views.push(camera.view(grid)?);
+        let cells = light_cells(scene.objects().len(), lights.len());
+        let mut blocks = grid.blocks();
+        for light in lights {
+            let views = light.views(scene.bounds(), cells, blocks)?;
+            blocks += views.iter().map(|v| v.width * v.height).sum::<u32>();
+            self.views.extend(views);
+        }
+        let centers = self.views.iter().flat_map(|view| view.center);
+        let magnitude = centers.fold(scene.magnitude(), |most, c| most.max(c.abs()));
+        let ([ambient_r, ambient_g, ambient_b], [background_r, background_g, background_b]) =
+            (scene.ambient.to_array(), scene.background.to_array());
+        self.frame = Frame {
+            width,
+            height,
+            side,
+            views: self.views.len() as u32,
+            objects: scene.objects().len() as u32,
+            lights: lights.len() as u32,
+            blocks,
+            mask_words: (lights.len() as u32).div_ceil(LIGHTS_PER_WORD).max(1),
+            shadows: u32::from(shadows),
+            rays: grid.rays(),
+            ambient_r,
+            ambient_g,
+            ambient_b,
+            background_r,
+            background_g,
+            background_b,
+            magnitude,
+            ..Frame::zeroed()
+        };
+        Ok(())
+    }
+}
+
+/// Blocks along one side of a light's view: about two a side for each object that would
+/// be beside another in a square, so that a block sees few; fewer where there are many
+/// lights, to bound the memory of the lists.
+fn light_cells(objects: usize, lights: usize) -> u32 {
+    let wanted = 2.0 * libm::sqrt(objects as f64);
+    let most = if lights <= 4 { 64 } else { 16 };
+    (wanted as u32).next_power_of_two().clamp(8, most)
+}

@@ -1,0 +1,401 @@
+//! The scene: everything a backend reads, in the arrays it reads them from.
+
+use crate::layout::{Attribute, Material, Node, Object, Texture, Wrap};
+use crate::scene::image::decode_words;
+use crate::scene::tree::Bounds;
+use crate::scene::{COORDINATE_LIMIT, Image, ImageError, Light, Mesh, MeshTree};
+use alloc::vec;
+use alloc::vec::Vec;
+use core::sync::atomic::{AtomicU32, Ordering};
+use glam::{DMat4, DVec3, Mat4, Vec3};
+
+/// A mesh of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeshIndex(u32);
+/// A material of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MaterialIndex(u32);
+/// An object of a scene. Equal hits are decided by it: the lower one wins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ObjectIndex(pub u32);
+
+/// Why something could not be added to a scene.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The transform has no inverse, is not affine, or is not finite.
+    #[error("the transform of the object cannot be inverted")]
+    Transform,
+    /// The object would reach beyond [`COORDINATE_LIMIT`].
+    #[error("the object reaches to {value}, which is not within ±2^30")]
+    Coordinate {
+        /// The coordinate.
+        value: f32,
+    },
+    /// An array would have more elements than 32 bits can number.
+    #[error("the scene has too many {what}")]
+    TooLarge {
+        /// Which array.
+        what: &'static str,
+    },
+    /// An index does not belong to this scene.
+    #[error("{what} {index} is not in the scene")]
+    Index {
+        /// Of what.
+        what: &'static str,
+        /// The index.
+        index: u32,
+    },
+    /// The texture was refused.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+}
+
+/// Counts the changes of each part of a scene, so that a backend that keeps copies renews
+/// only what changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Versions {
+    /// Nodes, words, positions, attributes.
+    pub geometry: u32,
+    /// Texels.
+    pub texels: u32,
+    /// Materials.
+    pub materials: u32,
+    /// Objects.
+    pub objects: u32,
+}
+
+/// Where a mesh lies in the arrays.
+#[derive(Debug, Clone, Copy)]
+struct Stored {
+    root: u32,
+    first_vertex: u32,
+    first_index: u32,
+    first_reference: u32,
+    triangles: u32,
+    bounds: Bounds,
+    center: DVec3,
+    radius: f64,
+}
+
+/// A scene.
+#[derive(Debug)]
+pub struct Scene {
+    id: u32,
+    versions: Versions,
+    nodes: Vec<Node>,
+    words: Vec<u32>,
+    positions: Vec<[f32; 3]>,
+    attributes: Vec<Attribute>,
+    texels: Vec<u32>,
+    materials: Vec<Material>,
+    objects: Vec<Object>,
+    object_meshes: Vec<u32>,
+    meshes: Vec<Stored>,
+    lights: Vec<Light>,
+    bounds: Bounds,
+    /// Light from everywhere, linear RGB.
+    pub ambient: Vec3,
+    /// What a ray sees that hits nothing, linear RGB.
+    pub background: Vec3,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Rounding error of everything that culls with world bounds, relative to the largest
+/// coordinate in a frame: 2⁻¹⁶, some hundred roundings. Multiplied by how much an object's
+/// transform, there and back, can magnify errors.
+const SLACK: f64 = 1.0 / 65536.0;
+
+impl Scene {
+    /// An empty scene: no objects, no lights, faint ambient light, a dark background.
+    pub fn new() -> Self {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        Self {
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            versions: Versions::default(),
+            nodes: vec![],
+            words: vec![],
+            positions: vec![],
+            attributes: vec![],
+            texels: decode_words(),
+            materials: vec![],
+            objects: vec![],
+            object_meshes: vec![],
+            meshes: vec![],
+            lights: vec![],
+            bounds: Bounds::EMPTY,
+            ambient: Vec3::splat(0.1),
+            background: Vec3::new(0.02, 0.025, 0.035),
+        }
+    }
+
+    /// Adds a texture: its mip chain is built here.
+    ///
+    /// # Errors
+    /// The image is not usable, or the scene is full.
+    pub fn add_texture(&mut self, image: &Image, wrap: [Wrap; 2]) -> Result<Texture, SceneError> {
+        if self.texels.len() + image.rgba.len() / 2 > u32::MAX as usize {
+            return Err(SceneError::TooLarge { what: "texels" });
+        }
+        self.versions.texels += 1;
+        Ok(image.append(wrap, &mut self.texels)?)
+    }
+
+    /// Adds a material.
+    pub fn add_material(&mut self, material: Material) -> MaterialIndex {
+        self.versions.materials += 1;
+        self.materials.push(material);
+        MaterialIndex(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a mesh with its tree, to be placed any number of times. It is stored once.
+    ///
+    /// # Errors
+    /// The scene is full.
+    pub fn add_mesh(&mut self, mesh: &Mesh, tree: &MeshTree) -> Result<MeshIndex, SceneError> {
+        let room = |have: usize, more: usize, what| {
+            if have + more > u32::MAX as usize / 4 {
+                Err(SceneError::TooLarge { what })
+            } else {
+                Ok(have as u32)
+            }
+        };
+        let words = mesh.indices().len() + tree.references.len();
+        let first_index = room(self.words.len(), words, "triangles")?;
+        let root = tree.nodes.first().copied().ok_or(SceneError::TooLarge { what: "empty trees" })?;
+        let low = DVec3::from(root.low.map(f64::from));
+        let high = DVec3::from(root.high.map(f64::from));
+        let center = (low + high) * 0.5;
+        let squared =
+            mesh.positions().iter().map(|p| (DVec3::from(p.map(f64::from)) - center).length_squared());
+        let stored = Stored {
+            root: room(self.nodes.len(), tree.nodes.len(), "nodes")?,
+            first_vertex: room(self.positions.len(), mesh.positions().len(), "vertices")?,
+            first_index,
+            first_reference: first_index + mesh.indices().len() as u32,
+            triangles: mesh.triangles() as u32,
+            bounds: Bounds { low: root.low, high: root.high },
+            center,
+            radius: libm::sqrt(squared.fold(0.0, f64::max)),
+        };
+        self.nodes.extend_from_slice(&tree.nodes);
+        self.words.extend_from_slice(mesh.indices());
+        self.words.extend_from_slice(&tree.references);
+        self.positions.extend_from_slice(mesh.positions());
+        self.attributes.extend_from_slice(mesh.attributes());
+        self.versions.geometry += 1;
+        self.meshes.push(stored);
+        Ok(MeshIndex(self.meshes.len() as u32 - 1))
+    }
+
+    /// Places a mesh in the world. `to_world` takes object to world space.
+    ///
+    /// # Errors
+    /// The transform cannot be inverted, the object would be out of range, or an index is
+    /// of another scene.
+    pub fn add_object(
+        &mut self,
+        mesh: MeshIndex,
+        material: MaterialIndex,
+        to_world: Mat4,
+    ) -> Result<ObjectIndex, SceneError> {
+        if material.0 as usize >= self.materials.len() {
+            return Err(SceneError::Index { what: "material", index: material.0 });
+        }
+        let stored = self.mesh(mesh.0)?;
+        let object = place(stored, material.0, to_world)?;
+        self.objects.push(object);
+        self.object_meshes.push(mesh.0);
+        self.objects_changed();
+        Ok(ObjectIndex(self.objects.len() as u32 - 1))
+    }
+
+    /// Moves an object.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_object`]; the object then stays where it was.
+    pub fn set_transform(&mut self, object: ObjectIndex, to_world: Mat4) -> Result<(), SceneError> {
+        let index = object.0 as usize;
+        let Some(old) = self.objects.get(index) else {
+            return Err(SceneError::Index { what: "object", index: object.0 });
+        };
+        let material = old.material;
+        let stored = self.mesh(self.object_meshes[index])?;
+        self.objects[index] = place(stored, material, to_world)?;
+        self.objects_changed();
+        Ok(())
+    }
+
+    fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
+        self.meshes.get(index as usize).ok_or(SceneError::Index { what: "mesh", index })
+    }
+
+    fn objects_changed(&mut self) {
+        self.versions.objects += 1;
+        self.bounds =
+            self.objects.iter().fold(Bounds::EMPTY, |all, o| all.union(&Bounds { low: o.low, high: o.high }));
+    }
+
+    /// Adds a light.
+    pub fn add_light(&mut self, light: Light) {
+        self.lights.push(light);
+    }
+    /// The lights.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+    /// The lights, to be changed.
+    pub fn lights_mut(&mut self) -> &mut Vec<Light> {
+        &mut self.lights
+    }
+
+    /// A number that no other scene of this process has.
+    pub fn id(&self) -> u32 {
+        self.id
+    }
+    /// How often each part has changed.
+    pub fn versions(&self) -> Versions {
+        self.versions
+    }
+    /// Nodes of all mesh trees.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+    /// Vertex indices and tree references of all meshes.
+    pub fn words(&self) -> &[u32] {
+        &self.words
+    }
+    /// Vertex positions of all meshes, object space.
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.positions
+    }
+    /// Vertex attributes of all meshes.
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.attributes
+    }
+    /// The decoding words, then the mip chains of all textures.
+    pub fn texels(&self) -> &[u32] {
+        &self.texels
+    }
+    /// The materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+    /// The objects.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+    /// The world bounds of all objects: lower and upper corner, or none without objects.
+    pub fn extent(&self) -> Option<(Vec3, Vec3)> {
+        (!self.objects.is_empty()).then(|| (Vec3::from(self.bounds.low), Vec3::from(self.bounds.high)))
+    }
+    /// The world bounds of all objects; a point without objects.
+    pub(super) fn bounds(&self) -> &Bounds {
+        const NOWHERE: Bounds = Bounds { low: [0.0; 3], high: [0.0; 3] };
+        if self.objects.is_empty() { &NOWHERE } else { &self.bounds }
+    }
+    /// The largest coordinate of an object's bounds, in magnitude.
+    pub(super) fn magnitude(&self) -> f32 {
+        let bounds = self.bounds();
+        bounds.low.iter().chain(&bounds.high).fold(0.0, |most, c| most.max(c.abs()))
+    }
+    /// Triangles stored.
+    pub fn triangles(&self) -> u64 {
+        self.meshes.iter().map(|m| u64::from(m.triangles)).sum()
+    }
+    /// Triangles placed: those of a mesh count as often as it is placed.
+    pub fn drawn_triangles(&self) -> u64 {
+        self.object_meshes.iter().map(|&m| u64::from(self.meshes[m as usize].triangles)).sum()
+    }
+    /// Bytes of all arrays that rays are traced with: nodes, triangles, positions, objects.
+    pub fn traced_bytes(&self) -> usize {
+        size_of_val(&self.nodes[..])
+            + size_of_val(&self.words[..])
+            + size_of_val(&self.positions[..])
+            + size_of_val(&self.objects[..])
+    }
+    /// Bytes of all arrays.
+    pub fn bytes(&self) -> usize {
+        self.traced_bytes()
+            + size_of_val(&self.attributes[..])
+            + size_of_val(&self.texels[..])
+            + size_of_val(&self.materials[..])
+    }
+    /// Bytes of vertices (position, normal, texture coordinates, color) and indices, as
+    /// they were added.
+    pub fn source_bytes(&self) -> usize {
+        let indices = 12 * self.triangles() as usize;
+        size_of_val(&self.positions[..]) + size_of_val(&self.attributes[..]) + indices
+    }
+}
+
+/// The object of a mesh placed in the world, computed in `f64`.
+fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneError> {
+    let m = to_world.as_dmat4();
+    let affine = to_world.row(3) == glam::Vec4::W;
+    let inverse = m.inverse();
+    if !affine || !m.is_finite() || !inverse.is_finite() || m.determinant() == 0.0 {
+        return Err(SceneError::Transform);
+    }
+    let mut corners = Bounds::EMPTY;
+    for corner in 0..8 {
+        let pick = |axis: usize| {
+            f64::from(if corner >> axis & 1 == 0 { mesh.bounds.low[axis] } else { mesh.bounds.high[axis] })
+        };
+        let p = m.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
+        let p = [p.x as f32, p.y as f32, p.z as f32];
+        corners = corners.union(&Bounds { low: p, high: p });
+    }
+    if mesh.triangles == 0 {
+        let p = m.w_axis.truncate();
+        let p = [p.x as f32, p.y as f32, p.z as f32];
+        corners = Bounds { low: p, high: p };
+    }
+    if let Some(&value) = corners.low.iter().chain(&corners.high).find(|c| !(c.abs() <= COORDINATE_LIMIT)) {
+        return Err(SceneError::Coordinate { value });
+    }
+    let center = m.transform_point3(mesh.center);
+    let stretch = [m.x_axis, m.y_axis, m.z_axis].iter().map(|axis| axis.length_squared()).sum::<f64>();
+    let box_radius =
+        (DVec3::from(corners.high.map(f64::from)) - DVec3::from(corners.low.map(f64::from))).length() * 0.5;
+    let radius = (mesh.radius * libm::sqrt(stretch)).min(box_radius.max(0.0));
+    Ok(Object {
+        to_object: rows(&inverse),
+        to_world: rows(&m),
+        low: corners.low,
+        root: mesh.root,
+        high: corners.high,
+        first_vertex: mesh.first_vertex,
+        center: [center.x as f32, center.y as f32, center.z as f32],
+        radius: radius as f32,
+        first_index: mesh.first_index,
+        first_reference: mesh.first_reference,
+        material,
+        is_identity: u32::from(to_world == Mat4::IDENTITY),
+        slack: (SLACK * condition(&m, &inverse)) as f32,
+    })
+}
+
+/// The upper three rows.
+fn rows(m: &DMat4) -> [[f32; 4]; 3] {
+    core::array::from_fn(|row| m.row(row).to_array().map(|v| v as f32))
+}
+
+/// How much errors grow on the way to object space and back: the largest row sum of
+/// `|m| · |inverse|`, at least 1.
+fn condition(m: &DMat4, inverse: &DMat4) -> f64 {
+    let row_sum = |row: usize| -> f64 {
+        (0..3)
+            .map(|k| {
+                let inverse_sum: f64 = (0..3).map(|column| inverse.col(column)[k].abs()).sum();
+                m.col(k)[row].abs() * inverse_sum
+            })
+            .sum()
+    };
+    (0..3).map(row_sum).fold(1.0, f64::max)
+}

@@ -1,0 +1,346 @@
+//! The tree of a mesh: built once, by the surface area heuristic over bins.
+
+use crate::kernel::traverse::STACK;
+use crate::layout::Node;
+use crate::scene::Mesh;
+use alloc::vec;
+use alloc::vec::Vec;
+use bytemuck::Zeroable;
+
+/// Runs two halves of a build; a backend with threads runs them at once.
+pub trait Join: Sync {
+    /// The results of both.
+    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B);
+}
+
+/// One half after the other.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Sequential;
+
+impl Join for Sequential {
+    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        (a(), b())
+    }
+}
+
+/// The tree of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshTree {
+    /// Nodes, the root first; children are neighbors.
+    pub nodes: Vec<Node>,
+    /// Triangles in the order of the leaves.
+    pub references: Vec<u32>,
+}
+
+/// Bins along each axis.
+const BINS: usize = 16;
+/// Cost of a visit to a node, in triangle tests.
+const VISIT_COST: f32 = 0.6;
+/// The most triangles in a leaf, unless they cannot be told apart.
+const LEAF: usize = 8;
+/// Below this depth nodes are split in halves, which bounds the depth of any tree.
+const DEEP: usize = 36;
+const _: () = assert!(DEEP + 26 < STACK);
+/// Nodes with fewer triangles are built by one worker.
+const PARALLEL: usize = 4096;
+
+impl MeshTree {
+    /// The tree of the mesh. The same for every `join`: workers build disjoint parts, and
+    /// every sum runs in one order.
+    ///
+    /// Splits are the cheapest of the surface area heuristic over 16 bins on each axis
+    /// (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007). Where
+    /// centers coincide, or too deep down, a node is split into halves. A mesh without
+    /// triangles has one empty leaf.
+    pub fn build(mesh: &Mesh, join: &impl Join) -> Self {
+        let boxes: Vec<Bounds> = mesh
+            .indices()
+            .chunks_exact(3)
+            .map(|t| Bounds::of(t.iter().map(|&i| mesh.positions()[i as usize])))
+            .collect();
+        let mut references: Vec<u32> = (0..boxes.len() as u32).collect();
+        if boxes.is_empty() {
+            return Self { nodes: vec![Node { kind: 3, ..Node::zeroed() }], references };
+        }
+        // A subtree of n triangles has at most 2n − 2 nodes below its root.
+        let mut nodes = vec![Node::zeroed(); 2 * boxes.len() - 1];
+        let (root, below) = nodes.split_at_mut(1);
+        let build = Build { boxes: &boxes, join };
+        root[0] = build.node(Part { nodes: below, first_node: 1, references: &mut references, first: 0 }, 0);
+        Self { nodes: compact(&nodes), references }
+    }
+}
+
+/// The nodes without the gaps between subtrees, children after parents.
+fn compact(sparse: &[Node]) -> Vec<Node> {
+    let mut dense = Vec::with_capacity(sparse.len());
+    dense.push(sparse[0]);
+    let mut next = 0;
+    while next < dense.len() {
+        if !dense[next].is_leaf() {
+            let children = dense[next].first as usize;
+            dense[next].first = dense.len() as u32;
+            dense.extend_from_slice(&sparse[children..children + 2]);
+        }
+        next += 1;
+    }
+    dense.shrink_to_fit();
+    dense
+}
+
+/// A box that can be empty.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounds {
+    pub low: [f32; 3],
+    pub high: [f32; 3],
+}
+
+impl Bounds {
+    pub const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+
+    pub fn of(points: impl Iterator<Item = [f32; 3]>) -> Self {
+        points.fold(Self::EMPTY, |b, p| b.union(&Self { low: p, high: p }))
+    }
+    #[inline]
+    pub fn union(&self, other: &Self) -> Self {
+        let mut both = *self;
+        for axis in 0..3 {
+            both.low[axis] = both.low[axis].min(other.low[axis]);
+            both.high[axis] = both.high[axis].max(other.high[axis]);
+        }
+        both
+    }
+    /// Half of the surface; 0 if empty.
+    fn area(&self) -> f32 {
+        let size = |axis: usize| (self.high[axis] - self.low[axis]).max(0.0);
+        size(0) * size(1) + size(1) * size(2) + size(2) * size(0)
+    }
+    /// Twice the center.
+    #[inline]
+    fn center2(&self, axis: usize) -> f32 {
+        self.low[axis] + self.high[axis]
+    }
+}
+
+/// What every node of one build shares.
+struct Build<'a, J> {
+    boxes: &'a [Bounds],
+    join: &'a J,
+}
+
+/// The part of a tree that one worker builds: where its nodes go, and its triangles.
+struct Part<'a> {
+    nodes: &'a mut [Node],
+    first_node: usize,
+    references: &'a mut [u32],
+    first: usize,
+}
+
+/// A plane between bins.
+struct Split {
+    axis: usize,
+    cost: f32,
+    bin: usize,
+    scale: Scale,
+}
+
+/// How centers along an axis map to bins.
+#[derive(Clone, Copy)]
+struct Scale {
+    low: f32,
+    bins_per_unit: f32,
+}
+
+impl Scale {
+    #[inline]
+    fn bin(&self, center: f32) -> usize {
+        (((center - self.low) * self.bins_per_unit) as usize).min(BINS - 1)
+    }
+}
+
+impl<J: Join> Build<'_, J> {
+    fn bounds(&self, reference: u32) -> &Bounds {
+        &self.boxes[reference as usize]
+    }
+
+    /// Builds the part and gives its root.
+    fn node(&self, part: Part<'_>, depth: usize) -> Node {
+        let Part { nodes, first_node, references, first } = part;
+        let count = references.len();
+        let mut bounds = Bounds::EMPTY;
+        let mut centers = Bounds::EMPTY;
+        for &reference in references.iter() {
+            let b = self.bounds(reference);
+            let center = core::array::from_fn(|axis| b.center2(axis));
+            bounds = bounds.union(b);
+            centers = centers.union(&Bounds { low: center, high: center });
+        }
+        let leaf =
+            Node { low: bounds.low, high: bounds.high, first: first as u32, kind: 4 * count as u32 + 3 };
+        if count == 1 {
+            return leaf;
+        }
+        let split = if depth < DEEP { self.split(references, &bounds, &centers) } else { None };
+        let (axis, middle) = match split {
+            Some(split) if split.cost >= count as f32 && count <= LEAF => return leaf,
+            Some(split) => (split.axis, self.partition(references, &split)),
+            None if count <= LEAF => return leaf,
+            None => (0, count / 2),
+        };
+        let (pair, below) = nodes.split_at_mut(2);
+        let (left_nodes, right_nodes) = below.split_at_mut(2 * middle - 2);
+        let (left_references, right_references) = references.split_at_mut(middle);
+        let left = Part { nodes: left_nodes, first_node: first_node + 2, references: left_references, first };
+        let right = Part {
+            nodes: right_nodes,
+            first_node: first_node + 2 * middle,
+            references: right_references,
+            first: first + middle,
+        };
+        (pair[0], pair[1]) = if count > PARALLEL {
+            self.join.join(|| self.node(left, depth + 1), || self.node(right, depth + 1))
+        } else {
+            (self.node(left, depth + 1), self.node(right, depth + 1))
+        };
+        Node { first: first_node as u32, kind: axis as u32, ..leaf }
+    }
+
+    /// The cheapest split, its cost relative to a triangle test; none if all centers
+    /// coincide.
+    fn split(&self, references: &[u32], bounds: &Bounds, centers: &Bounds) -> Option<Split> {
+        let scales: [Option<Scale>; 3] = core::array::from_fn(|axis| {
+            let extent = centers.high[axis] - centers.low[axis];
+            let bins_per_unit = BINS as f32 / extent;
+            (extent > 0.0 && bins_per_unit.is_finite())
+                .then_some(Scale { low: centers.low[axis], bins_per_unit })
+        });
+        let mut bins = [[(Bounds::EMPTY, 0_u32); BINS]; 3];
+        for &reference in references {
+            let b = self.bounds(reference);
+            for axis in 0..3 {
+                if let Some(scale) = scales[axis] {
+                    let (bounds, count) = &mut bins[axis][scale.bin(b.center2(axis))];
+                    *bounds = bounds.union(b);
+                    *count += 1;
+                }
+            }
+        }
+        let mut best: Option<Split> = None;
+        for axis in 0..3 {
+            let Some(scale) = scales[axis] else { continue };
+            let mut above = [(0.0, 0_u32); BINS];
+            let mut right = (Bounds::EMPTY, 0);
+            for bin in (1..BINS).rev() {
+                right = (right.0.union(&bins[axis][bin].0), right.1 + bins[axis][bin].1);
+                above[bin] = (right.0.area(), right.1);
+            }
+            let mut left = (Bounds::EMPTY, 0);
+            for bin in 1..BINS {
+                left = (left.0.union(&bins[axis][bin - 1].0), left.1 + bins[axis][bin - 1].1);
+                if left.1 == 0 || above[bin].1 == 0 {
+                    continue;
+                }
+                let tests = left.0.area() * left.1 as f32 + above[bin].0 * above[bin].1 as f32;
+                // A box without area is hit by chance only: any split will do.
+                let cost = VISIT_COST + tests / bounds.area().max(f32::MIN_POSITIVE);
+                if best.as_ref().is_none_or(|b| cost < b.cost) {
+                    best = Some(Split { axis, cost, bin, scale });
+                }
+            }
+        }
+        best
+    }
+
+    /// Moves the references left of the split to the front; gives how many there are, at
+    /// least 1 and fewer than all.
+    fn partition(&self, references: &mut [u32], split: &Split) -> usize {
+        let is_left = |r: u32| split.scale.bin(self.bounds(r).center2(split.axis)) < split.bin;
+        let mut middle = 0;
+        for i in 0..references.len() {
+            if is_left(references[i]) {
+                references.swap(middle, i);
+                middle += 1;
+            }
+        }
+        middle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Attribute;
+
+    fn mesh(triangles: &[[[f32; 3]; 3]]) -> Mesh {
+        let positions: Vec<_> = triangles.iter().flatten().copied().collect();
+        let count = positions.len();
+        Mesh::new(positions, vec![Attribute::zeroed(); count], (0..count as u32).collect()).unwrap()
+    }
+
+    /// Checks that every triangle is in exactly one leaf and in the box of every node
+    /// above it; gives the depth.
+    fn check(mesh: &Mesh) -> usize {
+        let tree = MeshTree::build(mesh, &Sequential);
+        let mut seen = vec![0; mesh.triangles()];
+        let mut deepest = 0;
+        let mut todo = vec![(0_u32, vec![])];
+        while let Some((index, above)) = todo.pop() {
+            let node = tree.nodes[index as usize];
+            let mut boxes = above.clone();
+            boxes.push((node.low, node.high));
+            deepest = deepest.max(boxes.len());
+            if !node.is_leaf() {
+                todo.push((node.first, boxes.clone()));
+                todo.push((node.first + 1, boxes));
+                continue;
+            }
+            for i in 0..node.triangles() {
+                let triangle = tree.references[(node.first + i) as usize] as usize;
+                seen[triangle] += 1;
+                for &vertex in &mesh.indices()[3 * triangle..3 * triangle + 3] {
+                    let p = mesh.positions()[vertex as usize];
+                    for (low, high) in &boxes {
+                        assert!((0..3).all(|a| low[a] <= p[a] && p[a] <= high[a]));
+                    }
+                }
+            }
+        }
+        assert!(seen.iter().all(|&n| n == 1));
+        deepest
+    }
+
+    fn scattered(count: usize) -> Vec<[[f32; 3]; 3]> {
+        let mut state = 7_u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 65536.0
+        };
+        (0..count)
+            .map(|_| {
+                let p = [next(), next(), next()];
+                [p, [p[0] + next() * 0.01, p[1], p[2]], [p[0], p[1] + next() * 0.01, p[2] + 0.3]]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn holds_every_triangle_once_inside_its_boxes() {
+        assert!(check(&mesh(&scattered(10_000))) < STACK);
+    }
+
+    #[test]
+    fn stands_up_to_duplicate_degenerate_and_huge_triangles() {
+        let mut triangles = vec![[[1.0; 3], [2.0, 1.0, 1.0], [1.0, 2.0, 1.0]]; 3000];
+        triangles.extend(vec![[[5.0; 3]; 3]; 3000]);
+        triangles.push([[-1e9, 0.0, -1e9], [1e9, 0.0, -1e9], [0.0, 0.0, 1e9]]);
+        // Centers in geometric progression: every split leaves one behind.
+        triangles.extend((0..60).map(|i| [[f32::from_bits((127 - i) << 23); 3]; 3]));
+        assert!(check(&mesh(&triangles)) < STACK);
+    }
+
+    #[test]
+    fn an_empty_mesh_has_an_empty_leaf() {
+        let tree = MeshTree::build(&mesh(&[]), &Sequential);
+        assert!(tree.nodes.len() == 1 && tree.nodes[0].is_leaf() && tree.nodes[0].triangles() == 0);
+    }
+}

@@ -1,0 +1,64 @@
+//! Light: what arrives at a surface from all lights that reach it.
+
+use crate::kernel::falloff::falloff;
+use crate::kernel::ray::Ray;
+use crate::kernel::reflect::{blinn_phong, lambert};
+use crate::lane::{Bits, Lane, Select, V3};
+use crate::layout::{Frame, Lit, Material, View};
+use crate::num::{normalize, sqrt};
+use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
+use crate::stage::surface::Surfaces;
+
+/// The light that arrives at a group of surfaces; see [`Lit`].
+#[derive(Clone, Copy)]
+pub struct Arriving<L> {
+    /// For the diffuse color.
+    pub diffuse: V3<L>,
+    /// For the highlight.
+    pub specular: V3<L>,
+}
+
+impl<L: Lane> Arriving<L> {
+    /// Nothing.
+    #[inline(always)]
+    pub fn dark(token: L::Token) -> Self {
+        Self { diffuse: V3::splat(token, [0.0; 3]), specular: V3::splat(token, [0.0; 3]) }
+    }
+    /// The record of one lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Lit {
+        Lit { diffuse: self.diffuse.lane(lane), specular: self.specular.lane(lane) }
+    }
+}
+
+/// `sum` and what the light adds to it, in the lanes where `lit` has the light's bit.
+/// `lit` is the word of the shadow mask that the light belongs to.
+#[inline(always)]
+pub fn add<L: Lane>(
+    frame: &Frame,
+    views: &[View],
+    materials: &[Material],
+    light: u32,
+    lit: L::Bits,
+    ray: &Ray<L>,
+    surfaces: &Surfaces<L>,
+    sum: &Arriving<L>,
+) -> Arriving<L> {
+    let token = surfaces.footprint.token();
+    let view = &views[frame.light_view(light) as usize];
+    let (way, _) = to_light(view, surfaces.origin);
+    let toward = normalize(way);
+    let shininess = L::from_fn(token, |lane| {
+        let material = surfaces.material.lane(lane);
+        if material == 0 { 1.0 } else { materials[material as usize - 1].shininess }
+    });
+    let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
+    let bit = (lit >> (light % LIGHTS_PER_WORD)) & lit.like(1);
+    let strength = bit.equal(lit.like(1)).select(strength, strength.like(0.0));
+    let lobe = blinn_phong(surfaces.normal, toward, normalize(-ray.direction), shininess);
+    let color = V3::splat(token, view.color);
+    Arriving {
+        diffuse: sum.diffuse + color.scale(strength),
+        specular: sum.specular + color.scale(strength * lobe),
+    }
+}

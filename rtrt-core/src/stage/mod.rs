@@ -1,0 +1,11 @@
+//! What a ray, a pixel or a block needs, in the order of a frame: compositions of
+//! kernels that backends only dispatch.
+
+pub mod bin;
+pub mod light;
+pub mod occlusion;
+pub mod prepare;
+pub mod resolve;
+pub mod shade;
+pub mod surface;
+pub mod visibility;

@@ -1,0 +1,116 @@
+//! Occlusion: which lights reach a surface.
+
+use crate::kernel::lists::Lists;
+use crate::kernel::ray::Ray;
+use crate::kernel::traverse::{Best, Geometry};
+use crate::kernel::view::light_block;
+use crate::lane::{Bits, Lane, Mask, Select, V3, groups};
+use crate::layout::{Frame, View, ViewKind};
+use crate::stage::surface::Surfaces;
+use crate::stage::visibility::closest;
+
+/// Lights in one word of the shadow mask.
+pub const LIGHTS_PER_WORD: u32 = 32;
+
+/// For each group of surfaces, 1 in the lanes that the light reaches, else 0: the surface
+/// faces the light, is within its reach, and nothing stands between them.
+///
+/// The shadow rays of a packet are sorted by the block of the light that they end in, and
+/// each block's list, which holds every object that the light sees there, is asked once
+/// for all of its rays.
+#[inline(always)]
+pub fn occlusion<L: Lane, const G: usize>(
+    frame: &Frame,
+    views: &[View],
+    lists: &Lists<'_>,
+    geometry: &Geometry<'_>,
+    light: u32,
+    surfaces: &[Surfaces<L>; G],
+) -> [L::Bits; G] {
+    let light = &views[frame.light_view(light) as usize];
+    let (one, none) = (surfaces[0].material.like(1), surfaces[0].material.like(0));
+    let reached: [(Ray<L>, L); G] = groups(|g| shadow_ray(light, &surfaces[g]));
+    let mut lit: [L::Bits; G] = groups(|g| {
+        let limit = reached[g].1;
+        limit.like(0.0).less_than(limit).select(one, none)
+    });
+    if frame.shadows == 0 {
+        return lit;
+    }
+    let rays: [Ray<L>; G] = groups(|g| reached[g].0);
+    let blocks: [L::Bits; G] = groups(|g| light_block(light, rays[g].origin));
+    let mut pending: [L; G] = groups(|g| reached[g].1);
+    loop {
+        let Some(block) = first_pending(&pending, &blocks) else {
+            return lit;
+        };
+        let mut best: [Best<L>; G] = groups(|g| {
+            let here = blocks[g].equal(none.like(block));
+            let zero = pending[g].like(0.0);
+            Best {
+                t: here.select(pending[g], pending[g].like(-1.0)),
+                object: none,
+                triangle: none,
+                u: zero,
+                v: zero,
+            }
+        });
+        let asked: [L; G] = groups(|g| best[g].t);
+        closest::<L, G, true>(lists, geometry, block, &rays, &mut best);
+        let mut g = 0;
+        while g < G {
+            let zero = pending[g].like(0.0);
+            let here = zero.less_than(asked[g]);
+            let met = here & best[g].t.less_than(zero);
+            lit[g] = met.select(none, lit[g]);
+            pending[g] = here.select(zero.like(-1.0), pending[g]);
+            g += 1;
+        }
+    }
+}
+
+/// The ray from each surface to the light, and how far it goes: −1 where the light cannot
+/// reach anyway. Toward a point light `t` = 1 is the light.
+#[inline(always)]
+fn shadow_ray<L: Lane>(light: &View, surfaces: &Surfaces<L>) -> (Ray<L>, L) {
+    let token = surfaces.footprint.token();
+    let (to_light, limit) = to_light(light, surfaces.origin);
+    let zero = limit.like(0.0);
+    let squared = to_light.dot(to_light);
+    let faces = zero.less_than(surfaces.normal.dot(to_light));
+    let near = light.kind == ViewKind::Sun as u32;
+    let within = squared.less_than(L::splat(token, if near { f32::MAX } else { light.reach_squared }));
+    let hit = surfaces.material.less_than(surfaces.material.like(1));
+    let limit = (faces & within).select(limit, limit.like(-1.0));
+    (Ray::new(surfaces.origin, to_light), hit.select(limit.like(-1.0), limit))
+}
+
+/// The vector to the light, and the `t` at which a ray along it has arrived.
+#[inline(always)]
+pub fn to_light<L: Lane>(light: &View, from: V3<L>) -> (V3<L>, L) {
+    let token = from.x.token();
+    if light.kind == ViewKind::Sun as u32 {
+        (-V3::splat(token, light.along), L::splat(token, f32::MAX))
+    } else {
+        (V3::splat(token, light.center) - from, L::splat(token, 1.0))
+    }
+}
+
+/// The block of the first ray that still waits for its answer.
+#[inline(always)]
+fn first_pending<L: Lane, const G: usize>(pending: &[L; G], blocks: &[L::Bits; G]) -> Option<u32> {
+    let mut g = 0;
+    while g < G {
+        if pending[g].like(0.0).less_than(pending[g]).any() {
+            let mut lane = 0;
+            while lane < L::WIDTH {
+                if pending[g].lane(lane) > 0.0 {
+                    return Some(blocks[g].lane(lane));
+                }
+                lane += 1;
+            }
+        }
+        g += 1;
+    }
+    None
+}
