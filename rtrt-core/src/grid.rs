@@ -78,6 +78,22 @@ impl Grid {
         let block = y / BLOCK * self.blocks_x() + x / BLOCK;
         RayIndex(block * BLOCK_RAYS + number([x % BLOCK, y % BLOCK]))
     }
+    /// Column and row of the pixel with this number; pixels are numbered row by row.
+    #[inline(always)]
+    pub fn pixel(self, number: u32) -> [u32; 2] {
+        [number % self.width, number / self.width]
+    }
+    /// The pixels that `rays` rays from `first` on make, all of them whole rows of blocks:
+    /// the first pixel's number, and how many.
+    #[inline(always)]
+    pub fn pixels(self, first: RayIndex, rays: u32) -> [u32; 2] {
+        let row = |ray: u32| {
+            let row = ray / (self.blocks_x() * BLOCK_RAYS) * self.block_pixels();
+            if row < self.height { row } else { self.height }
+        };
+        let (first, last) = (row(first.0), row(first.0 + rays));
+        [first * self.width, (last - first) * self.width]
+    }
     /// The block that the ray lies in.
     #[inline(always)]
     pub fn block(self, index: RayIndex) -> BlockIndex {
@@ -109,6 +125,16 @@ mod tests {
             assert_eq!(grid.index(grid.ray(RayIndex(i))), RayIndex(i));
         }
         assert_eq!(grid.blocks(), 5 * 3);
+    }
+
+    #[test]
+    fn bands_of_block_rows_make_each_pixel_once() {
+        let grid = Grid { width: 37, height: 21, side: 2 };
+        let row = grid.blocks_x() * BLOCK_RAYS;
+        assert_eq!(grid.pixels(RayIndex(0), grid.rays()), [0, 37 * 21]);
+        assert_eq!(grid.pixels(RayIndex(0), row), [0, 37 * 8]);
+        assert_eq!(grid.pixels(RayIndex(row), 2 * row), [37 * 8, 37 * 13]);
+        assert_eq!(grid.pixel(37 * 8 + 5), [5, 8]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! One idea a file: pure functions that stages are composed of.
 
+pub mod canary;
 pub mod cover;
 pub mod falloff;
 pub mod interpolate;

@@ -13,6 +13,22 @@ pub fn each_block(
     objects: &[Object],
     covers: &[Cover],
     index: u32,
+    visit: impl FnMut(u32, Entry),
+) {
+    each_block_of_share(frame, views, objects, covers, index, [0, 1], visit);
+}
+
+/// [`each_block`] for one of several workers that share a cover: number `share` takes every
+/// `shares`-th row, so that an object that fills the view does not keep one worker busy for
+/// the whole frame.
+#[inline(always)]
+pub fn each_block_of_share(
+    frame: &Frame,
+    views: &[View],
+    objects: &[Object],
+    covers: &[Cover],
+    index: u32,
+    [share, shares]: [u32; 2],
     mut visit: impl FnMut(u32, Entry),
 ) {
     let view = &views[(index / frame.objects) as usize];
@@ -20,7 +36,7 @@ pub fn each_block(
     let object = &objects[object_index as usize];
     let cover = &covers[index as usize];
     let entry = Entry { key: cover.key, object: object_index };
-    let mut row = cover.y0;
+    let mut row = cover.y0 + share;
     while row < cover.y1 {
         let mut column = cover.x0;
         while column < cover.x1 {
@@ -29,6 +45,6 @@ pub fn each_block(
             }
             column += 1;
         }
-        row += 1;
+        row += shares;
     }
 }

@@ -31,10 +31,31 @@ impl<L: Lane> Arriving<L> {
     }
 }
 
+/// The light that arrives at a group of surfaces from all lights, in their order.
+/// `mask(word)` is a word of the shadow mask.
+#[inline(always)]
+pub fn light<L: Lane>(
+    frame: &Frame,
+    views: &[View],
+    materials: &[Material],
+    mask: impl Fn(u32) -> L::Bits,
+    ray: &Ray<L>,
+    surfaces: &Surfaces<L>,
+) -> Arriving<L> {
+    let mut sum = Arriving::dark(surfaces.footprint.token());
+    let mut light = 0;
+    while light < frame.lights {
+        let lit = mask(light / LIGHTS_PER_WORD);
+        sum = add(frame, views, materials, light, lit, ray, surfaces, &sum);
+        light += 1;
+    }
+    sum
+}
+
 /// `sum` and what the light adds to it, in the lanes where `lit` has the light's bit.
 /// `lit` is the word of the shadow mask that the light belongs to.
 #[inline(always)]
-pub fn add<L: Lane>(
+fn add<L: Lane>(
     frame: &Frame,
     views: &[View],
     materials: &[Material],

@@ -12,6 +12,33 @@ use crate::stage::visibility::closest;
 /// Lights in one word of the shadow mask.
 pub const LIGHTS_PER_WORD: u32 = 32;
 
+/// One word of the shadow mask for each group of surfaces: bit `i` is 1 in the lanes that
+/// light `word · 32 + i` reaches.
+#[inline(always)]
+pub fn word<L: Lane, const G: usize>(
+    frame: &Frame,
+    views: &[View],
+    lists: &Lists<'_>,
+    geometry: &Geometry<'_>,
+    word: u32,
+    surfaces: &[Surfaces<L>; G],
+) -> [L::Bits; G] {
+    let mut mask: [L::Bits; G] = groups(|g| surfaces[g].material.like(0));
+    let mut light = word * LIGHTS_PER_WORD;
+    let mut bit = 0;
+    while bit < LIGHTS_PER_WORD && light < frame.lights {
+        let lit = occlusion::<L, G>(frame, views, lists, geometry, light, surfaces);
+        let mut g = 0;
+        while g < G {
+            mask[g] = mask[g] | (lit[g] << bit);
+            g += 1;
+        }
+        light += 1;
+        bit += 1;
+    }
+    mask
+}
+
 /// For each group of surfaces, 1 in the lanes that the light reaches, else 0: the surface
 /// faces the light, is within its reach, and nothing stands between them.
 ///

@@ -1,0 +1,161 @@
+//! All stages of one block, on one thread: what a stage leaves for the next stays in the
+//! first-level cache.
+
+use rayon::prelude::*;
+use rtrt_core::backend::STAGES;
+use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
+use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::traverse::Geometry;
+use rtrt_core::lane::{Bits, Lane, groups};
+use rtrt_core::layout::{Attribute, Frame, Hit, Lit, Material, Surface, View};
+use rtrt_core::stage::light::{Arriving, light};
+use rtrt_core::stage::surface::{Surfaces, surface};
+use rtrt_core::stage::visibility::{hit, rays, visibility};
+use rtrt_core::stage::{occlusion, resolve::resolve, shade::shade};
+use std::time::{Duration, Instant};
+
+/// What every block of a frame shares.
+pub struct Job<'a> {
+    pub frame: &'a Frame,
+    pub views: &'a [View],
+    pub lists: Lists<'a>,
+    pub geometry: Geometry<'a>,
+    pub attributes: &'a [Attribute],
+    pub materials: &'a [Material],
+    pub texels: &'a [u32],
+}
+
+/// Where a block's deferred records go.
+pub struct Records<'a> {
+    pub hits: &'a mut [Hit],
+    pub surfaces: &'a mut [Surface],
+    pub masks: &'a mut [u32],
+    pub lit: &'a mut [Lit],
+    pub colors: &'a mut [[f32; 4]],
+}
+
+/// Time spent in each stage.
+#[derive(Clone, Copy, Default)]
+pub struct Clock([Duration; STAGES.len()]);
+
+impl Clock {
+    /// Adds what has passed since `start`.
+    pub fn add(&mut self, stage: usize, start: Instant) {
+        self.0[stage] += start.elapsed();
+    }
+    /// Adds what has passed since `start`, and starts anew.
+    fn lap(&mut self, stage: usize, start: &mut Instant) {
+        let now = Instant::now();
+        self.0[stage] += now - *start;
+        *start = now;
+    }
+    /// The sum of both.
+    pub fn plus(self, other: Self) -> Self {
+        Self(std::array::from_fn(|stage| self.0[stage] + other.0[stage]))
+    }
+    /// Adds `passed`, divided like `busy`.
+    pub fn spread(&mut self, passed: Duration, busy: &Self) {
+        let total: Duration = busy.0.iter().sum();
+        let share = passed.as_secs_f64() / total.as_secs_f64().max(1e-9);
+        for (stage, busy) in self.0.iter_mut().zip(busy.0) {
+            *stage += busy.mul_f64(share);
+        }
+    }
+    /// In milliseconds.
+    pub fn milliseconds(&self) -> [f64; STAGES.len()] {
+        self.0.map(|stage| stage.as_secs_f64() * 1e3)
+    }
+}
+
+/// Renders a block, packet after packet, into its pixels and, if wanted, its records.
+#[inline(always)]
+pub fn block<L: Lane, const G: usize>(
+    token: L::Token,
+    job: &Job<'_>,
+    index: u32,
+    tile: &mut [u32],
+    mut records: Option<Records<'_>>,
+) -> Clock {
+    let mut clock = Clock::default();
+    let mut colors = [[0.0; 4]; BLOCK_RAYS as usize];
+    let packet = L::WIDTH * G;
+    for first in (0..BLOCK_RAYS as usize).step_by(packet) {
+        let ray = RayIndex(index * BLOCK_RAYS + first as u32);
+        packet_colors::<L, G>(token, job, ray, first, &mut colors, records.as_mut(), &mut clock);
+    }
+    let mut start = Instant::now();
+    let grid = job.frame.grid();
+    let side = grid.block_pixels();
+    let [left, top] = grid.ray(RayIndex(index * BLOCK_RAYS)).map(|ray| ray / grid.side);
+    for (i, pixel) in (0..).zip(tile) {
+        *pixel =
+            resolve(grid, [left + i % side, top + i / side], |ray| colors[(ray.0 % BLOCK_RAYS) as usize]);
+    }
+    clock.lap(7, &mut start);
+    clock
+}
+
+/// The colors of one packet.
+#[inline(always)]
+fn packet_colors<L: Lane, const G: usize>(
+    token: L::Token,
+    job: &Job<'_>,
+    ray: RayIndex,
+    first: usize,
+    colors: &mut [[f32; 4]],
+    records: Option<&mut Records<'_>>,
+    clock: &mut Clock,
+) {
+    let Job { frame, views, lists, geometry, attributes, materials, texels } = job;
+    let camera = &views[Frame::CAMERA as usize];
+    let mut start = Instant::now();
+    let best = visibility::<L, G>(token, frame, views, lists, geometry, ray);
+    clock.lap(2, &mut start);
+    let rays = rays::<L, G>(token, frame, camera, ray);
+    let surfaces: [Surfaces<L>; G] = groups(|g| surface(camera, geometry, attributes, &rays[g], &best[g]));
+    clock.lap(3, &mut start);
+    // The usual scene has one word of lights; more are kept in order.
+    let words = frame.mask_words;
+    let mask = occlusion::word::<L, G>(frame, views, lists, geometry, 0, &surfaces);
+    let more: Vec<[L::Bits; G]> =
+        (1..words).map(|w| occlusion::word::<L, G>(frame, views, lists, geometry, w, &surfaces)).collect();
+    let word = |w: u32| if w == 0 { &mask } else { &more[w as usize - 1] };
+    clock.lap(4, &mut start);
+    let arriving: [Arriving<L>; G] =
+        groups(|g| light(frame, views, materials, |w| word(w)[g], &rays[g], &surfaces[g]));
+    clock.lap(5, &mut start);
+    for g in 0..G {
+        for lane in 0..L::WIDTH {
+            let color = shade(frame, materials, texels, &surfaces[g].lane(lane), &arriving[g].lane(lane));
+            colors[first + g * L::WIDTH + lane] = color;
+        }
+    }
+    clock.lap(6, &mut start);
+    let Some(records) = records else { return };
+    for g in 0..G {
+        for lane in 0..L::WIDTH {
+            let at = first + g * L::WIDTH + lane;
+            records.hits[at] = hit(&best[g], lane);
+            records.surfaces[at] = surfaces[g].lane(lane);
+            for w in 0..words {
+                records.masks[at * words as usize + w as usize] = word(w)[g].lane(lane);
+            }
+            records.lit[at] = arriving[g].lane(lane);
+            records.colors[at] = colors[at];
+        }
+    }
+}
+
+/// Copies tiles into rows.
+pub fn untile(grid: Grid, tiles: &[u32], pixels: &mut Vec<u32>) {
+    let side = grid.block_pixels() as usize;
+    let width = grid.width as usize;
+    pixels.resize(width * grid.height as usize, 0);
+    pixels.par_chunks_mut(width).with_min_len(16).enumerate().for_each(|(y, row)| {
+        for (column, part) in row.chunks_mut(side).enumerate() {
+            let block = BlockIndex((y / side) as u32 * grid.blocks_x() + column as u32);
+            let at = (block.0 as usize * side + y % side) * side;
+            part.copy_from_slice(&tiles[at..at + part.len()]);
+        }
+    });
+}

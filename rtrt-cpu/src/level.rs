@@ -1,0 +1,116 @@
+//! Which instructions run a block.
+
+use crate::Error;
+use crate::block::{Clock, Job, Records, block};
+use crate::wide::{Float8, Float16};
+use fearless_simd::Simd;
+
+/// Lane groups in a packet. A packet is a block, but for single lanes, whose packets are
+/// smaller: a mask of groups has 32 bits.
+const GROUPS_1: usize = 16;
+const GROUPS_8: usize = 32;
+const GROUPS_16: usize = 16;
+
+/// An instruction set that is there, and how it is used.
+#[derive(Debug, Clone, Copy)]
+pub enum Level {
+    /// One number at a time.
+    Scalar,
+    /// Eight numbers, AVX2.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(fearless_simd::Avx2),
+    /// Sixteen numbers, AVX-512 (Ice Lake and later).
+    #[cfg(target_arch = "x86_64")]
+    Avx512(fearless_simd::Avx512),
+    /// Eight numbers in two registers, NEON.
+    #[cfg(target_arch = "aarch64")]
+    Neon(fearless_simd::Neon),
+    /// Eight numbers in whatever every processor of the target has.
+    Baseline(fearless_simd::Level),
+}
+
+impl Level {
+    /// The level for this many lanes; without a number the fastest. Eight lanes run
+    /// everywhere, sixteen need AVX-512.
+    pub fn new(lanes: Option<u32>) -> Result<Self, Error> {
+        let here = fearless_simd::Level::new();
+        match lanes {
+            Some(1) => Ok(Self::Scalar),
+            Some(8) => Ok(Self::eight(here)),
+            Some(16) => Self::sixteen(here).ok_or(Error::Unsupported { lanes: 16, needed: "AVX-512" }),
+            Some(lanes) => Err(Error::Lanes { lanes }),
+            None => Ok(Self::sixteen(here).unwrap_or_else(|| Self::eight(here))),
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn eight(here: fearless_simd::Level) -> Self {
+        here.as_avx2().map_or(Self::Baseline(fearless_simd::Level::baseline()), Self::Avx2)
+    }
+    #[cfg(target_arch = "aarch64")]
+    fn eight(here: fearless_simd::Level) -> Self {
+        here.as_neon().map_or(Self::Baseline(fearless_simd::Level::baseline()), Self::Neon)
+    }
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    fn eight(_: fearless_simd::Level) -> Self {
+        Self::Baseline(fearless_simd::Level::baseline())
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn sixteen(here: fearless_simd::Level) -> Option<Self> {
+        here.as_avx512().map(Self::Avx512)
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    fn sixteen(_: fearless_simd::Level) -> Option<Self> {
+        None
+    }
+
+    /// Numbers side by side.
+    pub fn lanes(self) -> u32 {
+        match self {
+            Self::Scalar => 1,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_) => 16,
+            _ => 8,
+        }
+    }
+
+    /// The instruction set.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => "AVX2",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_) => "AVX-512",
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon(_) => "NEON",
+            Self::Baseline(_) => "baseline",
+        }
+    }
+
+    /// Renders a block with it.
+    pub fn block(self, job: &Job<'_>, index: u32, tile: &mut [u32], records: Option<Records<'_>>) -> Clock {
+        match self {
+            Self::Scalar => block::<f32, GROUPS_1>((), job, index, tile, records),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(token) => token.vectorize(
+                #[inline(always)]
+                || block::<Float8<_>, GROUPS_8>(token, job, index, tile, records),
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(token) => token.vectorize(
+                #[inline(always)]
+                || block::<Float16<_>, GROUPS_16>(token, job, index, tile, records),
+            ),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon(token) => token.vectorize(
+                #[inline(always)]
+                || block::<Float8<_>, GROUPS_8>(token, job, index, tile, records),
+            ),
+            Self::Baseline(level) => {
+                fearless_simd::dispatch!(level, token => block::<Float8<_>, GROUPS_8>(token, job, index, tile, records))
+            }
+        }
+    }
+}

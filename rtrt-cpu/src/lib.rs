@@ -1,0 +1,244 @@
+//! The native CPU backend of rtrt: rayon over blocks, SIMD lanes chosen at run time.
+//!
+//! It decides where and when the functions of `rtrt-core` run, and computes nothing itself.
+//! Whatever the number of lanes and threads, a picture has the same bits.
+//!
+//! ```
+//! use rtrt_core::backend::{Backend, Picture, Request};
+//! use rtrt_core::scene::{Camera, Projection, Scene};
+//!
+//! let camera = Camera {
+//!     eye: [0.0, 0.0, 3.0].into(),
+//!     look_at: [0.0; 3].into(),
+//!     up: [0.0, 1.0, 0.0].into(),
+//!     projection: Projection::Perspective { fov_y: 1.0 },
+//! };
+//! let request = Request { camera: &camera, size: [32, 20], samples: 1, shadows: true, deferred: false };
+//! let mut picture = Picture::default();
+//! let mut cpu = rtrt_cpu::Cpu::new(rtrt_cpu::Options::default())?;
+//! cpu.render(&Scene::new(), &request, &mut picture)?;
+//! assert_eq!(picture.pixels.len(), 32 * 20);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod bin;
+mod block;
+mod level;
+mod prepare;
+mod wide;
+
+use crate::block::{Clock, Job, Records};
+use crate::level::Level;
+use bytemuck::Zeroable;
+use rayon::prelude::*;
+use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request, STAGES};
+use rtrt_core::grid::BLOCK_RAYS;
+use rtrt_core::kernel::cover::Cover;
+use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::traverse::Geometry;
+use rtrt_core::layout::{Frame, Hit};
+use rtrt_core::scene::{Join, Scene, Setup};
+use std::time::Instant;
+
+/// How the backend runs. The picture does not depend on it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Numbers side by side: 1, 8 or 16; `None` for the widest that is fast here.
+    pub lanes: Option<u32>,
+    /// Threads; `None` for as many as the machine runs at once.
+    pub threads: Option<usize>,
+}
+
+/// Why the backend cannot run as asked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Not a number of lanes that exists.
+    #[error("{lanes} lanes; only 1, 8 and 16 are possible")]
+    Lanes {
+        /// What was asked for.
+        lanes: u32,
+    },
+    /// The processor lacks the instructions.
+    #[error("this processor has no {needed}, which {lanes} lanes need")]
+    Unsupported {
+        /// What was asked for.
+        lanes: u32,
+        /// The instruction set.
+        needed: &'static str,
+    },
+    /// Threads could not be started.
+    #[error("{threads} threads could not be started")]
+    Threads {
+        /// What was asked for.
+        threads: usize,
+        /// Why.
+        source: rayon::ThreadPoolBuildError,
+    },
+}
+
+/// The CPU backend. Keeps its memory from frame to frame.
+#[derive(Debug)]
+pub struct Cpu {
+    pool: rayon::ThreadPool,
+    level: Level,
+    memory: Memory,
+}
+
+/// What a frame is built in.
+#[derive(Debug, Default)]
+struct Memory {
+    setup: Setup,
+    covers: Vec<Cover>,
+    bins: bin::Bins,
+    /// Pixels, block after block.
+    tiles: Vec<u32>,
+}
+
+impl Cpu {
+    /// A backend that runs as asked.
+    ///
+    /// # Errors
+    /// The processor or the system cannot; see [`Error`].
+    pub fn new(options: Options) -> Result<Self, Error> {
+        let level = Level::new(options.lanes)?;
+        let threads = options.threads.unwrap_or(0);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|source| Error::Threads { threads, source })?;
+        Ok(Self { pool, level, memory: Memory::default() })
+    }
+
+    /// The numbers of lanes that this machine runs.
+    pub fn lanes_here() -> Vec<u32> {
+        [1, 8, 16].into_iter().filter(|&lanes| Level::new(Some(lanes)).is_ok()).collect()
+    }
+
+    /// Runs `work` on the backend's threads.
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
+}
+
+impl Memory {
+    /// Fills the tiles, and the deferred buffers if asked to.
+    fn frame(&mut self, level: Level, scene: &Scene, deferred: Option<&mut Deferred>, clock: &mut Clock) {
+        let frame = self.setup.frame;
+        let views = &self.setup.views[..];
+        let start = Instant::now();
+        prepare::prepare(&frame, views, scene.objects(), &mut self.covers);
+        clock.add(0, start);
+        let start = Instant::now();
+        self.bins.fill(&frame, views, scene.objects(), &self.covers);
+        clock.add(1, start);
+
+        let job = Job {
+            frame: &frame,
+            views,
+            lists: Lists { words: &self.bins.words, blocks: frame.blocks },
+            geometry: Geometry {
+                objects: scene.objects(),
+                nodes: scene.nodes(),
+                words: scene.words(),
+                positions: scene.positions(),
+                magnitude: frame.magnitude,
+            },
+            attributes: scene.attributes(),
+            materials: scene.materials(),
+            texels: scene.texels(),
+        };
+        let grid = frame.grid();
+        let tile = (grid.block_pixels() * grid.block_pixels()) as usize;
+        self.tiles.clear();
+        self.tiles.resize(grid.blocks() as usize * tile, 0);
+        let start = Instant::now();
+        let tiles = self.tiles.par_chunks_mut(tile);
+        let busy = match deferred {
+            None => tiles
+                .enumerate()
+                .map(|(block, tile)| level.block(&job, block as u32, tile, None))
+                .reduce(Clock::default, Clock::plus),
+            Some(deferred) => {
+                let rays = BLOCK_RAYS as usize;
+                let words = frame.mask_words as usize;
+                reset(deferred, &frame, &self.bins.words);
+                (
+                    tiles,
+                    deferred.hits.par_chunks_mut(rays),
+                    deferred.surfaces.par_chunks_mut(rays),
+                    deferred.masks.par_chunks_mut(rays * words),
+                    deferred.lit.par_chunks_mut(rays),
+                    deferred.colors.par_chunks_mut(rays),
+                )
+                    .into_par_iter()
+                    .enumerate()
+                    .map(|(block, (tile, hits, surfaces, masks, lit, colors))| {
+                        let records = Records { hits, surfaces, masks, lit, colors };
+                        level.block(&job, block as u32, tile, Some(records))
+                    })
+                    .reduce(Clock::default, Clock::plus)
+            }
+        };
+        // The stages of a block follow one another on one thread, so a stage's share of
+        // the time that passed is its share of the threads' time.
+        clock.spread(start.elapsed(), &busy);
+    }
+}
+
+/// Makes room for a frame.
+fn reset(deferred: &mut Deferred, frame: &Frame, lists: &[u32]) {
+    let rays = frame.rays as usize;
+    deferred.mask_words = frame.mask_words;
+    deferred.lists.clear();
+    deferred.lists.extend_from_slice(lists);
+    deferred.hits.resize(rays, Hit::MISS);
+    deferred.surfaces.resize(rays, Zeroable::zeroed());
+    deferred.masks.resize(rays * frame.mask_words as usize, 0);
+    deferred.lit.resize(rays, Zeroable::zeroed());
+    deferred.colors.resize(rays, [0.0; 4]);
+}
+
+impl Backend for Cpu {
+    fn describe(&self) -> Description {
+        Description {
+            kind: "cpu".into(),
+            adapter: self.level.name().into(),
+            lanes: self.level.lanes(),
+            threads: self.pool.current_num_threads() as u32,
+        }
+    }
+
+    fn render(
+        &mut self,
+        scene: &Scene,
+        request: &Request<'_>,
+        picture: &mut Picture,
+    ) -> Result<(), RenderError> {
+        let Self { pool, level, memory } = self;
+        memory.setup.prepare(scene, request.camera, request.size, request.samples, request.shadows)?;
+        let mut deferred = request.deferred.then(|| picture.deferred.take().unwrap_or_default());
+        let mut clock = Clock::default();
+        pool.install(|| {
+            memory.frame(*level, scene, deferred.as_mut(), &mut clock);
+            let start = Instant::now();
+            block::untile(memory.setup.frame.grid(), &memory.tiles, &mut picture.pixels);
+            clock.add(STAGES.len() - 1, start);
+        });
+        picture.deferred = deferred;
+        [picture.width, picture.height] = request.size;
+        picture.stages_ms = clock.milliseconds();
+        Ok(())
+    }
+}
+
+/// Builds both halves at once on the current rayon threads.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Parallel;
+
+impl Join for Parallel {
+    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        rayon::join(a, b)
+    }
+}

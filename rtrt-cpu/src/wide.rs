@@ -1,0 +1,170 @@
+//! Lanes of 8 and 16 numbers.
+//!
+//! `fearless_simd` keeps proof of the instruction set (its token) inside every number, so
+//! no unsafe code is needed to use it.
+
+use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Shl, Shr, Sub};
+use fearless_simd::{
+    Bytes, ExtractToken, Select as _, Simd, SimdBase, SimdMask, f32x8, f32x16, mask32x8, mask32x16, u32x8,
+    u32x16,
+};
+use rtrt_core::lane::{Bits, Lane, Mask, Select};
+
+/// Implements an operator by the same operator of what is inside.
+macro_rules! pass {
+    ($type:ident: $($operator:ident $name:ident $($right:ident)?;)*) => {$(
+        pass!(@ $type $operator $name $($right)?);
+    )*};
+    (@ $type:ident Neg neg) => { pass!(@@ $type Neg neg); };
+    (@ $type:ident Not not) => { pass!(@@ $type Not not); };
+    (@@ $type:ident $operator:ident $name:ident) => {
+        impl<S: Simd> $operator for $type<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self) -> Self {
+                Self($operator::$name(self.0))
+            }
+        }
+    };
+    (@ $type:ident $operator:ident $name:ident) => {
+        impl<S: Simd> $operator for $type<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self($operator::$name(self.0, other.0))
+            }
+        }
+    };
+    (@ $type:ident $operator:ident $name:ident $right:ident) => {
+        impl<S: Simd> $operator<$right> for $type<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: $right) -> Self {
+                Self($operator::$name(self.0, other))
+            }
+        }
+    };
+}
+
+macro_rules! lane {
+    ($float:ident, $bits:ident, $mask:ident, $f:ident, $u:ident, $m:ident, $width:literal) => {
+        #[doc = concat!(stringify!($width), " numbers side by side.")]
+        #[derive(Clone, Copy)]
+        pub struct $float<S: Simd>($f<S>);
+        /// Their bits.
+        #[derive(Clone, Copy)]
+        pub struct $bits<S: Simd>($u<S>);
+        /// What their comparisons give.
+        #[derive(Clone, Copy)]
+        pub struct $mask<S: Simd>($m<S>);
+
+        pass!($float: Neg neg; Add add; Sub sub; Mul mul; Add add f32; Sub sub f32; Mul mul f32;);
+        pass!($bits: Add add; Sub sub; BitAnd bitand; BitOr bitor; Shl shl u32; Shr shr u32;);
+        pass!($mask: BitAnd bitand; BitOr bitor; Not not;);
+
+        impl<S: Simd> Mask for $mask<S> {
+            #[inline(always)]
+            fn any(self) -> bool {
+                self.0.any_true()
+            }
+        }
+
+        impl<S: Simd> Select<$float<S>> for $mask<S> {
+            #[inline(always)]
+            fn select(self, if_true: $float<S>, if_false: $float<S>) -> $float<S> {
+                $float(self.0.select(if_true.0, if_false.0))
+            }
+        }
+
+        impl<S: Simd> Select<$bits<S>> for $mask<S> {
+            #[inline(always)]
+            fn select(self, if_true: $bits<S>, if_false: $bits<S>) -> $bits<S> {
+                $bits(self.0.select(if_true.0, if_false.0))
+            }
+        }
+
+        impl<S: Simd> Bits for $bits<S> {
+            type Mask = $mask<S>;
+
+            #[inline(always)]
+            fn like(self, value: u32) -> Self {
+                Self($u::splat(self.0.token(), value))
+            }
+            #[inline(always)]
+            fn xor(self, other: Self) -> Self {
+                Self(self.0 ^ other.0)
+            }
+            #[inline(always)]
+            fn equal(self, other: Self) -> $mask<S> {
+                $mask(self.0.simd_eq(other.0))
+            }
+            #[inline(always)]
+            fn less_than(self, other: Self) -> $mask<S> {
+                $mask(self.0.simd_lt(other.0))
+            }
+            #[inline(always)]
+            fn lane(self, index: usize) -> u32 {
+                self.0[index]
+            }
+        }
+
+        impl<S: Simd> Lane for $float<S> {
+            type Token = S;
+            type Mask = $mask<S>;
+            type Bits = $bits<S>;
+
+            const WIDTH: usize = $width;
+
+            #[inline(always)]
+            fn splat(token: S, value: f32) -> Self {
+                Self($f::splat(token, value))
+            }
+            #[inline(always)]
+            fn gather<const N: usize>(token: S, f: impl Fn(usize) -> [f32; N]) -> [Self; N] {
+                let mut rows = [[0.0; $width]; N];
+                for lane in 0..$width {
+                    let values = f(lane);
+                    for (row, value) in rows.iter_mut().zip(values) {
+                        row[lane] = value;
+                    }
+                }
+                rows.map(|row| Self($f::from_slice(token, &row)))
+            }
+            #[inline(always)]
+            fn bits_from_fn(token: S, f: impl Fn(usize) -> u32) -> $bits<S> {
+                let mut row = [0; $width];
+                for (lane, value) in row.iter_mut().enumerate() {
+                    *value = f(lane);
+                }
+                $bits($u::from_slice(token, &row))
+            }
+            #[inline(always)]
+            fn token(self) -> S {
+                self.0.token()
+            }
+            #[inline(always)]
+            fn lane(self, index: usize) -> f32 {
+                self.0[index]
+            }
+            #[inline(always)]
+            fn less_than(self, other: Self) -> $mask<S> {
+                $mask(self.0.simd_lt(other.0))
+            }
+            #[inline(always)]
+            fn less_equal(self, other: Self) -> $mask<S> {
+                $mask(self.0.simd_le(other.0))
+            }
+            #[inline(always)]
+            fn to_bits(self) -> $bits<S> {
+                $bits(self.0.bitcast())
+            }
+            #[inline(always)]
+            fn from_bits(bits: $bits<S>) -> Self {
+                Self(bits.0.bitcast())
+            }
+        }
+    };
+}
+
+lane!(Float8, Bits8, Mask8, f32x8, u32x8, mask32x8, 8);
+lane!(Float16, Bits16, Mask16, f32x16, u32x16, mask32x16, 16);
