@@ -91,7 +91,11 @@ pub trait Lane:
     /// `f(0)`, `f(1)`, … in lanes 0, 1, ….
     #[inline(always)]
     fn from_fn(token: Self::Token, f: impl Fn(usize) -> f32) -> Self {
-        Self::gather(token, |lane| [f(lane)])[0]
+        Self::gather(
+            token,
+            #[inline(always)]
+            |lane| [f(lane)],
+        )[0]
     }
     /// `value` in every lane, shaped like `self`.
     #[inline(always)]
@@ -284,10 +288,15 @@ impl<L: Lane> V3<L> {
     pub fn scale(self, factor: L) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
     }
-    /// Every component passed through `f`.
+    /// The smaller of each component.
     #[inline(always)]
-    pub fn map(self, f: impl Fn(L) -> L) -> Self {
-        Self { x: f(self.x), y: f(self.y), z: f(self.z) }
+    pub fn min(self, other: Self) -> Self {
+        Self { x: self.x.min(other.x), y: self.y.min(other.y), z: self.z.min(other.z) }
+    }
+    /// The larger of each component.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self { x: self.x.max(other.x), y: self.y.max(other.y), z: self.z.max(other.z) }
     }
     /// `if_true` where `mask` is true, `if_false` elsewhere.
     #[inline(always)]

@@ -9,6 +9,8 @@ extern crate std;
 
 #[cfg(feature = "alloc")]
 pub mod backend;
+#[cfg(feature = "alloc")]
+pub mod compare;
 pub mod grid;
 pub mod kernel;
 pub mod lane;

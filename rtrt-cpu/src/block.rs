@@ -87,9 +87,18 @@ pub fn block<L: Lane, const G: usize>(
     let grid = job.frame.grid();
     let side = grid.block_pixels();
     let [left, top] = grid.ray(RayIndex(index * BLOCK_RAYS)).map(|ray| ray / grid.side);
-    for (i, pixel) in (0..).zip(tile) {
-        *pixel =
-            resolve(grid, [left + i % side, top + i / side], |ray| colors[(ray.0 % BLOCK_RAYS) as usize]);
+    for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_mut(L::WIDTH)) {
+        let bits = resolve::<L>(
+            token,
+            grid,
+            #[inline(always)]
+            |lane| [left + (first + lane as u32) % side, top + (first + lane as u32) / side],
+            #[inline(always)]
+            |ray| colors[(ray.0 % BLOCK_RAYS) as usize],
+        );
+        for (lane, pixel) in pixels.iter_mut().enumerate() {
+            *pixel = bits.lane(lane);
+        }
     }
     clock.lap(7, &mut start);
     clock
@@ -112,7 +121,10 @@ fn packet_colors<L: Lane, const G: usize>(
     let best = visibility::<L, G>(token, frame, views, lists, geometry, ray);
     clock.lap(2, &mut start);
     let rays = rays::<L, G>(token, frame, camera, ray);
-    let surfaces: [Surfaces<L>; G] = groups(|g| surface(camera, geometry, attributes, &rays[g], &best[g]));
+    let surfaces: [Surfaces<L>; G] = groups(
+        #[inline(always)]
+        |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
+    );
     clock.lap(3, &mut start);
     // The usual scene has one word of lights; more are kept in order.
     let words = frame.mask_words;
@@ -121,8 +133,20 @@ fn packet_colors<L: Lane, const G: usize>(
         (1..words).map(|w| occlusion::word::<L, G>(frame, views, lists, geometry, w, &surfaces)).collect();
     let word = |w: u32| if w == 0 { &mask } else { &more[w as usize - 1] };
     clock.lap(4, &mut start);
-    let arriving: [Arriving<L>; G] =
-        groups(|g| light(frame, views, materials, |w| word(w)[g], &rays[g], &surfaces[g]));
+    let arriving: [Arriving<L>; G] = groups(
+        #[inline(always)]
+        |g| {
+            light(
+                frame,
+                views,
+                materials,
+                #[inline(always)]
+                |w| word(w)[g],
+                &rays[g],
+                &surfaces[g],
+            )
+        },
+    );
     clock.lap(5, &mut start);
     for g in 0..G {
         for lane in 0..L::WIDTH {

@@ -128,7 +128,11 @@ macro_rules! lane {
                         row[lane] = value;
                     }
                 }
-                rows.map(|row| Self($f::from_slice(token, &row)))
+                let mut loaded = [Self::splat(token, 0.0); N];
+                for (loaded, row) in loaded.iter_mut().zip(&rows) {
+                    *loaded = Self($f::from_slice(token, row));
+                }
+                loaded
             }
             #[inline(always)]
             fn bits_from_fn(token: S, f: impl Fn(usize) -> u32) -> $bits<S> {

@@ -19,7 +19,8 @@ impl<L: Lane> Ray<L> {
     /// The ray from `origin` along `direction`.
     #[inline(always)]
     pub fn new(origin: V3<L>, direction: V3<L>) -> Self {
-        Self { origin, direction, inverse: direction.map(recip) }
+        let inverse = V3 { x: recip(direction.x), y: recip(direction.y), z: recip(direction.z) };
+        Self { origin, direction, inverse }
     }
 
     /// The same points, `t` for `t`, in the object's space.

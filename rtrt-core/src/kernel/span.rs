@@ -29,9 +29,9 @@ impl Span {
     #[inline(always)]
     pub fn of<L: Lane, const G: usize>(rays: &[Ray<L>; G], limits: &[L; G]) -> Self {
         let like = rays[0].origin.x;
-        let (most, least) = (like.like(f32::MAX), like.like(-f32::MAX));
-        let everything = V3 { x: most, y: most, z: most };
-        let nothing = V3 { x: least, y: least, z: least };
+        let (largest, smallest) = (like.like(f32::MAX), like.like(-f32::MAX));
+        let everything = V3 { x: largest, y: largest, z: largest };
+        let nothing = V3 { x: smallest, y: smallest, z: smallest };
         let mut low = [everything; 2];
         let mut high = [nothing; 2];
         let mut g = 0;
@@ -41,18 +41,18 @@ impl Span {
                 let values = [rays[g].origin, rays[g].inverse];
                 let mut k = 0;
                 while k < 2 {
-                    low[k] = zip(low[k], V3::select(active, values[k], everything), L::min);
-                    high[k] = zip(high[k], V3::select(active, values[k], nothing), L::max);
+                    low[k] = low[k].min(V3::select(active, values[k], everything));
+                    high[k] = high[k].max(V3::select(active, values[k], nothing));
                     k += 1;
                 }
             }
             g += 1;
         }
         Self {
-            origin_low: fold(low[0], smaller),
-            origin_high: fold(high[0], larger),
-            inverse_low: fold(low[1], smaller),
-            inverse_high: fold(high[1], larger),
+            origin_low: least(low[0]),
+            origin_high: most(high[0]),
+            inverse_low: least(low[1]),
+            inverse_high: most(high[1]),
         }
     }
 
@@ -84,23 +84,24 @@ impl Span {
     }
 }
 
-/// `f` of each component of `a` and `b`.
+/// The smallest lane of each component.
 #[inline(always)]
-fn zip<L: Lane>(a: V3<L>, b: V3<L>, f: impl Fn(L, L) -> L) -> V3<L> {
-    V3 { x: f(a.x, b.x), y: f(a.y, b.y), z: f(a.z, b.z) }
-}
-
-/// `f` over the lanes of each component.
-#[inline(always)]
-fn fold<L: Lane>(v: V3<L>, f: impl Fn(f32, f32) -> f32) -> [f32; 3] {
-    let mut result = v.lane(0);
+fn least<L: Lane>(v: V3<L>) -> [f32; 3] {
+    let mut least = v.lane(0);
     let mut lane = 1;
     while lane < L::WIDTH {
         let next = v.lane(lane);
-        result = [f(result[0], next[0]), f(result[1], next[1]), f(result[2], next[2])];
+        least = [smaller(least[0], next[0]), smaller(least[1], next[1]), smaller(least[2], next[2])];
         lane += 1;
     }
-    result
+    least
+}
+
+/// The largest lane of each component.
+#[inline(always)]
+fn most<L: Lane>(v: V3<L>) -> [f32; 3] {
+    let [x, y, z] = least(-v);
+    [-x, -y, -z]
 }
 
 /// [`Lane::min`] of two plain numbers (`f32::min` is another function on some devices).

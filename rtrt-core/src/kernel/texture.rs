@@ -1,6 +1,7 @@
 //! The color of a texture at a point.
 
 use crate::kernel::mip::{Levels, levels};
+use crate::lane::Lane;
 use crate::layout::{Texture, Wrap};
 use crate::num::{floor, to_integer};
 
@@ -60,7 +61,7 @@ fn bilinear(texels: &[u32], texture: &Texture, uv: [f32; 2], number: u32) -> [f3
 #[inline(always)]
 fn neighbors(coordinate: f32, size: u32, wrap: u32) -> (u32, u32, f32) {
     // Beyond 2²⁰ a coordinate has no fraction worth having; NaN becomes 0.
-    let c = if coordinate.abs() < 1_048_576.0 { coordinate } else { 0.0 };
+    let c = if Lane::abs(coordinate) < 1_048_576.0 { coordinate } else { 0.0 };
     // Folding into one period first keeps the texel number small.
     let c = if wrap == Wrap::Repeat as u32 {
         c - floor(c)

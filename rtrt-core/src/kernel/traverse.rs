@@ -4,8 +4,8 @@ use crate::kernel::ray::Ray;
 use crate::kernel::slab::meets;
 use crate::kernel::span::Span;
 use crate::kernel::triangle::{Triangle, meet};
-use crate::lane::{Bits, Lane, Mask, Select};
-use crate::layout::{Node, Object};
+use crate::lane::{Bits, Lane, Mask, Select, Word};
+use crate::layout::{Hit, Node, Object};
 
 /// How many children can wait on the way down: one a level, so trees are built no deeper.
 pub const STACK: usize = 64;
@@ -57,6 +57,14 @@ pub struct Best<L: Lane> {
     pub u: L,
     /// Barycentric weight of the third corner.
     pub v: L,
+}
+
+impl Best<f32> {
+    /// A lane of width 1 from its record.
+    #[inline(always)]
+    pub fn new(hit: &Hit) -> Self {
+        Self { t: hit.t, object: Word(hit.object), triangle: Word(hit.triangle), u: hit.u, v: hit.v }
+    }
 }
 
 /// The largest limit in a packet; negative when every ray is done.

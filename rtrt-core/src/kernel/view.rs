@@ -12,13 +12,19 @@ const BLOCKS_PER_RAY: f32 = 1.0 / BLOCK as f32;
 /// The ray through column `a` and row `b` of the view's blocks (not whole numbers).
 #[inline(always)]
 pub fn ray<L: Lane>(view: &View, a: L, b: L) -> Ray<L> {
-    let token = a.token();
-    let affine = |base: [f32; 3], by_a: [f32; 3], by_b: [f32; 3]| {
-        let component = |i: usize| a * by_a[i] + b * by_b[i] + base[i];
-        V3 { x: component(0), y: component(1), z: component(2) }
-    };
-    let start = affine(view.start, view.start_x, view.start_y);
-    Ray::new(V3::splat(token, view.center) + start, affine(view.along, view.along_x, view.along_y))
+    let start = affine(&view.start, &view.start_x, &view.start_y, a, b);
+    let along = affine(&view.along, &view.along_x, &view.along_y, a, b);
+    Ray::new(V3::splat(a.token(), view.center) + start, along)
+}
+
+/// `a · by_a + b · by_b + base`.
+#[inline(always)]
+fn affine<L: Lane>(base: &[f32; 3], by_a: &[f32; 3], by_b: &[f32; 3], a: L, b: L) -> V3<L> {
+    V3 {
+        x: a * by_a[0] + b * by_b[0] + base[0],
+        y: a * by_a[1] + b * by_b[1] + base[1],
+        z: a * by_a[2] + b * by_b[2] + base[2],
+    }
 }
 
 /// The camera ray with these column and row, counted in rays: it goes through the

@@ -4,9 +4,11 @@
 mod geometry;
 mod hit;
 mod material;
+mod probe;
 mod view;
 
 pub use geometry::{Attribute, Node, Object};
 pub use hit::{Hit, Lit, NONE, Surface};
 pub use material::{Material, Texture, Wrap};
+pub use probe::{PROBES, probe};
 pub use view::{Frame, View, ViewKind};

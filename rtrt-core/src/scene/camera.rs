@@ -43,7 +43,7 @@ impl Camera {
     /// # Errors
     /// [`SetupError::Camera`] where eye and target coincide, `up` is along the view, or a
     /// number is out of range.
-    pub(super) fn view(&self, grid: Grid) -> Result<View, SetupError> {
+    pub(crate) fn view(&self, grid: Grid) -> Result<View, SetupError> {
         let error = |why| SetupError::Camera { why };
         let eye = self.eye.as_dvec3();
         if !(eye.is_finite() && self.look_at.is_finite() && self.up.is_finite()) {

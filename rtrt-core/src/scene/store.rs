@@ -209,9 +209,12 @@ impl Scene {
         }
         let stored = self.mesh(mesh.0)?;
         let object = place(stored, material.0, to_world)?;
+        // Here the bounds only grow; going through all objects for each would take hours for
+        // a million of them.
+        self.bounds = self.bounds.union(&Bounds { low: object.low, high: object.high });
+        self.versions.objects += 1;
         self.objects.push(object);
         self.object_meshes.push(mesh.0);
-        self.objects_changed();
         Ok(ObjectIndex(self.objects.len() as u32 - 1))
     }
 

@@ -3,7 +3,7 @@
 use crate::kernel::falloff::falloff;
 use crate::kernel::ray::Ray;
 use crate::kernel::reflect::{blinn_phong, lambert};
-use crate::lane::{Bits, Lane, Select, V3};
+use crate::lane::{Bits, Lane, Mask, Select, V3};
 use crate::layout::{Frame, Lit, Material, View};
 use crate::num::{normalize, sqrt};
 use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
@@ -66,16 +66,24 @@ fn add<L: Lane>(
     sum: &Arriving<L>,
 ) -> Arriving<L> {
     let token = surfaces.footprint.token();
+    let bit = (lit >> (light % LIGHTS_PER_WORD)) & lit.like(1);
+    let reached = bit.equal(lit.like(1));
+    if !reached.any() {
+        return *sum;
+    }
     let view = &views[frame.light_view(light) as usize];
     let (way, _) = to_light(view, surfaces.origin);
     let toward = normalize(way);
-    let shininess = L::from_fn(token, |lane| {
-        let material = surfaces.material.lane(lane);
-        if material == 0 { 1.0 } else { materials[material as usize - 1].shininess }
-    });
+    let shininess = L::from_fn(
+        token,
+        #[inline(always)]
+        |lane| {
+            let material = surfaces.material.lane(lane);
+            if material == 0 { 1.0 } else { materials[material as usize - 1].shininess }
+        },
+    );
     let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
-    let bit = (lit >> (light % LIGHTS_PER_WORD)) & lit.like(1);
-    let strength = bit.equal(lit.like(1)).select(strength, strength.like(0.0));
+    let strength = reached.select(strength, strength.like(0.0));
     let lobe = blinn_phong(surfaces.normal, toward, normalize(-ray.direction), shininess);
     let color = V3::splat(token, view.color);
     Arriving {

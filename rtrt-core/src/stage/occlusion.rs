@@ -23,7 +23,10 @@ pub fn word<L: Lane, const G: usize>(
     word: u32,
     surfaces: &[Surfaces<L>; G],
 ) -> [L::Bits; G] {
-    let mut mask: [L::Bits; G] = groups(|g| surfaces[g].material.like(0));
+    let mut mask: [L::Bits; G] = groups(
+        #[inline(always)]
+        |g| surfaces[g].material.like(0),
+    );
     let mut light = word * LIGHTS_PER_WORD;
     let mut bit = 0;
     while bit < LIGHTS_PER_WORD && light < frame.lights {
@@ -56,33 +59,50 @@ pub fn occlusion<L: Lane, const G: usize>(
 ) -> [L::Bits; G] {
     let light = &views[frame.light_view(light) as usize];
     let (one, none) = (surfaces[0].material.like(1), surfaces[0].material.like(0));
-    let reached: [(Ray<L>, L); G] = groups(|g| shadow_ray(light, &surfaces[g]));
-    let mut lit: [L::Bits; G] = groups(|g| {
-        let limit = reached[g].1;
-        limit.like(0.0).less_than(limit).select(one, none)
-    });
-    if frame.shadows == 0 {
+    let mut pending: [L; G] = groups(
+        #[inline(always)]
+        |g| limit(light, &surfaces[g]),
+    );
+    let mut lit: [L::Bits; G] = groups(
+        #[inline(always)]
+        |g| {
+            let zero = pending[g].like(0.0);
+            zero.less_than(pending[g]).select(one, none)
+        },
+    );
+    if frame.shadows == 0 || !any_pending(&pending) {
         return lit;
     }
-    let rays: [Ray<L>; G] = groups(|g| reached[g].0);
-    let blocks: [L::Bits; G] = groups(|g| light_block(light, rays[g].origin));
-    let mut pending: [L; G] = groups(|g| reached[g].1);
+    let rays: [Ray<L>; G] = groups(
+        #[inline(always)]
+        |g| Ray::new(surfaces[g].origin, to_light(light, surfaces[g].origin).0),
+    );
+    let blocks: [L::Bits; G] = groups(
+        #[inline(always)]
+        |g| light_block(light, surfaces[g].origin),
+    );
     loop {
         let Some(block) = first_pending(&pending, &blocks) else {
             return lit;
         };
-        let mut best: [Best<L>; G] = groups(|g| {
-            let here = blocks[g].equal(none.like(block));
-            let zero = pending[g].like(0.0);
-            Best {
-                t: here.select(pending[g], pending[g].like(-1.0)),
-                object: none,
-                triangle: none,
-                u: zero,
-                v: zero,
-            }
-        });
-        let asked: [L; G] = groups(|g| best[g].t);
+        let mut best: [Best<L>; G] = groups(
+            #[inline(always)]
+            |g| {
+                let here = blocks[g].equal(none.like(block));
+                let zero = pending[g].like(0.0);
+                Best {
+                    t: here.select(pending[g], pending[g].like(-1.0)),
+                    object: none,
+                    triangle: none,
+                    u: zero,
+                    v: zero,
+                }
+            },
+        );
+        let asked: [L; G] = groups(
+            #[inline(always)]
+            |g| best[g].t,
+        );
         closest::<L, G, true>(lists, geometry, block, &rays, &mut best);
         let mut g = 0;
         while g < G {
@@ -96,20 +116,17 @@ pub fn occlusion<L: Lane, const G: usize>(
     }
 }
 
-/// The ray from each surface to the light, and how far it goes: −1 where the light cannot
-/// reach anyway. Toward a point light `t` = 1 is the light.
+/// How far each surface's shadow ray goes; −1 where the light cannot reach anyway: nothing
+/// was hit, the surface faces away, or the light is beyond its reach.
 #[inline(always)]
-fn shadow_ray<L: Lane>(light: &View, surfaces: &Surfaces<L>) -> (Ray<L>, L) {
-    let token = surfaces.footprint.token();
+pub fn limit<L: Lane>(light: &View, surfaces: &Surfaces<L>) -> L {
     let (to_light, limit) = to_light(light, surfaces.origin);
     let zero = limit.like(0.0);
-    let squared = to_light.dot(to_light);
     let faces = zero.less_than(surfaces.normal.dot(to_light));
-    let near = light.kind == ViewKind::Sun as u32;
-    let within = squared.less_than(L::splat(token, if near { f32::MAX } else { light.reach_squared }));
-    let hit = surfaces.material.less_than(surfaces.material.like(1));
-    let limit = (faces & within).select(limit, limit.like(-1.0));
-    (Ray::new(surfaces.origin, to_light), hit.select(limit.like(-1.0), limit))
+    let reach = if light.kind == ViewKind::Sun as u32 { f32::MAX } else { light.reach_squared };
+    let within = to_light.dot(to_light).less_than(zero.like(reach));
+    let hit = surfaces.material.like(0).less_than(surfaces.material);
+    (hit & faces & within).select(limit, zero.like(-1.0))
 }
 
 /// The vector to the light, and the `t` at which a ray along it has arrived.
@@ -121,6 +138,19 @@ pub fn to_light<L: Lane>(light: &View, from: V3<L>) -> (V3<L>, L) {
     } else {
         (V3::splat(token, light.center) - from, L::splat(token, 1.0))
     }
+}
+
+/// Whether any ray waits for its answer.
+#[inline(always)]
+fn any_pending<L: Lane, const G: usize>(pending: &[L; G]) -> bool {
+    let mut g = 0;
+    while g < G {
+        if pending[g].like(0.0).less_than(pending[g]).any() {
+            return true;
+        }
+        g += 1;
+    }
+    false
 }
 
 /// The block of the first ray that still waits for its answer.

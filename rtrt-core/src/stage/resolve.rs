@@ -1,13 +1,30 @@
 //! Resolve: the sub-rays of a pixel become its color.
 
 use crate::grid::{Grid, RayIndex};
+use crate::lane::Lane;
 use crate::num::{floor, srgb_encode, to_integer};
 
-/// The pixel at column `x` and row `y`: the average of its sub-rays' linear colors, summed
-/// row by row, encoded as sRGB with 8 bits a channel, red lowest. `color(ray)` is the
-/// color that a ray brought back.
+/// A group of pixels: the average of each one's sub-rays' linear colors, summed row by
+/// row, encoded as sRGB with 8 bits a channel, red lowest. `pixel(lane)` is the column and
+/// row of a pixel, `color(ray)` the color that a ray brought back.
 #[inline(always)]
-pub fn resolve(grid: Grid, [x, y]: [u32; 2], color: impl Fn(RayIndex) -> [f32; 4]) -> u32 {
+pub fn resolve<L: Lane>(
+    token: L::Token,
+    grid: Grid,
+    pixel: impl Fn(usize) -> [u32; 2],
+    color: impl Fn(RayIndex) -> [f32; 4],
+) -> L::Bits {
+    let [r, g, b, a] = L::gather(
+        token,
+        #[inline(always)]
+        |lane| average(grid, pixel(lane), &color),
+    );
+    byte(srgb_encode(r)) | byte(srgb_encode(g)) << 8 | byte(srgb_encode(b)) << 16 | byte(a) << 24
+}
+
+/// The average color of one pixel.
+#[inline(always)]
+fn average(grid: Grid, [x, y]: [u32; 2], color: &impl Fn(RayIndex) -> [f32; 4]) -> [f32; 4] {
     let mut sum = [0.0_f32; 4];
     let mut b = 0;
     while b < grid.side {
@@ -27,14 +44,11 @@ pub fn resolve(grid: Grid, [x, y]: [u32; 2], color: impl Fn(RayIndex) -> [f32; 4
     } else {
         0.0625
     };
-    byte(srgb_encode(sum[0] * weight))
-        | byte(srgb_encode(sum[1] * weight)) << 8
-        | byte(srgb_encode(sum[2] * weight)) << 16
-        | byte(sum[3] * weight) << 24
+    [sum[0] * weight, sum[1] * weight, sum[2] * weight, sum[3] * weight]
 }
 
 /// The nearest of 256 steps.
 #[inline(always)]
-fn byte(value: f32) -> u32 {
-    to_integer(floor(value * 255.0 + 0.5)).0
+fn byte<L: Lane>(value: L) -> L::Bits {
+    to_integer(floor(value * 255.0 + 0.5))
 }

@@ -6,7 +6,7 @@ use crate::kernel::offset::offset;
 use crate::kernel::ray::{Ray, normal, point};
 use crate::kernel::texture::BYTE;
 use crate::kernel::traverse::{Best, Geometry};
-use crate::lane::{Bits, Lane, Select, V3};
+use crate::lane::{Bits, Lane, Mask, Select, V3};
 use crate::layout::{Attribute, NONE, Surface, View};
 use crate::num::{TINY, floor, normalize, sqrt, to_integer};
 
@@ -57,6 +57,13 @@ impl Surfaces<f32> {
     }
 }
 
+/// All that is known of a scene's vertices. (One value to capture: rust-gpu keeps a closure
+/// of more than two words in memory, pointers and all, which no device takes.)
+struct Vertices<'a> {
+    geometry: Geometry<'a>,
+    attributes: &'a [Attribute],
+}
+
 /// The surfaces at the best hits of a group of rays; all zero in a lane without a hit.
 ///
 /// The point is interpolated between the triangle's corners rather than followed along
@@ -73,10 +80,26 @@ pub fn surface<L: Lane>(
 ) -> Surfaces<L> {
     let token = best.t.token();
     let zero = best.t.like(0.0);
+    let none = best.object.like(0);
+    let nothing = V3 { x: zero, y: zero, z: zero };
     let missed = best.object.equal(best.object.like(NONE));
-    let [ax, ay, az, bx, by, bz, cx, cy, cz] = L::gather(token, |lane| places(geometry, best, lane));
+    if !(!missed).any() {
+        return Surfaces {
+            origin: nothing,
+            normal: nothing,
+            material: none,
+            color: none,
+            uv: [zero; 2],
+            footprint: zero,
+        };
+    }
+    let vertices = Vertices { geometry: *geometry, attributes };
+    let [ax, ay, az, bx, by, bz, cx, cy, cz, nx, ny, nz, s, t, uv_area] = L::gather(
+        token,
+        #[inline(always)]
+        |lane| corners(geometry, attributes, best, lane),
+    );
     let (a, b, c) = (V3 { x: ax, y: ay, z: az }, V3 { x: bx, y: by, z: bz }, V3 { x: cx, y: cy, z: cz });
-    let [nx, ny, nz, s, t, uv_area] = L::gather(token, |lane| shared(geometry, attributes, best, lane));
 
     let across = (b - a).cross(c - a);
     let area = sqrt(across.dot(across));
@@ -88,13 +111,25 @@ pub fn surface<L: Lane>(
 
     let place = Weights::new(best.u, best.v).mix3(a, b, c);
     let pixel = best.t * camera.pixel_t + camera.pixel;
-    let none = best.object.like(0);
-    let nothing = V3 { x: zero, y: zero, z: zero };
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
         normal: V3::select(missed, nothing, smooth),
-        material: missed.select(none, L::bits_from_fn(token, |lane| material(geometry, best, lane))),
-        color: missed.select(none, L::bits_from_fn(token, |lane| color(geometry, attributes, best, lane))),
+        material: missed.select(
+            none,
+            L::bits_from_fn(
+                token,
+                #[inline(always)]
+                |lane| material(geometry, best, lane),
+            ),
+        ),
+        color: missed.select(
+            none,
+            L::bits_from_fn(
+                token,
+                #[inline(always)]
+                |lane| color(&vertices, best, lane),
+            ),
+        ),
         uv: [missed.select(zero, s), missed.select(zero, t)],
         footprint: missed.select(zero, footprint(pixel, uv_area, area)),
     }
@@ -107,46 +142,38 @@ fn facing<L: Lane>(v: V3<L>, toward: V3<L>) -> V3<L> {
     V3::select(away, -v, v)
 }
 
-/// World positions of the corners of the triangle in one lane.
+/// What one lane reads of its triangle: the world positions of the corners, the world
+/// normal (any length) and the texture coordinates at the hit, and the doubled area in
+/// texture coordinates.
 #[inline(always)]
-fn places<L: Lane>(geometry: &Geometry<'_>, best: &Best<L>, lane: usize) -> [f32; 9] {
-    let index = best.object.lane(lane);
-    if index == NONE {
-        return [0.0; 9];
-    }
-    let object = &geometry.objects[index as usize];
-    let [a, b, c] = geometry.corners(object, best.triangle.lane(lane));
-    let at = |corner: u32| {
-        let p = V3::<f32>::splat((), geometry.positions[corner as usize]);
-        if object.is_identity == 1 { p } else { point(&object.to_world, p) }
-    };
-    let (a, b, c) = (at(a), at(b), at(c));
-    [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z]
-}
-
-/// World normal (any length), texture coordinates at the hit in one lane, and the doubled
-/// area of its triangle in texture coordinates.
-#[inline(always)]
-fn shared<L: Lane>(
+fn corners<L: Lane>(
     geometry: &Geometry<'_>,
     attributes: &[Attribute],
     best: &Best<L>,
     lane: usize,
-) -> [f32; 6] {
+) -> [f32; 15] {
     let index = best.object.lane(lane);
     if index == NONE {
-        return [0.0; 6];
+        return [0.0; 15];
     }
     let object = &geometry.objects[index as usize];
     let [a, b, c] = geometry.corners(object, best.triangle.lane(lane));
-    let (a, b, c) = (&attributes[a as usize], &attributes[b as usize], &attributes[c as usize]);
     let weights = Weights::new(best.u.lane(lane), best.v.lane(lane));
-    let n = weights.mix3(V3::splat((), a.normal), V3::splat((), b.normal), V3::splat((), c.normal));
-    let n = if object.is_identity == 1 { n } else { normal(&object.to_object, n) };
+    let mut p = V3::<f32>::splat((), geometry.positions[a as usize]);
+    let mut q = V3::<f32>::splat((), geometry.positions[b as usize]);
+    let mut r = V3::<f32>::splat((), geometry.positions[c as usize]);
+    let (a, b, c) = (&attributes[a as usize], &attributes[b as usize], &attributes[c as usize]);
+    let mut n = weights.mix3(V3::splat((), a.normal), V3::splat((), b.normal), V3::splat((), c.normal));
+    if object.is_identity == 0 {
+        p = point(&object.to_world, p);
+        q = point(&object.to_world, q);
+        r = point(&object.to_world, r);
+        n = normal(&object.to_object, n);
+    }
     let area = (b.uv[0] - a.uv[0]) * (c.uv[1] - a.uv[1]) - (c.uv[0] - a.uv[0]) * (b.uv[1] - a.uv[1]);
     let s = weights.mix(a.uv[0], b.uv[0], c.uv[0]);
     let t = weights.mix(a.uv[1], b.uv[1], c.uv[1]);
-    [n.x, n.y, n.z, s, t, area]
+    [p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, n.x, n.y, n.z, s, t, area]
 }
 
 /// 1 + the material in one lane, or 0.
@@ -158,7 +185,8 @@ fn material<L: Lane>(geometry: &Geometry<'_>, best: &Best<L>, lane: usize) -> u3
 
 /// The vertex color at the hit in one lane.
 #[inline(always)]
-fn color<L: Lane>(geometry: &Geometry<'_>, attributes: &[Attribute], best: &Best<L>, lane: usize) -> u32 {
+fn color<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, lane: usize) -> u32 {
+    let Vertices { geometry, attributes } = vertices;
     let index = best.object.lane(lane);
     if index == NONE {
         return 0;

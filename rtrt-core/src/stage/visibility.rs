@@ -20,11 +20,22 @@ pub fn rays<L: Lane, const G: usize>(
 ) -> [Ray<L>; G] {
     let grid = frame.grid();
     let at = |group: usize, lane: usize| grid.ray(RayIndex(first.0 + (group * L::WIDTH + lane) as u32));
-    groups(|group| {
-        let x = L::from_fn(token, |lane| at(group, lane)[0] as f32);
-        let y = L::from_fn(token, |lane| at(group, lane)[1] as f32);
-        camera_ray(camera, x, y)
-    })
+    groups(
+        #[inline(always)]
+        |group| {
+            let x = L::from_fn(
+                token,
+                #[inline(always)]
+                |lane| at(group, lane)[0] as f32,
+            );
+            let y = L::from_fn(
+                token,
+                #[inline(always)]
+                |lane| at(group, lane)[1] as f32,
+            );
+            camera_ray(camera, x, y)
+        },
+    )
 }
 
 /// The closest hits of the rays numbered from `first` on, all in one block; a ray outside
@@ -41,14 +52,21 @@ pub fn visibility<L: Lane, const G: usize>(
     let grid = frame.grid();
     let camera = &views[Frame::CAMERA as usize];
     let rays = rays::<L, G>(token, frame, camera, first);
-    let mut best: [Best<L>; G] = groups(|group| {
-        let limit = L::from_fn(token, |lane| {
-            let ray = grid.ray(RayIndex(first.0 + (group * L::WIDTH + lane) as u32));
-            if grid.contains(ray) { f32::MAX } else { -1.0 }
-        });
-        let none = limit.bits_like(NONE);
-        Best { t: limit, object: none, triangle: none, u: limit.like(0.0), v: limit.like(0.0) }
-    });
+    let mut best: [Best<L>; G] = groups(
+        #[inline(always)]
+        |group| {
+            let limit = L::from_fn(
+                token,
+                #[inline(always)]
+                |lane| {
+                    let ray = grid.ray(RayIndex(first.0 + (group * L::WIDTH + lane) as u32));
+                    if grid.contains(ray) { f32::MAX } else { -1.0 }
+                },
+            );
+            let none = limit.bits_like(NONE);
+            Best { t: limit, object: none, triangle: none, u: limit.like(0.0), v: limit.like(0.0) }
+        },
+    );
     closest::<L, G, false>(lists, geometry, camera.first_block + grid.block(first).0, &rays, &mut best);
     best
 }
@@ -63,9 +81,16 @@ pub fn closest<L: Lane, const G: usize, const ANY: bool>(
     rays: &[Ray<L>; G],
     best: &mut [Best<L>; G],
 ) {
-    let limits = groups(|g| best[g].t);
+    let limits = groups(
+        #[inline(always)]
+        |g| best[g].t,
+    );
     let world = Span::of(rays, &limits);
-    let mut local = *rays;
+    // Not `*rays`: copying an array through memory is beyond naga.
+    let mut local = groups(
+        #[inline(always)]
+        |g| rays[g],
+    );
     let mut span = world;
     let mut in_world = true;
     let [mut next, last] = lists.range(block);
@@ -94,7 +119,10 @@ pub fn closest<L: Lane, const G: usize, const ANY: bool>(
             if missed {
                 continue;
             }
-            let limits = groups(|g| best[g].t);
+            let limits = groups(
+                #[inline(always)]
+                |g| best[g].t,
+            );
             let mut g = 0;
             while g < G {
                 local[g] = rays[g].to_object(object);

@@ -1,0 +1,51 @@
+//! Where a device finds the fields of what both sides read.
+
+use crate::layout::{Attribute, Frame, Hit, Material, Node, Object, Surface, View};
+
+/// How many words [`probe`] gives.
+pub const PROBES: usize = 24;
+
+/// Fields from all over the layouts, as words: of the frame, and of the second element of
+/// each slice. Filled with words that tell where they are, buffers so tell where a device
+/// looks for each field, and how far apart it takes elements to be.
+#[inline(always)]
+pub fn probe(
+    frame: &Frame,
+    views: &[View],
+    objects: &[Object],
+    nodes: &[Node],
+    attributes: &[Attribute],
+    materials: &[Material],
+    surfaces: &[Surface],
+    hits: &[Hit],
+) -> [u32; PROBES] {
+    let (view, object, node) = (&views[1], &objects[1], &nodes[1]);
+    let (attribute, material) = (&attributes[1], &materials[1]);
+    let (surface, hit) = (&surfaces[1], &hits[1]);
+    [
+        frame.width,
+        frame.rays,
+        frame.magnitude.to_bits(),
+        view.center[0].to_bits(),
+        view.kind,
+        view.depth[2].to_bits(),
+        view.first_block,
+        view.reach_squared.to_bits(),
+        object.to_object[0][0].to_bits(),
+        object.to_world[2][3].to_bits(),
+        object.root,
+        object.center[1].to_bits(),
+        object.slack.to_bits(),
+        node.first,
+        node.kind,
+        attribute.normal[0].to_bits(),
+        attribute.color,
+        material.specular[0].to_bits(),
+        material.texture.first,
+        material.emission[2].to_bits(),
+        surface.material,
+        surface.footprint.to_bits(),
+        hit.t.to_bits(),
+        hit.v.to_bits(),
+    ]
+}
