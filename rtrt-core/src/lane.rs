@@ -20,6 +20,19 @@ pub trait Select<T>: Copy {
     fn select(self, if_true: T, if_false: T) -> T;
 }
 
+/// The numbers of a lane one by one, in memory.
+pub trait Row<T>: Copy {
+    /// The number in lane `index`; `index` is below the lane's width.
+    fn at(&self, index: usize) -> T;
+}
+
+impl<T: Copy, const WIDTH: usize> Row<T> for [T; WIDTH] {
+    #[inline(always)]
+    fn at(&self, index: usize) -> T {
+        self[index]
+    }
+}
+
 /// The bits of a [`Lane`], as unsigned 32-bit integers. Arithmetic wraps.
 pub trait Bits:
     Copy
@@ -32,6 +45,8 @@ pub trait Bits:
 {
     /// The mask that comparisons give.
     type Mask: Mask;
+    /// The numbers one by one.
+    type Row: Row<u32>;
 
     /// The same number in every lane, shaped like `self`.
     fn like(self, value: u32) -> Self;
@@ -41,8 +56,13 @@ pub trait Bits:
     fn equal(self, other: Self) -> Self::Mask;
     /// Unsigned less-than, lane by lane.
     fn less_than(self, other: Self) -> Self::Mask;
+    /// The numbers one by one. Take them out once, before a loop over lanes.
+    fn row(self) -> Self::Row;
     /// The number in lane `index`; `index` is below the lane's width.
-    fn lane(self, index: usize) -> u32;
+    #[inline(always)]
+    fn lane(self, index: usize) -> u32 {
+        self.row().at(index)
+    }
 }
 
 /// A number type that kernels are generic over.
@@ -64,6 +84,8 @@ pub trait Lane:
     type Mask: Mask + Select<Self> + Select<Self::Bits>;
     /// The bits of the number.
     type Bits: Bits<Mask = Self::Mask>;
+    /// The numbers one by one.
+    type Row: Row<f32>;
 
     /// How many numbers there are side by side.
     const WIDTH: usize;
@@ -76,8 +98,13 @@ pub trait Lane:
     fn bits_from_fn(token: Self::Token, f: impl Fn(usize) -> u32) -> Self::Bits;
     /// The token that made this number.
     fn token(self) -> Self::Token;
+    /// The numbers one by one. Take them out once, before a loop over lanes.
+    fn row(self) -> Self::Row;
     /// The number in lane `index`; `index` is below [`Lane::WIDTH`].
-    fn lane(self, index: usize) -> f32;
+    #[inline(always)]
+    fn lane(self, index: usize) -> f32 {
+        self.row().at(index)
+    }
 
     /// `self < other`.
     fn less_than(self, other: Self) -> Self::Mask;
@@ -175,6 +202,7 @@ word_operator! {
 
 impl Bits for Word {
     type Mask = bool;
+    type Row = [u32; 1];
 
     #[inline(always)]
     fn like(self, value: u32) -> Self {
@@ -193,8 +221,8 @@ impl Bits for Word {
         self.0 < other.0
     }
     #[inline(always)]
-    fn lane(self, _: usize) -> u32 {
-        self.0
+    fn row(self) -> [u32; 1] {
+        [self.0]
     }
 }
 
@@ -202,6 +230,7 @@ impl Lane for f32 {
     type Token = ();
     type Mask = bool;
     type Bits = Word;
+    type Row = [f32; 1];
 
     const WIDTH: usize = 1;
 
@@ -220,8 +249,8 @@ impl Lane for f32 {
     #[inline(always)]
     fn token(self) {}
     #[inline(always)]
-    fn lane(self, _: usize) -> f32 {
-        self
+    fn row(self) -> [f32; 1] {
+        [self]
     }
     #[inline(always)]
     fn less_than(self, other: Self) -> bool {
@@ -267,7 +296,12 @@ impl<L: Lane> V3<L> {
     /// The vector in lane `index`.
     #[inline(always)]
     pub fn lane(self, index: usize) -> [f32; 3] {
-        [self.x.lane(index), self.y.lane(index), self.z.lane(index)]
+        self.row().at(index)
+    }
+    /// The components one lane after another. Take them out once, before a loop over lanes.
+    #[inline(always)]
+    pub fn row(self) -> V3<L::Row> {
+        V3 { x: self.x.row(), y: self.y.row(), z: self.z.row() }
     }
     /// `x·x' + y·y' + z·z'`, summed from left to right.
     #[inline(always)]
@@ -306,6 +340,14 @@ impl<L: Lane> V3<L> {
             y: mask.select(if_true.y, if_false.y),
             z: mask.select(if_true.z, if_false.z),
         }
+    }
+}
+
+impl<R: Row<f32>> V3<R> {
+    /// The vector in lane `index`.
+    #[inline(always)]
+    pub fn at(&self, index: usize) -> [f32; 3] {
+        [self.x.at(index), self.y.at(index), self.z.at(index)]
     }
 }
 

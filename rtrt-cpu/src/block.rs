@@ -149,9 +149,10 @@ fn packet_colors<L: Lane, const G: usize>(
     );
     clock.lap(5, &mut start);
     for g in 0..G {
+        let (surface, lit) = (surfaces[g].rows(), arriving[g].rows());
         for lane in 0..L::WIDTH {
-            let color = shade(frame, materials, texels, &surfaces[g].lane(lane), &arriving[g].lane(lane));
-            colors[first + g * L::WIDTH + lane] = color;
+            colors[first + g * L::WIDTH + lane] =
+                shade(frame, materials, texels, &surface.lane(lane), &lit.lane(lane));
         }
     }
     clock.lap(6, &mut start);

@@ -85,6 +85,7 @@ macro_rules! lane {
 
         impl<S: Simd> Bits for $bits<S> {
             type Mask = $mask<S>;
+            type Row = [u32; $width];
 
             #[inline(always)]
             fn like(self, value: u32) -> Self {
@@ -103,8 +104,8 @@ macro_rules! lane {
                 $mask(self.0.simd_lt(other.0))
             }
             #[inline(always)]
-            fn lane(self, index: usize) -> u32 {
-                self.0[index]
+            fn row(self) -> [u32; $width] {
+                self.0.into()
             }
         }
 
@@ -112,6 +113,7 @@ macro_rules! lane {
             type Token = S;
             type Mask = $mask<S>;
             type Bits = $bits<S>;
+            type Row = [f32; $width];
 
             const WIDTH: usize = $width;
 
@@ -147,8 +149,8 @@ macro_rules! lane {
                 self.0.token()
             }
             #[inline(always)]
-            fn lane(self, index: usize) -> f32 {
-                self.0[index]
+            fn row(self) -> [f32; $width] {
+                self.0.into()
             }
             #[inline(always)]
             fn less_than(self, other: Self) -> $mask<S> {

@@ -3,6 +3,7 @@
 use crate::lane::{Lane, V3};
 use crate::layout::Object;
 use crate::num::recip;
+use core::ops::{Add, Mul};
 
 /// The points `origin + t · direction`, `t > 0`.
 #[derive(Clone, Copy)]
@@ -31,9 +32,10 @@ impl<L: Lane> Ray<L> {
     }
 }
 
-/// `m · (p, 1)`, each row summed from left to right.
+/// `m · (p, 1)`, each row summed from left to right; the matrix is one for all lanes, or
+/// each lane's own.
 #[inline(always)]
-pub fn point<L: Lane>(m: &[[f32; 4]; 3], p: V3<L>) -> V3<L> {
+pub fn point<L: Lane + Mul<M, Output = L> + Add<M, Output = L>, M: Copy>(m: &[[M; 4]; 3], p: V3<L>) -> V3<L> {
     V3 {
         x: p.x * m[0][0] + p.y * m[0][1] + p.z * m[0][2] + m[0][3],
         y: p.x * m[1][0] + p.y * m[1][1] + p.z * m[1][2] + m[1][3],
@@ -54,7 +56,7 @@ pub fn vector<L: Lane>(m: &[[f32; 4]; 3], v: V3<L>) -> V3<L> {
 /// `transpose(m) · n`: takes a normal from object to world space when `m` takes points
 /// from world to object space.
 #[inline(always)]
-pub fn normal<L: Lane>(m: &[[f32; 4]; 3], n: V3<L>) -> V3<L> {
+pub fn normal<L: Lane + Mul<M, Output = L>, M: Copy>(m: &[[M; 4]; 3], n: V3<L>) -> V3<L> {
     V3 {
         x: n.x * m[0][0] + n.y * m[1][0] + n.z * m[2][0],
         y: n.x * m[0][1] + n.y * m[1][1] + n.z * m[2][1],

@@ -87,10 +87,11 @@ impl Span {
 /// The smallest lane of each component.
 #[inline(always)]
 fn least<L: Lane>(v: V3<L>) -> [f32; 3] {
-    let mut least = v.lane(0);
+    let row = v.row();
+    let mut least = row.at(0);
     let mut lane = 1;
     while lane < L::WIDTH {
-        let next = v.lane(lane);
+        let next = row.at(lane);
         least = [smaller(least[0], next[0]), smaller(least[1], next[1]), smaller(least[2], next[2])];
         lane += 1;
     }

@@ -4,8 +4,8 @@ use crate::kernel::ray::Ray;
 use crate::kernel::slab::meets;
 use crate::kernel::span::Span;
 use crate::kernel::triangle::{Triangle, meet};
-use crate::lane::{Bits, Lane, Mask, Select, Word};
-use crate::layout::{Hit, Node, Object};
+use crate::lane::{Bits, Lane, Mask, Row, Select, Word};
+use crate::layout::{Hit, NONE, Node, Object};
 
 /// How many children can wait on the way down: one a level, so trees are built no deeper.
 pub const STACK: usize = 64;
@@ -59,6 +59,63 @@ pub struct Best<L: Lane> {
     pub v: L,
 }
 
+/// A [`Best`] whose lanes are in memory, one after another.
+#[derive(Clone, Copy)]
+pub struct BestRows<L: Lane> {
+    t: L::Row,
+    object: <L::Bits as Bits>::Row,
+    triangle: <L::Bits as Bits>::Row,
+    u: L::Row,
+    v: L::Row,
+}
+
+impl<L: Lane> Best<L> {
+    /// The lanes one by one. Take them out once, before a loop over lanes.
+    #[inline(always)]
+    pub fn rows(&self) -> BestRows<L> {
+        BestRows {
+            t: self.t.row(),
+            object: self.object.row(),
+            triangle: self.triangle.row(),
+            u: self.u.row(),
+            v: self.v.row(),
+        }
+    }
+}
+
+impl<L: Lane> BestRows<L> {
+    /// The object in one lane.
+    #[inline(always)]
+    pub fn object(&self, lane: usize) -> u32 {
+        self.object.at(lane)
+    }
+    /// The triangle in one lane.
+    #[inline(always)]
+    pub fn triangle(&self, lane: usize) -> u32 {
+        self.triangle.at(lane)
+    }
+    /// The weights of the second and third corner in one lane.
+    #[inline(always)]
+    pub fn weights(&self, lane: usize) -> [f32; 2] {
+        [self.u.at(lane), self.v.at(lane)]
+    }
+    /// The record of one lane.
+    #[inline(always)]
+    pub fn hit(&self, lane: usize) -> Hit {
+        let object = self.object.at(lane);
+        if object == NONE {
+            return Hit::MISS;
+        }
+        Hit {
+            t: self.t.at(lane),
+            object,
+            triangle: self.triangle.at(lane),
+            u: self.u.at(lane),
+            v: self.v.at(lane),
+        }
+    }
+}
+
 impl Best<f32> {
     /// A lane of width 1 from its record.
     #[inline(always)]
@@ -76,10 +133,11 @@ pub fn widest<L: Lane, const G: usize>(best: &[Best<L>; G]) -> f32 {
         limit = limit.max(best[g].t);
         g += 1;
     }
-    let mut widest = limit.lane(0);
+    let row = limit.row();
+    let mut widest = row.at(0);
     let mut lane = 1;
     while lane < L::WIDTH {
-        widest = Lane::max(widest, limit.lane(lane));
+        widest = Lane::max(widest, row.at(lane));
         lane += 1;
     }
     widest
@@ -137,7 +195,7 @@ pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
                 } else {
                     rising.z
                 };
-                let far_first = (slope.lane(0) < 0.0) as u32;
+                let far_first = (slope.row().at(0) < 0.0) as u32;
                 stack[waiting] = (node.first + 1 - far_first) | (group as u32) << 26;
                 waiting += 1;
                 index = node.first + far_first;

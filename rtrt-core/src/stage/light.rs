@@ -3,7 +3,7 @@
 use crate::kernel::falloff::falloff;
 use crate::kernel::ray::Ray;
 use crate::kernel::reflect::{blinn_phong, lambert};
-use crate::lane::{Bits, Lane, Mask, Select, V3};
+use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Frame, Lit, Material, View};
 use crate::num::{normalize, sqrt};
 use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
@@ -27,7 +27,27 @@ impl<L: Lane> Arriving<L> {
     /// The record of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Lit {
-        Lit { diffuse: self.diffuse.lane(lane), specular: self.specular.lane(lane) }
+        self.rows().lane(lane)
+    }
+    /// The lanes one by one. Take them out once, before a loop over lanes.
+    #[inline(always)]
+    pub fn rows(&self) -> ArrivingRows<L> {
+        ArrivingRows { diffuse: self.diffuse.row(), specular: self.specular.row() }
+    }
+}
+
+/// An [`Arriving`] whose lanes are in memory, one after another.
+#[derive(Clone, Copy)]
+pub struct ArrivingRows<L: Lane> {
+    diffuse: V3<L::Row>,
+    specular: V3<L::Row>,
+}
+
+impl<L: Lane> ArrivingRows<L> {
+    /// The record of one lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Lit {
+        Lit { diffuse: self.diffuse.at(lane), specular: self.specular.at(lane) }
     }
 }
 
@@ -74,11 +94,12 @@ fn add<L: Lane>(
     let view = &views[frame.light_view(light) as usize];
     let (way, _) = to_light(view, surfaces.origin);
     let toward = normalize(way);
+    let indices = surfaces.material.row();
     let shininess = L::from_fn(
         token,
         #[inline(always)]
         |lane| {
-            let material = surfaces.material.lane(lane);
+            let material = indices.at(lane);
             if material == 0 { 1.0 } else { materials[material as usize - 1].shininess }
         },
     );

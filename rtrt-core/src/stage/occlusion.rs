@@ -4,7 +4,7 @@ use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
 use crate::kernel::traverse::{Best, Geometry};
 use crate::kernel::view::light_block;
-use crate::lane::{Bits, Lane, Mask, Select, V3, groups};
+use crate::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
 use crate::layout::{Frame, View, ViewKind};
 use crate::stage::surface::Surfaces;
 use crate::stage::visibility::closest;
@@ -159,10 +159,11 @@ fn first_pending<L: Lane, const G: usize>(pending: &[L; G], blocks: &[L::Bits; G
     let mut g = 0;
     while g < G {
         if pending[g].like(0.0).less_than(pending[g]).any() {
+            let (waits, blocks) = (pending[g].row(), blocks[g].row());
             let mut lane = 0;
             while lane < L::WIDTH {
-                if pending[g].lane(lane) > 0.0 {
-                    return Some(blocks[g].lane(lane));
+                if waits.at(lane) > 0.0 {
+                    return Some(blocks.at(lane));
                 }
                 lane += 1;
             }

@@ -5,8 +5,8 @@ use crate::kernel::mip::footprint;
 use crate::kernel::offset::offset;
 use crate::kernel::ray::{Ray, normal, point};
 use crate::kernel::texture::BYTE;
-use crate::kernel::traverse::{Best, Geometry};
-use crate::lane::{Bits, Lane, Mask, Select, V3};
+use crate::kernel::traverse::{Best, BestRows, Geometry};
+use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Attribute, NONE, Surface, View};
 use crate::num::{TINY, floor, normalize, sqrt, to_integer};
 
@@ -27,17 +27,48 @@ pub struct Surfaces<L: Lane> {
     pub footprint: L,
 }
 
+/// [`Surfaces`] whose lanes are in memory, one after another.
+#[derive(Clone, Copy)]
+pub struct SurfaceRows<L: Lane> {
+    origin: V3<L::Row>,
+    normal: V3<L::Row>,
+    material: <L::Bits as Bits>::Row,
+    color: <L::Bits as Bits>::Row,
+    uv: [L::Row; 2],
+    footprint: L::Row,
+}
+
 impl<L: Lane> Surfaces<L> {
     /// The record of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Surface {
+        self.rows().lane(lane)
+    }
+    /// The lanes one by one. Take them out once, before a loop over lanes.
+    #[inline(always)]
+    pub fn rows(&self) -> SurfaceRows<L> {
+        SurfaceRows {
+            origin: self.origin.row(),
+            normal: self.normal.row(),
+            material: self.material.row(),
+            color: self.color.row(),
+            uv: [self.uv[0].row(), self.uv[1].row()],
+            footprint: self.footprint.row(),
+        }
+    }
+}
+
+impl<L: Lane> SurfaceRows<L> {
+    /// The record of one lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Surface {
         Surface {
-            origin: self.origin.lane(lane),
-            material: self.material.lane(lane),
-            normal: self.normal.lane(lane),
-            color: self.color.lane(lane),
-            uv: [self.uv[0].lane(lane), self.uv[1].lane(lane)],
-            footprint: self.footprint.lane(lane),
+            origin: self.origin.at(lane),
+            material: self.material.at(lane),
+            normal: self.normal.at(lane),
+            color: self.color.at(lane),
+            uv: [self.uv[0].at(lane), self.uv[1].at(lane)],
+            footprint: self.footprint.at(lane),
         }
     }
 }
@@ -94,22 +125,37 @@ pub fn surface<L: Lane>(
         };
     }
     let vertices = Vertices { geometry: *geometry, attributes };
-    let [ax, ay, az, bx, by, bz, cx, cy, cz, nx, ny, nz, s, t, uv_area] = L::gather(
+    let found = best.rows();
+    let [ax, ay, az, bx, by, bz, cx, cy, cz] = L::gather(
         token,
         #[inline(always)]
-        |lane| corners(geometry, attributes, best, lane),
+        |lane| places(geometry, &found, lane),
     );
-    let (a, b, c) = (V3 { x: ax, y: ay, z: az }, V3 { x: bx, y: by, z: bz }, V3 { x: cx, y: cy, z: cz });
+    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz, sa, ta, sb, tb, sc, tc] = L::gather(
+        token,
+        #[inline(always)]
+        |lane| shared(&vertices, &found, lane),
+    );
+    let space = Space::of(geometry, best.t, &found, missed);
+    let a = space.point(V3 { x: ax, y: ay, z: az });
+    let b = space.point(V3 { x: bx, y: by, z: bz });
+    let c = space.point(V3 { x: cx, y: cy, z: cz });
+    let weights = Weights::new(best.u, best.v);
+    let smooth = space.normal(weights.mix3(
+        V3 { x: nax, y: nay, z: naz },
+        V3 { x: nbx, y: nby, z: nbz },
+        V3 { x: ncx, y: ncy, z: ncz },
+    ));
+    let uv_area = (sb - sa) * (tc - ta) - (sc - sa) * (tb - ta);
 
     let across = (b - a).cross(c - a);
     let area = sqrt(across.dot(across));
     let flat = facing(normalize(across), -ray.direction);
-    let smooth = V3 { x: nx, y: ny, z: nz };
     let length = smooth.dot(smooth);
     let has_normal = length.like(TINY).less_than(length);
     let smooth = V3::select(has_normal, facing(normalize(smooth), flat), flat);
 
-    let place = Weights::new(best.u, best.v).mix3(a, b, c);
+    let place = weights.mix3(a, b, c);
     let pixel = best.t * camera.pixel_t + camera.pixel;
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
@@ -119,7 +165,7 @@ pub fn surface<L: Lane>(
             L::bits_from_fn(
                 token,
                 #[inline(always)]
-                |lane| material(geometry, best, lane),
+                |lane| material(geometry, &found, lane),
             ),
         ),
         color: missed.select(
@@ -127,10 +173,10 @@ pub fn surface<L: Lane>(
             L::bits_from_fn(
                 token,
                 #[inline(always)]
-                |lane| color(&vertices, best, lane),
+                |lane| color(&vertices, &found, lane),
             ),
         ),
-        uv: [missed.select(zero, s), missed.select(zero, t)],
+        uv: [missed.select(zero, weights.mix(sa, sb, sc)), missed.select(zero, weights.mix(ta, tb, tc))],
         footprint: missed.select(zero, footprint(pixel, uv_area, area)),
     }
 }
@@ -142,63 +188,127 @@ fn facing<L: Lane>(v: V3<L>, toward: V3<L>) -> V3<L> {
     V3::select(away, -v, v)
 }
 
-/// What one lane reads of its triangle: the world positions of the corners, the world
-/// normal (any length) and the texture coordinates at the hit, and the doubled area in
-/// texture coordinates.
+/// The way from object to world space, of each lane's own object.
+#[derive(Clone, Copy)]
+struct Space<L: Lane> {
+    /// The lanes whose object and world space are the same.
+    same: L::Mask,
+    /// Whether that is all of them.
+    all_same: bool,
+    to_world: [[L; 4]; 3],
+    to_object: [[L; 4]; 3],
+}
+
+impl<L: Lane> Space<L> {
+    /// The spaces of the hit objects. Matrices are read lane by lane only where the lanes
+    /// have hit different objects.
+    #[inline(always)]
+    fn of(geometry: &Geometry<'_>, like: L, found: &BestRows<L>, missed: L::Mask) -> Self {
+        let token = like.token();
+        let identity = L::bits_from_fn(
+            token,
+            #[inline(always)]
+            |lane| {
+                let index = found.object(lane);
+                if index == NONE { 1 } else { geometry.objects[index as usize].is_identity }
+            },
+        );
+        let same = identity.equal(identity.like(1)) | missed;
+        let zero = [[like.like(0.0); 4]; 3];
+        let mut space = Self { same, all_same: !(!same).any(), to_world: zero, to_object: zero };
+        if space.all_same {
+            return space;
+        }
+        let mut row = 0;
+        while row < 3 {
+            space.to_world[row] = L::gather(
+                token,
+                #[inline(always)]
+                |lane| {
+                    let index = found.object(lane);
+                    if index == NONE { [0.0; 4] } else { geometry.objects[index as usize].to_world[row] }
+                },
+            );
+            space.to_object[row] = L::gather(
+                token,
+                #[inline(always)]
+                |lane| {
+                    let index = found.object(lane);
+                    if index == NONE { [0.0; 4] } else { geometry.objects[index as usize].to_object[row] }
+                },
+            );
+            row += 1;
+        }
+        space
+    }
+
+    /// A point in world space.
+    #[inline(always)]
+    fn point(&self, p: V3<L>) -> V3<L> {
+        if self.all_same { p } else { V3::select(self.same, p, point(&self.to_world, p)) }
+    }
+
+    /// A normal in world space, any length.
+    #[inline(always)]
+    fn normal(&self, n: V3<L>) -> V3<L> {
+        if self.all_same { n } else { V3::select(self.same, n, normal(&self.to_object, n)) }
+    }
+}
+
+/// The positions of the corners of one lane's triangle, object space.
 #[inline(always)]
-fn corners<L: Lane>(
-    geometry: &Geometry<'_>,
-    attributes: &[Attribute],
-    best: &Best<L>,
-    lane: usize,
-) -> [f32; 15] {
-    let index = best.object.lane(lane);
+fn places<L: Lane>(geometry: &Geometry<'_>, found: &BestRows<L>, lane: usize) -> [f32; 9] {
+    let index = found.object(lane);
+    if index == NONE {
+        return [0.0; 9];
+    }
+    let [a, b, c] = geometry.corners(&geometry.objects[index as usize], found.triangle(lane));
+    let (a, b, c) =
+        (&geometry.positions[a as usize], &geometry.positions[b as usize], &geometry.positions[c as usize]);
+    [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]
+}
+
+/// The normals, then the texture coordinates, of the corners of one lane's triangle.
+#[inline(always)]
+fn shared<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [f32; 15] {
+    let Vertices { geometry, attributes } = vertices;
+    let index = found.object(lane);
     if index == NONE {
         return [0.0; 15];
     }
-    let object = &geometry.objects[index as usize];
-    let [a, b, c] = geometry.corners(object, best.triangle.lane(lane));
-    let weights = Weights::new(best.u.lane(lane), best.v.lane(lane));
-    let mut p = V3::<f32>::splat((), geometry.positions[a as usize]);
-    let mut q = V3::<f32>::splat((), geometry.positions[b as usize]);
-    let mut r = V3::<f32>::splat((), geometry.positions[c as usize]);
+    let [a, b, c] = geometry.corners(&geometry.objects[index as usize], found.triangle(lane));
     let (a, b, c) = (&attributes[a as usize], &attributes[b as usize], &attributes[c as usize]);
-    let mut n = weights.mix3(V3::splat((), a.normal), V3::splat((), b.normal), V3::splat((), c.normal));
-    if object.is_identity == 0 {
-        p = point(&object.to_world, p);
-        q = point(&object.to_world, q);
-        r = point(&object.to_world, r);
-        n = normal(&object.to_object, n);
-    }
-    let area = (b.uv[0] - a.uv[0]) * (c.uv[1] - a.uv[1]) - (c.uv[0] - a.uv[0]) * (b.uv[1] - a.uv[1]);
-    let s = weights.mix(a.uv[0], b.uv[0], c.uv[0]);
-    let t = weights.mix(a.uv[1], b.uv[1], c.uv[1]);
-    [p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, n.x, n.y, n.z, s, t, area]
+    let (n, m, o) = (&a.normal, &b.normal, &c.normal);
+    [
+        n[0], n[1], n[2], m[0], m[1], m[2], o[0], o[1], o[2], a.uv[0], a.uv[1], b.uv[0], b.uv[1], c.uv[0],
+        c.uv[1],
+    ]
 }
 
 /// 1 + the material in one lane, or 0.
 #[inline(always)]
-fn material<L: Lane>(geometry: &Geometry<'_>, best: &Best<L>, lane: usize) -> u32 {
-    let index = best.object.lane(lane);
+fn material<L: Lane>(geometry: &Geometry<'_>, found: &BestRows<L>, lane: usize) -> u32 {
+    let index = found.object(lane);
     if index == NONE { 0 } else { geometry.objects[index as usize].material + 1 }
 }
 
 /// The vertex color at the hit in one lane.
 #[inline(always)]
-fn color<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, lane: usize) -> u32 {
+fn color<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> u32 {
     let Vertices { geometry, attributes } = vertices;
-    let index = best.object.lane(lane);
+    let index = found.object(lane);
     if index == NONE {
         return 0;
     }
     let object = &geometry.objects[index as usize];
-    let [a, b, c] = geometry.corners(object, best.triangle.lane(lane));
+    let [a, b, c] = geometry.corners(object, found.triangle(lane));
     let (a, b, c) =
         (attributes[a as usize].color, attributes[b as usize].color, attributes[c as usize].color);
     if a == b && b == c {
         return a;
     }
-    let weights = Weights::new(best.u.lane(lane), best.v.lane(lane));
+    let [u, v] = found.weights(lane);
+    let weights = Weights::new(u, v);
     let channel = |shift: u32| {
         let part = |color: u32| (color >> shift & 255) as f32;
         let mixed = floor(weights.mix(part(a), part(b), part(c)) + 0.5);

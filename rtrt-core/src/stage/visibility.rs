@@ -7,7 +7,7 @@ use crate::kernel::slab::meets;
 use crate::kernel::span::Span;
 use crate::kernel::traverse::{Best, Geometry, traverse, widest};
 use crate::kernel::view::camera_ray;
-use crate::lane::{Bits, Lane, Mask, groups};
+use crate::lane::{Lane, Mask, groups};
 use crate::layout::{Frame, Hit, NONE, View};
 
 /// The rays numbered from `first` on: group after group, lane after lane.
@@ -138,15 +138,5 @@ pub fn closest<L: Lane, const G: usize, const ANY: bool>(
 /// The deferred record of one lane.
 #[inline(always)]
 pub fn hit<L: Lane>(best: &Best<L>, lane: usize) -> Hit {
-    let object = best.object.lane(lane);
-    if object == NONE {
-        return Hit::MISS;
-    }
-    Hit {
-        t: best.t.lane(lane),
-        object,
-        triangle: best.triangle.lane(lane),
-        u: best.u.lane(lane),
-        v: best.v.lane(lane),
-    }
+    best.rows().hit(lane)
 }
