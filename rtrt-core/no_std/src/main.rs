@@ -1,0 +1,26 @@
+//! Meets a ray with a triangle, without std. A crate that linked std would bring a second
+//! panic handler, and this would not compile.
+#![no_std]
+#![no_main]
+
+use rtrt_core::kernel::ray::Ray;
+use rtrt_core::kernel::triangle::{Triangle, meet};
+use rtrt_core::lane::V3;
+
+#[link(name = "c")]
+unsafe extern "C" {}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {}
+}
+
+// SAFETY: the C runtime calls the one symbol named `main`, and nothing else defines it.
+#[unsafe(no_mangle)]
+extern "C" fn main() -> i32 {
+    let at = |v| V3::<f32>::splat((), v);
+    let ray = Ray::new(at([0.25, 0.25, 3.0]), at([0.0, 0.0, -1.0]));
+    let triangle = Triangle::new([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    let found = meet(&ray, &triangle, f32::MAX);
+    if found.mask && found.t == 3.0 && found.u == 0.25 && found.v == 0.25 { 0 } else { 1 }
+}
