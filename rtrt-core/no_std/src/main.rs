@@ -15,6 +15,10 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     loop {}
 }
 
+// SAFETY: only the prebuilt `core` refers to it, for unwinding, which never happens here.
+#[unsafe(no_mangle)]
+extern "C" fn rust_eh_personality() {}
+
 // SAFETY: the C runtime calls the one symbol named `main`, and nothing else defines it.
 #[unsafe(no_mangle)]
 extern "C" fn main() -> i32 {
