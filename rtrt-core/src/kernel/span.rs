@@ -3,7 +3,8 @@
 
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::STRETCH;
-use crate::lane::{Lane, Mask, V3};
+use crate::kernel::traverse::Best;
+use crate::lane::{Lane, V3};
 
 /// Bounds on the rays of a packet.
 ///
@@ -25,9 +26,9 @@ pub struct Span {
 }
 
 impl Span {
-    /// The bounds of those rays whose limit is not negative.
+    /// The bounds of those rays of the first `count` groups whose limit is not negative.
     #[inline(always)]
-    pub fn of<L: Lane, const G: usize>(rays: &[Ray<L>; G], limits: &[L; G]) -> Self {
+    pub fn of<L: Lane, const G: usize>(rays: &[Ray<L>; G], best: &[Best<L>; G], count: usize) -> Self {
         let like = rays[0].origin.x;
         let (largest, smallest) = (like.like(f32::MAX), like.like(-f32::MAX));
         let everything = V3 { x: largest, y: largest, z: largest };
@@ -35,16 +36,14 @@ impl Span {
         let mut low = [everything; 2];
         let mut high = [nothing; 2];
         let mut g = 0;
-        while g < G {
-            let active = like.like(0.0).less_equal(limits[g]);
-            if active.any() {
-                let values = [rays[g].origin, rays[g].inverse];
-                let mut k = 0;
-                while k < 2 {
-                    low[k] = low[k].min(V3::select(active, values[k], everything));
-                    high[k] = high[k].max(V3::select(active, values[k], nothing));
-                    k += 1;
-                }
+        while g < count {
+            let active = like.like(0.0).less_equal(best[g].t);
+            let values = [rays[g].origin, rays[g].inverse];
+            let mut k = 0;
+            while k < 2 {
+                low[k] = low[k].min(V3::select(active, values[k], everything));
+                high[k] = high[k].max(V3::select(active, values[k], nothing));
+                k += 1;
             }
             g += 1;
         }

@@ -124,12 +124,12 @@ impl Best<f32> {
     }
 }
 
-/// The largest limit in a packet; negative when every ray is done.
+/// The largest limit in the first `count` groups; negative when every ray is done.
 #[inline(always)]
-pub fn widest<L: Lane, const G: usize>(best: &[Best<L>; G]) -> f32 {
+pub fn widest<L: Lane, const G: usize>(best: &[Best<L>; G], count: usize) -> f32 {
     let mut limit = best[0].t;
     let mut g = 1;
-    while g < G {
+    while g < count {
         limit = limit.max(best[g].t);
         g += 1;
     }
@@ -143,9 +143,9 @@ pub fn widest<L: Lane, const G: usize>(best: &[Best<L>; G]) -> f32 {
     widest
 }
 
-/// Meets the packet with one object and keeps in `best`, for each ray, the least of what
-/// it holds and of the object's hits, by `(t, object, triangle)`. With `ANY`, a ray that
-/// meets something at all gets the limit −1 instead, and is done.
+/// Meets the first `count` groups of a packet with one object and keeps in `best`, for each
+/// ray, the least of what it holds and of the object's hits, by `(t, object, triangle)`.
+/// With `ANY`, a ray that meets something at all gets the limit −1 instead, and is done.
 ///
 /// `rays` are in the object's space and `span` bounds them. The result is a function of
 /// the set of triangles: the tree, its order and the packet's shape only decide how soon
@@ -161,6 +161,7 @@ pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
     geometry: &Geometry<'_>,
     object_index: u32,
     rays: &[Ray<L>; G],
+    count: usize,
     span: &Span,
     best: &mut [Best<L>; G],
 ) {
@@ -169,21 +170,21 @@ pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
     let mut waiting = 0_usize;
     let mut index = 0_u32;
     let mut first = 0_usize;
-    let mut limit = widest(best);
+    let mut limit = widest(best, count);
     loop {
         let node = geometry.nodes[(object.root + index) as usize];
         let mut group = first;
         if !meets(&rays[group], &node.low, &node.high, best[group].t).any() {
             if G > 1 && span.misses(&node.low, &node.high, limit) {
-                group = G;
+                group = count;
             } else {
                 group += 1;
-                while group < G && !meets(&rays[group], &node.low, &node.high, best[group].t).any() {
+                while group < count && !meets(&rays[group], &node.low, &node.high, best[group].t).any() {
                     group += 1;
                 }
             }
         }
-        if group < G {
+        if group < count {
             if !node.is_leaf() {
                 // Near child first: the lower one when the packet's first ray goes up.
                 let axis = node.kind;
@@ -202,9 +203,9 @@ pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
                 first = group;
                 continue;
             }
-            leaf::<L, G, ANY>(geometry, object, object_index, &node, group, rays, best);
-            if G > 1 || ANY {
-                limit = widest(best);
+            let changed = leaf::<L, G, ANY>(geometry, object, object_index, &node, group, rays, count, best);
+            if (G > 1 || ANY) && changed {
+                limit = widest(best, count);
                 if ANY && limit < 0.0 {
                     return;
                 }
@@ -219,7 +220,7 @@ pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
     }
 }
 
-/// Meets the groups from `group` on with every triangle of a leaf.
+/// Meets the groups from `group` on with every triangle of a leaf; whether any was met.
 #[inline(always)]
 fn leaf<L: Lane, const G: usize, const ANY: bool>(
     geometry: &Geometry<'_>,
@@ -228,12 +229,14 @@ fn leaf<L: Lane, const G: usize, const ANY: bool>(
     node: &Node,
     group: usize,
     rays: &[Ray<L>; G],
+    count: usize,
     best: &mut [Best<L>; G],
-) {
+) -> bool {
+    let mut changed = false;
     let mut groups = 1_u32 << group;
     if G > 1 {
         let mut g = group + 1;
-        while g < G {
+        while g < count {
             if meets(&rays[g], &node.low, &node.high, best[g].t).any() {
                 groups |= 1 << g;
             }
@@ -248,13 +251,14 @@ fn leaf<L: Lane, const G: usize, const ANY: bool>(
         while left != 0 {
             let g = if G == 1 { 0 } else { left.trailing_zeros() as usize };
             left &= left - 1;
-            keep::<L, ANY>(&rays[g], &triangle, object_index, id, &mut best[g]);
+            changed |= keep::<L, ANY>(&rays[g], &triangle, object_index, id, &mut best[g]);
         }
         i += 1;
     }
+    changed
 }
 
-/// Meets one group with one triangle.
+/// Meets one group with one triangle; whether any ray met it.
 #[inline(always)]
 fn keep<L: Lane, const ANY: bool>(
     ray: &Ray<L>,
@@ -262,14 +266,14 @@ fn keep<L: Lane, const ANY: bool>(
     object: u32,
     id: u32,
     best: &mut Best<L>,
-) {
+) -> bool {
     let found = meet(ray, triangle, best.t);
     if !found.mask.any() {
-        return;
+        return false;
     }
     if ANY {
         best.t = found.mask.select(best.t.like(-1.0), best.t);
-        return;
+        return true;
     }
     let (object, id) = (best.object.like(object), best.object.like(id));
     // Equal t: the lower object, then the lower triangle.
@@ -280,4 +284,5 @@ fn keep<L: Lane, const ANY: bool>(
     best.v = closer.select(found.v, best.v);
     best.object = closer.select(object, best.object);
     best.triangle = closer.select(id, best.triangle);
+    true
 }

@@ -73,6 +73,9 @@ pub fn visibility<L: Lane, const G: usize>(
 
 /// Meets a packet with the objects of one block's list, near to far, until nothing nearer
 /// can follow. With `ANY`, rays end at the first hit (see [`traverse`]).
+///
+/// Groups that look for nothing are left out first, and for an object with a space of its
+/// own those that pass its box by, before any ray is transformed.
 #[inline(always)]
 pub fn closest<L: Lane, const G: usize, const ANY: bool>(
     lists: &Lists<'_>,
@@ -81,57 +84,81 @@ pub fn closest<L: Lane, const G: usize, const ANY: bool>(
     rays: &[Ray<L>; G],
     best: &mut [Best<L>; G],
 ) {
-    let limits = groups(
-        #[inline(always)]
-        |g| best[g].t,
-    );
-    let world = Span::of(rays, &limits);
-    // Not `*rays`: copying an array through memory is beyond naga.
-    let mut local = groups(
+    // Element by element: copying an array through memory is beyond naga.
+    let mut world_rays: [Ray<L>; G] = groups(
         #[inline(always)]
         |g| rays[g],
     );
-    let mut span = world;
-    let mut in_world = true;
+    let mut world_best: [Best<L>; G] = groups(
+        #[inline(always)]
+        |g| best[g],
+    );
+    let mut slots = [0_usize; G];
+    let mut count = 0;
+    let mut g = 0;
+    while g < G {
+        if best[g].t.like(0.0).less_equal(best[g].t).any() {
+            world_rays[count] = rays[g];
+            world_best[count] = best[g];
+            slots[count] = g;
+            count += 1;
+        }
+        g += 1;
+    }
+    if count == 0 {
+        return;
+    }
+    let world = Span::of(&world_rays, &world_best, count);
+    let mut local_rays = world_rays;
+    let mut local_best = world_best;
+    let mut local_slots = [0_usize; G];
     let [mut next, last] = lists.range(block);
     while next < last {
         let entry = lists.entry(next);
         next += 1;
-        // Keys are depths, and so is a camera ray's t. Light lists have keys of 0.
-        let limit = widest(best);
+        // Keys are depths, and so is a camera ray's t. Light lists have keys of 0, and a
+        // packet that is done has a negative limit.
+        let limit = widest(&world_best, count);
         if limit < f32::from_bits(entry.key) {
-            return;
+            break;
         }
         let object = &geometry.objects[entry.object as usize];
-        if object.is_identity == 1 {
-            if !in_world {
-                local = *rays;
-                span = world;
-                in_world = true;
-            }
-        } else {
-            let (low, high) = object.widened(geometry.magnitude);
-            let missed = if G > 1 {
-                world.misses(&low, &high, limit)
-            } else {
-                !meets(&rays[0], &low, &high, best[0].t).any()
-            };
-            if missed {
-                continue;
-            }
-            let limits = groups(
-                #[inline(always)]
-                |g| best[g].t,
-            );
-            let mut g = 0;
-            while g < G {
-                local[g] = rays[g].to_object(object);
-                g += 1;
-            }
-            span = Span::of(&local, &limits);
-            in_world = false;
+        let is_identity = object.is_identity == 1;
+        if G > 1 && is_identity {
+            traverse::<L, G, ANY>(geometry, entry.object, &world_rays, count, &world, &mut world_best);
+            continue;
         }
-        traverse::<L, G, ANY>(geometry, entry.object, &local, &span, best);
+        let (low, high) = object.widened(geometry.magnitude);
+        if G > 1 && world.misses(&low, &high, limit) {
+            continue;
+        }
+        let mut inside = 0;
+        let mut g = 0;
+        while g < count {
+            if meets(&world_rays[g], &low, &high, world_best[g].t).any() {
+                local_rays[inside] =
+                    if is_identity { world_rays[g] } else { world_rays[g].to_object(object) };
+                local_best[inside] = world_best[g];
+                local_slots[inside] = g;
+                inside += 1;
+            }
+            g += 1;
+        }
+        if inside == 0 {
+            continue;
+        }
+        let span = Span::of(&local_rays, &local_best, inside);
+        traverse::<L, G, ANY>(geometry, entry.object, &local_rays, inside, &span, &mut local_best);
+        let mut g = 0;
+        while g < inside {
+            world_best[local_slots[g]] = local_best[g];
+            g += 1;
+        }
+    }
+    let mut g = 0;
+    while g < count {
+        best[slots[g]] = world_best[g];
+        g += 1;
     }
 }
 
