@@ -1,0 +1,96 @@
+//! What a case is.
+
+use glam::Vec3;
+use rtrt_core::backend::Request;
+use rtrt_core::scene::{Camera, Projection, Scene};
+
+/// How exactly a backend must agree with the reference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Agree {
+    /// In every bit of every buffer.
+    Bits,
+}
+
+/// A frame that every backend must render alike.
+#[derive(Debug, Clone, Copy)]
+pub struct Case {
+    /// The kernel or stage it is about, and what is special.
+    pub name: &'static str,
+    /// What holds if the case passes.
+    pub claim: &'static str,
+    /// Builds the scene.
+    pub scene: fn() -> Scene,
+    /// From where.
+    pub camera: Camera,
+    /// Pixels in a row, and rows.
+    pub size: [u32; 2],
+    /// Sub-rays a pixel.
+    pub samples: u32,
+    /// Whether lights cast shadows.
+    pub shadows: bool,
+    /// How exactly.
+    pub agree: Agree,
+    /// Whether the picture is of a single color. Any other picture that is one is red: it
+    /// would pass whatever a backend did.
+    pub blank: bool,
+    /// Where the case is known to fail. It must fail there, and turns red the day it passes.
+    pub known: Option<Known>,
+}
+
+/// A failure that is known.
+#[derive(Debug, Clone, Copy)]
+pub struct Known {
+    /// A part of the adapter's name.
+    pub adapter: &'static str,
+    /// Why, and who says so.
+    pub why: &'static str,
+}
+
+impl Case {
+    /// What most cases have in common: a size that is not a multiple of a block, a camera
+    /// 4 units in front of the origin.
+    pub(crate) const USUAL: Self = Self {
+        name: "",
+        claim: "",
+        scene: Scene::new,
+        camera: look([0.0, 0.0, 4.0], [0.0; 3]),
+        size: [37, 21],
+        samples: 1,
+        shadows: true,
+        agree: Agree::Bits,
+        blank: false,
+        known: None,
+    };
+
+    /// What a backend is asked for.
+    pub fn request(&self) -> Request<'_> {
+        Request {
+            camera: &self.camera,
+            size: self.size,
+            samples: self.samples,
+            shadows: self.shadows,
+            deferred: true,
+        }
+    }
+}
+
+/// A camera at `eye` that looks at a point, with y up and a field of view of one radian.
+pub(crate) const fn look(eye: [f32; 3], at: [f32; 3]) -> Camera {
+    Camera {
+        eye: Vec3::from_array(eye),
+        look_at: Vec3::from_array(at),
+        up: Vec3::Y,
+        projection: Projection::Perspective { fov_y: 1.0 },
+    }
+}
+
+/// The same with another field of view, radians.
+pub(crate) const fn zoom(fov_y: f32, camera: Camera) -> Camera {
+    Camera { projection: Projection::Perspective { fov_y }, ..camera }
+}
+
+/// The same with parallel rays; the picture is `height` world units high.
+pub(crate) const fn parallel(height: f32, camera: Camera) -> Camera {
+    Camera { projection: Projection::Orthographic { height }, ..camera }
+}

@@ -1,0 +1,177 @@
+//! What arrives from lights: how they fade, how many there are, how surfaces answer.
+
+use crate::case::{Case, look};
+use crate::shape::{Build, PLAIN, Random, Shape, bulb, lamp, sun};
+use glam::{Mat4, Vec3};
+use rtrt_core::scene::{Light, Scene, phong};
+
+const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.5, 0.0]), ..Case::USUAL };
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "light/none",
+        claim: "A scene without lights shows its ambient light.",
+        scene: || {
+            let ball = Shape::ball(5).painted(&mut Random(11));
+            Build::default().shape(ball).scene
+        },
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/linear",
+        claim: "Light that fades linearly is 0 at its reach.",
+        scene: || lit([lamp([0.6, 0.3, 0.4], 2.0)]),
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/inverse_square",
+        claim: "Light that fades by the square ends at its reach.",
+        scene: || lit([square([0.6, 0.3, 0.4], Some(2.5))]),
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/inverse_square_without_reach",
+        claim: "Light that fades by the square needs no reach.",
+        scene: || lit([square([0.6, 0.3, 0.4], None)]),
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/without_reach",
+        claim: "Light may not fade at all.",
+        scene: || lit([bulb([-0.6, 0.3, 0.4])]),
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/very_near",
+        claim: "A light a millionth of a unit above a surface is as bright everywhere.",
+        scene: || lit([square([0.3, -1.0 + 1e-6, 0.9], None), bulb([-0.6, -1.0 + 1e-3, 0.4])]),
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/thirty_two",
+        claim: "Thirty-two lights fill one word of the shadow mask.",
+        scene: || many(32),
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/thirty_three",
+        claim: "Thirty-three lights take two words of the shadow mask.",
+        scene: || many(33),
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/seventy",
+        claim: "Seventy lights take three words of the shadow mask.",
+        scene: || many(70),
+        size: [23, 14],
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/thirty_two_among_objects",
+        claim: "Each of many lights asks hundreds of objects.",
+        scene: forest_of_lights,
+        size: [20, 12],
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/thirty_three_without_shadows",
+        claim: "The words of the mask do not depend on shadows.",
+        scene: || many(33),
+        shadows: false,
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/highlights",
+        claim: "Highlights, from dull to sharp, metal or not, are the same bits.",
+        scene: || {
+            let mut build = Build::default().light(bulb([1.0, 2.0, 4.0])).light(sun([1.0, -1.0, -1.0]));
+            for (i, roughness) in (0..).zip([0.0, 0.15, 0.4, 1.0]) {
+                let at = [0.8 * i as f32 - 1.2, 0.0, 0.0];
+                let metallic = f32::from(i % 2 == 1);
+                let material = phong([0.9, 0.6, 0.2], metallic, roughness, PLAIN, [0.0; 3]);
+                build = build.shape_of(Shape::ball(6).at(at, 0.4), material);
+            }
+            build.scene
+        },
+        samples: 4,
+        ..Case::USUAL
+    },
+    Case {
+        name: "light/brighter_than_white",
+        claim: "Light beyond white, and of its own, ends at white alike.",
+        scene: || {
+            let color = Vec3::new(30.0, 2.0, 0.5);
+            let strong = Light::Point {
+                position: Vec3::new(1.0, 2.0, 2.0),
+                color,
+                reach: None,
+                inverse_square: false,
+            };
+            let glowing = phong([0.2; 3], 0.0, 0.5, PLAIN, [0.1, 5.0, 0.3]);
+            Build::default()
+                .shape_of(Shape::ball(5).at([1.0, 0.0, 0.0], 0.7), glowing)
+                .shape(Shape::floor(3.0, -1.0))
+                .light(strong)
+                .scene
+        },
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/black_and_negative",
+        claim: "Lights without color add nothing; one that takes light away does so alike.",
+        scene: || {
+            let dark = |x: f32, color: f32| Light::Point {
+                position: Vec3::new(x, 1.0, 1.0),
+                color: Vec3::splat(color),
+                reach: None,
+                inverse_square: false,
+            };
+            lit([dark(1.0, 0.0), dark(-1.0, -0.5), bulb([0.0, 2.0, 1.0])])
+        },
+        ..FROM_ABOVE
+    },
+];
+
+fn square(position: [f32; 3], reach: Option<f32>) -> Light {
+    Light::Point { position: position.into(), color: Vec3::new(1.0, 0.9, 0.7), reach, inverse_square: true }
+}
+
+/// A ball on a floor.
+fn lit<const N: usize>(lights: [Light; N]) -> Scene {
+    let build =
+        Build::default().shape(Shape::floor(3.0, -1.0)).shape(Shape::ball(6).at([0.0, -0.5, 0.0], 0.5));
+    lights.into_iter().fold(build, Build::light).scene
+}
+
+fn many(count: u32) -> Scene {
+    let mut random = Random(12);
+    let mut build =
+        Build::default().shape(Shape::floor(3.0, -1.0)).shape(Shape::cube().at([0.3, -0.5, 0.0], 0.4));
+    for i in 0..count {
+        let position = random.vector(2.0) + Vec3::Y * 1.2;
+        let color = (random.vector(0.5) + 0.5) / 10.0;
+        let reach = (i % 3 == 0).then_some(2.5);
+        build = build.light(match i % 5 {
+            4 => Light::Sun { direction: position - Vec3::Y * 4.0, color },
+            _ => Light::Point { position, color, reach, inverse_square: i % 2 == 0 },
+        });
+    }
+    build.scene
+}
+
+/// Posts in rows, all of them in the way of every light: the lights are low.
+fn forest_of_lights() -> Scene {
+    let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
+    let post = build.mesh(Shape::ball(3));
+    for i in 0..900 {
+        let at = Vec3::new((i % 30) as f32 * 0.1 - 1.5, -0.95, (i / 30) as f32 * 0.1 - 1.5);
+        build.object(post, Mat4::from_translation(at) * Mat4::from_scale(Vec3::new(0.002, 0.05, 0.002)));
+    }
+    let color = Vec3::splat(0.05);
+    (0..32)
+        .fold(build, |build, i| {
+            let position = Vec3::new(2.0 + 0.01 * i as f32, -0.94, 0.03 * i as f32);
+            build.light(Light::Point { position, color, reach: None, inverse_square: false })
+        })
+        .scene
+}

@@ -1,0 +1,36 @@
+//! The cases, in files named for the kernels and stages that they are about.
+
+mod bin;
+mod camera;
+mod light;
+mod shadow;
+mod surface;
+mod texture;
+mod visibility;
+
+use crate::case::{Case, Known};
+
+/// All cases, in the order of the stages.
+pub fn all() -> impl Iterator<Item = &'static Case> {
+    let files = [
+        camera::CASES,
+        bin::CASES,
+        visibility::CASES,
+        surface::CASES,
+        texture::CASES,
+        shadow::CASES,
+        light::CASES,
+    ];
+    files.into_iter().flatten()
+}
+
+/// The case of this name, if there is one.
+pub fn named(name: &str) -> Option<&'static Case> {
+    all().find(|case| case.name == name)
+}
+
+/// What a case has in common with any other that takes many steps.
+const LOOPS: Option<Known> = Some(Known {
+    adapter: "llvmpipe",
+    why: "the driver ends all loops of an invocation after 65535 turns (LP_MAX_TGSI_LOOP_ITERATIONS)",
+});

@@ -1,0 +1,73 @@
+//! Normals and vertex colors at a hit.
+
+use crate::case::{Case, look};
+use crate::shape::{Build, Random, Shape, bulb};
+use glam::{Mat4, Vec3};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "surface/smooth_normals",
+        claim: "Normals are interpolated alike.",
+        scene: || Build::default().shape(Shape::ball(5)).light(bulb([2.0, 2.0, 3.0])).scene,
+        ..Case::USUAL
+    },
+    Case {
+        name: "surface/normals_without_length",
+        claim: "A normal that interpolates to nothing is replaced by the triangle's.",
+        scene: || {
+            let opposed = Shape::triangle([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]);
+            let ball = Shape::ball(4).shaded(|_| [0.0; 3]).at([1.5, 0.0, 0.0], 0.7);
+            let tiny = Shape::ball(4).shaded(|n| n.map(|c| c * 1e-20)).at([-1.5, 0.0, 0.0], 0.7);
+            Build::default().shape(opposed.and(ball).and(tiny)).light(bulb([2.0, 2.0, 3.0])).scene
+        },
+        ..Case::USUAL
+    },
+    Case {
+        name: "surface/normals_of_any_length",
+        claim: "Normals need not be of unit length.",
+        scene: || {
+            let long = Shape::ball(5).shaded(|n| n.map(|c| c * 1e10)).at([-0.9, 0.0, 0.0], 0.9);
+            let short = Shape::ball(5).shaded(|n| n.map(|c| c * 1e-10)).at([0.9, 0.0, 0.0], 0.9);
+            Build::default().shape(long.and(short)).light(bulb([2.0, 2.0, 3.0])).scene
+        },
+        ..Case::USUAL
+    },
+    Case {
+        name: "surface/from_within",
+        claim: "Surfaces have two sides; normals face the viewer.",
+        scene: || Build::default().shape(Shape::ball(7).at([0.0; 3], 2.0)).light(bulb([0.5, 0.8, 0.2])).scene,
+        camera: look([0.3, 0.0, 0.4], [0.0, 0.5, -1.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "surface/stretched_normals",
+        claim: "Normals of mirrored and stretched objects are turned alike.",
+        scene: || {
+            let mut build = Build::default();
+            let ball = build.mesh(Shape::ball(6));
+            for (x, scale) in [
+                (-1.2, Vec3::new(0.3, 1.0, 0.5)),
+                (0.0, Vec3::new(-0.5, 0.5, 0.5)),
+                (1.2, Vec3::new(0.6, 0.2, -0.9)),
+            ] {
+                let turn = Mat4::from_rotation_z(x);
+                build.object(
+                    ball,
+                    Mat4::from_translation(Vec3::new(x, 0.0, 0.0)) * turn * Mat4::from_scale(scale),
+                );
+            }
+            build.light(bulb([2.0, 2.0, 3.0])).scene
+        },
+        ..Case::USUAL
+    },
+    Case {
+        name: "surface/vertex_colors",
+        claim: "Vertex colors are interpolated, and rounded to bytes, alike.",
+        scene: || {
+            let painted = Shape::ball(4).painted(&mut Random(9));
+            Build::default().shape(painted).light(bulb([2.0, 2.0, 3.0])).scene
+        },
+        samples: 4,
+        ..Case::USUAL
+    },
+];

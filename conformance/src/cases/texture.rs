@@ -1,0 +1,101 @@
+//! Textures: sizes, wrap modes, and mip levels.
+
+use crate::case::{Case, look};
+use crate::shape::{Build, PLAIN, Random, Shape, bulb};
+use rtrt_core::layout::Wrap;
+use rtrt_core::scene::{Image, Scene, phong};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "texture/magnified",
+        claim: "A few texels over many pixels are mixed alike.",
+        scene: || wall([5, 3], [Wrap::Clamp; 2], [1.0, 1.0], [0.0, 0.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/not_a_power_of_two",
+        claim: "A texture may have any size; its mip levels lose nothing.",
+        scene: || wall([67, 45], [Wrap::Repeat; 2], [1.5, 1.5], [0.1, 0.2]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/one_texel",
+        claim: "A texture of one texel is that color.",
+        scene: || wall([1, 1], [Wrap::Repeat; 2], [3.0, 3.0], [0.0, 0.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/one_row",
+        claim: "A texture one texel high halves in one direction only.",
+        scene: || wall([64, 1], [Wrap::Mirror; 2], [2.0, 1.0], [0.0, 0.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/repeat",
+        claim: "A texture repeats, on the negative side too.",
+        scene: || wall([8, 8], [Wrap::Repeat; 2], [5.0, -3.0], [-2.3, 0.7]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/clamp",
+        claim: "The edge of a texture goes on.",
+        scene: || wall([8, 8], [Wrap::Clamp; 2], [3.0, -3.0], [-1.0, 2.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/mirror",
+        claim: "A texture is mirrored every other time.",
+        scene: || wall([8, 8], [Wrap::Mirror, Wrap::Repeat], [5.0, 3.0], [-2.3, 0.7]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/minified_at_a_grazing_angle",
+        claim: "Mip levels are chosen and mixed alike, up to the horizon.",
+        scene: || {
+            let floor = Shape::floor(200.0, -0.5).textured([300.0, 300.0], [0.0, 0.0]);
+            textured(floor, [32, 32], [Wrap::Repeat; 2])
+        },
+        camera: look([0.0, 0.0, 4.0], [0.0, -0.3, 0.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/far_coordinates",
+        claim: "Texture coordinates of any size give some texel, everywhere the same.",
+        scene: || wall([8, 8], [Wrap::Repeat; 2], [4e6, 3e9], [-1e6, 0.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/no_area_in_the_texture",
+        claim: "A triangle that is a line or a point in its texture takes the finest level.",
+        scene: || wall([16, 16], [Wrap::Repeat; 2], [1.0, 0.0], [0.0, 0.3]),
+        ..Case::USUAL
+    },
+];
+
+/// An image of noise.
+fn noise([width, height]: [u32; 2]) -> Image {
+    let mut random = Random(u64::from(width * 1000 + height));
+    Image { width, height, rgba: (0..width * height * 4).map(|_| random.bits() as u8).collect() }
+}
+
+fn textured(shape: Shape, size: [u32; 2], wrap: [Wrap; 2]) -> Scene {
+    let mut build = Build::default();
+    let texture = build.scene.add_texture(&noise(size), wrap).expect("a case's texture");
+    let material = phong([0.9, 0.8, 0.7], 0.0, 0.5, texture, [0.0; 3]);
+    // Another texture, and a surface without one, beside it.
+    let second = build.scene.add_texture(&noise([3, 7]), [Wrap::Clamp; 2]).expect("a case's texture");
+    let small = Shape::quad([-2.0, -0.4, 0.5], [0.6, 0.0, 0.0], [0.0, 0.8, 0.2]);
+    let plain = Shape::quad([1.4, -0.4, 0.5], [0.6, 0.0, 0.0], [0.0, 0.8, 0.2]);
+    build
+        .shape_of(shape, material)
+        .shape_of(small, phong([1.0; 3], 0.5, 0.3, second, [0.1, 0.0, 0.0]))
+        .shape_of(plain, phong([0.2, 0.5, 1.0], 0.0, 0.9, PLAIN, [0.0; 3]))
+        .light(bulb([1.0, 2.0, 5.0]))
+        .scene
+}
+
+/// A wall that fills the picture.
+fn wall(size: [u32; 2], wrap: [Wrap; 2], scale: [f32; 2], offset: [f32; 2]) -> Scene {
+    let wall = Shape::quad([-3.0, -2.0, 0.0], [6.0, 0.0, 0.5], [0.0, 4.0, -1.0]);
+    textured(wall.textured(scale, offset), size, wrap)
+}

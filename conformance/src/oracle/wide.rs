@@ -1,0 +1,292 @@
+//! Whether a picture is right, and not only the same everywhere: camera, triangle test and
+//! shadows once more in `f64`, from corners in world space, sharing no code with the
+//! renderer.
+//!
+//! `f32` and `f64` may honestly disagree where a ray passes an edge, where two surfaces are
+//! at the same depth, or where a transform magnifies roundings. So each triangle has a
+//! margin, at least 10⁻³ of a barycentric weight, and more by a bound on the error of `f32`;
+//! a ray that comes within the margin of anything that matters is not judged. Callers assert
+//! how many are.
+
+use glam::{DVec2, DVec3, dvec2};
+use rtrt_core::backend::{Picture, Request};
+use rtrt_core::grid::{Grid, RayIndex};
+use rtrt_core::layout::{Hit, NONE};
+use rtrt_core::scene::{Light, Projection, Scene};
+
+/// How many rays and shadow rays could be judged, of how many. All of them were right.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Judged {
+    /// Camera rays.
+    pub rays: usize,
+    /// Of them judged.
+    pub judged: usize,
+    /// Shadow rays of the judged.
+    pub shadow_rays: usize,
+    /// Of them judged.
+    pub judged_shadow_rays: usize,
+}
+
+/// The smallest margin of a barycentric weight, and of a depth relative to it.
+const MARGIN: f64 = 1e-3;
+/// How far the depth of a judged hit may be off, relative to it.
+const DEPTH: f64 = 1e-4;
+/// Error of a few roundings of `f32`, relative.
+const ROUNDINGS: f64 = 8.0 / 16_777_216.0;
+
+struct Triangle {
+    object: u32,
+    id: u32,
+    corner: DVec3,
+    ab: DVec3,
+    ac: DVec3,
+    /// How far the object's transform may put a point away from where it should be, per
+    /// unit of the point's size; 0 for none.
+    transform: f64,
+    /// The largest coordinate.
+    size: f64,
+}
+
+struct Ray {
+    origin: DVec3,
+    direction: DVec3,
+    /// How far the origin may be off.
+    doubt: f64,
+}
+
+/// A triangle that the ray may meet.
+struct Candidate<'a> {
+    triangle: &'a Triangle,
+    t: f64,
+    /// How far `t` may be off.
+    doubt: f64,
+    /// Whether the ray certainly meets it.
+    is_safe: bool,
+}
+
+/// Checks hits and shadow masks of every `step`-th ray of a picture.
+///
+/// # Errors
+/// The first judged ray that is wrong.
+///
+/// # Panics
+/// The picture has no deferred buffers.
+pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usize) -> Result<Judged, String> {
+    let side = f64::from(request.samples).sqrt() as u32;
+    let grid = Grid { width: request.size[0], height: request.size[1], side };
+    let deferred = picture.deferred.as_ref().expect("deferred buffers");
+    let triangles = triangles(scene);
+    let mut judged = Judged::default();
+    for index in (0..grid.rays()).step_by(step) {
+        let at = grid.ray(RayIndex(index));
+        if !grid.contains(at) {
+            continue;
+        }
+        judged.rays += 1;
+        let hit = &deferred.hits[index as usize];
+        let ray =
+            camera_ray(request, dvec2(f64::from(at[0]) + 0.5, f64::from(at[1]) + 0.5) / f64::from(side));
+        let Some(nearest) = nearest(&triangles, &ray) else { continue };
+        judged.judged += 1;
+        judge(hit, nearest.as_ref()).map_err(|why| format!("ray {index} at {at:?}: {why}"))?;
+        let Some(nearest) = nearest else { continue };
+        let surface = &deferred.surfaces[index as usize];
+        let place = ray.origin + ray.direction * nearest.t;
+        let doubt = (DVec3::from(surface.origin.map(f64::from)) - place).length();
+        let normal = DVec3::from(surface.normal.map(f64::from));
+        for (light, which) in scene.lights().iter().zip(0_u32..) {
+            judged.shadow_rays += 1;
+            let lit =
+                is_lit(&triangles, light, request.shadows, &ray, place, doubt, normal, nearest.triangle);
+            let Some(lit) = lit else { continue };
+            judged.judged_shadow_rays += 1;
+            let word = deferred.masks[(index * deferred.mask_words + which / 32) as usize];
+            if (word >> (which % 32) & 1 == 1) != lit {
+                return Err(format!("ray {index} at {at:?}: light {which} is lit: {}, not {lit}", !lit));
+            }
+        }
+    }
+    Ok(judged)
+}
+
+/// The triangles in world space.
+fn triangles(scene: &Scene) -> Vec<Triangle> {
+    let mut all = Vec::new();
+    for (object, o) in (0..).zip(scene.objects()) {
+        let indices = &scene.words()[o.first_index as usize..o.first_reference as usize];
+        for (id, corners) in (0..).zip(indices.chunks_exact(3)) {
+            let [a, b, c] = [0, 1, 2].map(|i| {
+                let p = scene.positions()[(o.first_vertex + corners[i]) as usize].map(f64::from);
+                DVec3::from(o.to_world.map(|row| {
+                    let row = row.map(f64::from);
+                    row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3]
+                }))
+            });
+            let size = [a, b, c].iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
+            // An object's slack is how much its transform magnifies errors, times 2⁻¹⁶.
+            let transform = if o.is_identity == 1 { 0.0 } else { f64::from(o.slack) * 65536.0 * ROUNDINGS };
+            all.push(Triangle { object, id, corner: a, ab: b - a, ac: c - a, transform, size });
+        }
+    }
+    all
+}
+
+/// The ray through a point of the picture, in pixels.
+fn camera_ray(request: &Request<'_>, at: DVec2) -> Ray {
+    let camera = request.camera;
+    let eye = camera.eye.as_dvec3();
+    let forward = (camera.look_at.as_dvec3() - eye).normalize();
+    let right = forward.cross(camera.up.as_dvec3()).normalize();
+    let up = right.cross(forward);
+    let size = dvec2(f64::from(request.size[0]), f64::from(request.size[1]));
+    // From the middle of the picture, whose height is 2.
+    let [x, y] = ((at - size * 0.5) * 2.0 / size.y).to_array();
+    match camera.projection {
+        Projection::Perspective { fov_y } => {
+            let half = (f64::from(fov_y) * 0.5).tan();
+            Ray { origin: eye, direction: forward + (right * x - up * y) * half, doubt: 0.0 }
+        }
+        Projection::Orthographic { height } => {
+            let half = f64::from(height) * 0.5;
+            let origin = eye + (right * x - up * y) * half;
+            Ray { origin, direction: forward, doubt: ROUNDINGS * (eye.abs().max_element() + half) }
+        }
+    }
+}
+
+/// What the ray may meet: Möller and Trumbore's test, with margins.
+fn candidate<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
+    let &Triangle { corner, ab, ac, transform, size, .. } = triangle;
+    let p = ray.direction.cross(ac);
+    let determinant = ab.dot(p);
+    let lengths = ab.length() * ac.length() * ray.direction.length();
+    if determinant.abs() <= lengths * 1e-7 || determinant.abs() < 1e-20 {
+        return edge_on(triangle, ray);
+    }
+    let s = ray.origin - corner;
+    let q = s.cross(ab);
+    let (u, v, t) = (s.dot(p) / determinant, ray.direction.dot(q) / determinant, ac.dot(q) / determinant);
+    // How far the ray may pass from where it should, in world units, and what that makes
+    // of a weight and of a depth.
+    let way = s.length() + ab.length() + ac.length();
+    let moved = transform * (way + size + ray.origin.abs().max_element());
+    let off = ray.doubt + ROUNDINGS * way + moved;
+    let margin = MARGIN + off * ray.direction.length() * ab.length().max(ac.length()) / determinant.abs();
+    let doubt = off * ab.length() * ac.length() / determinant.abs();
+    let inside = u.min(v).min(1.0 - u - v);
+    (inside > -margin && t > -doubt).then(|| Candidate {
+        triangle,
+        t,
+        doubt,
+        is_safe: inside > margin && t > doubt,
+    })
+}
+
+/// A triangle that the ray sees from its edge, or that has no area, may be met anywhere near
+/// its bounds.
+fn edge_on<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
+    let &Triangle { corner, ab, ac, transform, size, .. } = triangle;
+    let corners = [corner, corner + ab, corner + ac];
+    let way = (ray.origin - corner).length() + ab.length() + ac.length();
+    let moved = transform * (way + size + ray.origin.abs().max_element());
+    let pad = 16.0 * (ROUNDINGS * way + moved) + ray.doubt;
+    let low = corners[0].min(corners[1]).min(corners[2]) - pad;
+    let high = corners[0].max(corners[1]).max(corners[2]) + pad;
+    let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+    for axis in 0..3 {
+        let (o, d) = (ray.origin[axis], ray.direction[axis]);
+        if d.abs() < 1e-12 {
+            if o < low[axis] || o > high[axis] {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((low[axis] - o) / d, (high[axis] - o) / d);
+        (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
+    }
+    (far >= near.max(0.0)).then(|| Candidate {
+        triangle,
+        t: (near + far) * 0.5,
+        doubt: (far - near) * 0.5,
+        is_safe: false,
+    })
+}
+
+/// The hit that is certainly the nearest, `Some(None)` where there is certainly none, and
+/// `None` where that cannot be told.
+fn nearest<'a>(triangles: &'a [Triangle], ray: &Ray) -> Option<Option<Candidate<'a>>> {
+    let mut candidates: Vec<_> = triangles.iter().filter_map(|t| candidate(t, ray)).collect();
+    let earliest = |c: &Candidate<'_>| c.t - c.doubt - MARGIN * c.t.abs();
+    candidates.sort_by(|a, b| earliest(a).total_cmp(&earliest(b)));
+    let mut candidates = candidates.into_iter();
+    let Some(first) = candidates.next() else { return Some(None) };
+    let latest = first.t + first.doubt + MARGIN * first.t;
+    let is_alone = candidates.next().is_none_or(|second| earliest(&second) > latest);
+    (is_alone && first.is_safe && first.doubt < DEPTH * first.t).then_some(Some(first))
+}
+
+/// Whether a hit is the one that it must be.
+fn judge(hit: &Hit, nearest: Option<&Candidate<'_>>) -> Result<(), String> {
+    let Some(nearest) = nearest else {
+        return if hit.object == NONE { Ok(()) } else { Err(format!("{hit:?}, where there is nothing")) };
+    };
+    let (&Triangle { object, id, .. }, t) = (nearest.triangle, nearest.t);
+    let is_right = (hit.object, hit.triangle) == (object, id) && (f64::from(hit.t) - t).abs() <= DEPTH * t;
+    if is_right { Ok(()) } else { Err(format!("{hit:?}, not object {object} triangle {id} at {t}")) }
+}
+
+/// Whether light reaches a place on the triangle `own`, if that can be told. `doubt` is how
+/// far from it the shadow ray starts.
+#[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
+fn is_lit(
+    triangles: &[Triangle],
+    light: &Light,
+    shadows: bool,
+    camera: &Ray,
+    place: DVec3,
+    doubt: f64,
+    normal: DVec3,
+    own: &Triangle,
+) -> Option<bool> {
+    let (way, is_far, reach) = match *light {
+        Light::Sun { direction, .. } => (-direction.as_dvec3().normalize(), true, None),
+        Light::Point { position, reach, .. } => (position.as_dvec3() - place, false, reach),
+    };
+    let cosine = |n: DVec3| n.dot(way) / (n.length() * way.length());
+    let flat = own.ab.cross(own.ac);
+    let flat = if flat.dot(camera.direction) > 0.0 { -flat } else { flat };
+    let closeness = if is_far { 0.0 } else { doubt / way.length() };
+    if let Some(reach) = reach {
+        let share = way.length() / f64::from(reach);
+        if share > 1.0 + MARGIN {
+            return Some(false);
+        }
+        if share > 1.0 - MARGIN {
+            return None;
+        }
+    }
+    if closeness > 1e-2 || cosine(normal).abs() < 2e-2 {
+        return None;
+    }
+    if cosine(normal) < 0.0 {
+        return Some(false);
+    }
+    if !shadows {
+        return Some(true);
+    }
+    if cosine(flat) < 2e-2 {
+        return None;
+    }
+    let ray = Ray { origin: place, direction: way, doubt };
+    let others = triangles.iter().filter(|t| (t.object, t.id) != (own.object, own.id));
+    let mut free = true;
+    for Candidate { t, doubt, is_safe, .. } in others.filter_map(|t| candidate(t, &ray)) {
+        let pad = doubt + MARGIN;
+        let end = if is_far { f64::INFINITY } else { 1.0 };
+        if is_safe && t > doubt * 4.0 && t < end - pad {
+            return Some(false);
+        }
+        free &= t > end + pad;
+    }
+    free.then_some(true)
+}

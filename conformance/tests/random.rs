@@ -1,0 +1,112 @@
+//! Scenes, cameras and lights that nobody thought of.
+//!
+//! `RTRT_SEEDS=1000..2000` runs those seeds instead of the usual ones.
+
+use conformance::oracle::{brute, wide};
+use conformance::reference;
+use conformance::shape::{Build, Random, Shape};
+use conformance::variants::{all, present, requires_gpu};
+use glam::{Mat4, Quat, Vec3};
+use rtrt_core::backend::{Backend, Picture, Request};
+use rtrt_core::compare::compare;
+use rtrt_core::scene::{Camera, Light, Projection, Scene};
+use std::ops::Range;
+
+fn seeds() -> Range<u64> {
+    let Ok(seeds) = std::env::var("RTRT_SEEDS") else { return 0..120 };
+    let (first, last) = seeds.split_once("..").expect("RTRT_SEEDS is FIRST..LAST");
+    first.parse().expect("a number")..last.parse().expect("a number")
+}
+
+/// A number whose logarithm is spread evenly.
+fn any_size(random: &mut Random, low: f32, high: f32) -> f32 {
+    libm::powf(10.0, random.within(low, high))
+}
+
+fn shape(random: &mut Random) -> Shape {
+    match random.below(5) {
+        0 => Shape::cube(),
+        1 => Shape::ball(2 + random.below(5)),
+        2 => Shape::floor(1.0, 0.0),
+        _ => {
+            let (count, size) = (1 + random.below(150), any_size(random, -2.0, 0.5));
+            Shape::soup(random, count, size)
+        }
+    }
+}
+
+/// Turned, stretched, sometimes mirrored, sometimes left where it is.
+fn transform(random: &mut Random) -> Mat4 {
+    if random.below(4) == 0 {
+        return Mat4::IDENTITY;
+    }
+    let axis = random.vector(1.0).normalize_or(Vec3::X);
+    let turn = Quat::from_axis_angle(axis, random.within(0.0, 6.0));
+    let size = any_size(random, -1.0, 0.5);
+    let scale = if random.below(2) == 0 { Vec3::splat(size) } else { random.vector(size) + 0.01 };
+    Mat4::from_scale_rotation_translation(scale, turn, random.vector(3.0))
+}
+
+fn light(random: &mut Random) -> Light {
+    let color = (random.vector(0.5) + 0.5) * 0.5;
+    if random.below(3) == 0 {
+        return Light::Sun { direction: random.vector(1.0) + Vec3::splat(1e-3), color };
+    }
+    let reach = (random.below(2) == 0).then(|| any_size(random, -0.5, 1.5));
+    Light::Point { position: random.vector(4.0), color, reach, inverse_square: random.below(2) == 0 }
+}
+
+fn scene(random: &mut Random) -> Scene {
+    let mut build = Build::default();
+    let meshes: Vec<_> = (0..1 + random.below(4)).map(|_| shape(random)).map(|s| build.mesh(s)).collect();
+    for _ in 0..1 + random.below(20) {
+        let mesh = meshes[random.below(meshes.len() as u32) as usize];
+        build.object(mesh, transform(random));
+    }
+    (0..random.below(5)).fold(build, |build, _| build.light(light(random))).scene
+}
+
+fn camera(random: &mut Random) -> Camera {
+    let projection = match random.below(4) {
+        0 => Projection::Orthographic { height: any_size(random, -1.0, 1.0) },
+        1 => Projection::Perspective { fov_y: random.within(0.01, 3.0) },
+        _ => Projection::Perspective { fov_y: 1.0 },
+    };
+    let far = any_size(random, -0.5, 2.0);
+    let eye = random.vector(far);
+    Camera { eye, look_at: random.vector(1.0), up: random.vector(1.0), projection }
+}
+
+#[test]
+fn every_variant_equals_the_oracles_on_random_scenes() {
+    let mut reference = reference();
+    let mut variants = present(all(), requires_gpu());
+    assert_eq!(variants.failed, 0);
+    let (mut expected, mut actual) = (Picture::default(), Picture::default());
+    let (mut rays, mut judged, mut hits) = (0, 0, 0);
+    for seed in seeds() {
+        let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let scene = scene(&mut random);
+        let request = Request {
+            camera: &camera(&mut random),
+            size: [1 + random.below(40), 1 + random.below(30)],
+            samples: [1, 1, 1, 4][random.below(4) as usize],
+            shadows: random.below(8) != 0,
+            deferred: true,
+        };
+        reference.render(&scene, &request, &mut expected).unwrap_or_else(|why| panic!("seed {seed}: {why}"));
+        brute::check(&scene, &request, &expected, 1).unwrap_or_else(|why| panic!("seed {seed}: {why}"));
+        let seen = wide::check(&scene, &request, &expected, 1);
+        let seen = seen.unwrap_or_else(|why| panic!("seed {seed}: {why}"));
+        (rays, judged) = (rays + seen.rays, judged + seen.judged);
+        hits += expected.deferred.iter().flat_map(|d| &d.hits).filter(|hit| hit.object != u32::MAX).count();
+        for (name, backend) in &mut variants.backends {
+            let rendered = backend.render(&scene, &request, &mut actual);
+            rendered.unwrap_or_else(|why| panic!("seed {seed}, {name}: {why}"));
+            let compared = compare(&request, &expected, &actual);
+            compared.unwrap_or_else(|why| panic!("seed {seed}, {name}: {why}"));
+        }
+    }
+    println!("{hits} hits on {rays} rays, {judged} judged");
+    assert!(hits * 5 > rays && judged * 2 > rays, "{hits} hits on {rays} rays, {judged} judged");
+}

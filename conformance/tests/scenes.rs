@@ -1,0 +1,61 @@
+//! Real scenes, where they are: the folder `shared/scenes` beside the repository.
+
+use conformance::oracle::brute;
+use conformance::variants::{all, present, requires_gpu};
+use conformance::{compare, reference};
+use rtrt_core::backend::{Backend, Picture, Request};
+use std::path::Path;
+
+const SCENES: [&str; 10] = [
+    "sponza/sponza_dabrovic_cc0tex.glb",
+    "sponza/sponza_dabrovic.obj",
+    "stanford/dragon_res2.glb",
+    "stanford/bunny.glb",
+    "hero/FlightHelmet/FlightHelmet.gltf",
+    "hero/chess-board.glb",
+    "cornell/cornell_box/scene.gltf",
+    "outdoor/forest_2000_instances.glb",
+    "lights/Lights.glb",
+    "cad/2CylinderEngine.glb",
+];
+
+/// One ray in this many is asked of the oracle, which meets it with every triangle.
+const STEP: usize = 37;
+
+#[test]
+fn every_variant_agrees_on_real_scenes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
+    let mut reference = reference();
+    let mut variants = present(all(), requires_gpu());
+    assert_eq!(variants.failed, 0);
+    let (mut expected, mut actual) = (Picture::default(), Picture::default());
+    let mut differences = 0;
+    for name in SCENES {
+        let path = folder.join(name);
+        if !path.exists() {
+            println!("SKIPPED: {} is not there", path.display());
+            continue;
+        }
+        let loaded =
+            rtrt::import::load(&path, &rtrt_cpu::Parallel).unwrap_or_else(|why| panic!("{name}: {why}"));
+        for samples in [1, 4] {
+            let request =
+                Request { camera: &loaded.camera, size: [97, 55], samples, shadows: true, deferred: true };
+            reference.render(&loaded.scene, &request, &mut expected).unwrap();
+            let is_blank = expected.pixels.iter().all(|&pixel| pixel == expected.pixels[0]);
+            assert!(!is_blank, "{name} shows nothing");
+            if samples == 1 {
+                let checked = brute::check(&loaded.scene, &request, &expected, STEP);
+                checked.unwrap_or_else(|why| panic!("{name}: {why}"));
+            }
+            for (variant, backend) in &mut variants.backends {
+                backend.render(&loaded.scene, &request, &mut actual).unwrap();
+                if let Err(why) = compare(&request, &expected, &actual) {
+                    println!("{name}, {samples} samples, {variant}: {why}");
+                    differences += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(differences, 0);
+}

@@ -1,0 +1,140 @@
+//! Which adapters there are, and which to take.
+
+use crate::device::Device;
+use crate::{Error, Options, Route, canary};
+use std::fmt;
+
+/// What an adapter is, the most promising first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// A GPU with memory of its own.
+    Discrete,
+    /// A GPU that shares the processor's memory.
+    Integrated,
+    /// A GPU lent to a virtual machine.
+    Virtual,
+    /// Not known.
+    Other,
+    /// No GPU: the driver computes on the processor.
+    Software,
+}
+
+impl Kind {
+    fn new(kind: wgpu::DeviceType) -> Self {
+        match kind {
+            wgpu::DeviceType::DiscreteGpu => Self::Discrete,
+            wgpu::DeviceType::IntegratedGpu => Self::Integrated,
+            wgpu::DeviceType::VirtualGpu => Self::Virtual,
+            wgpu::DeviceType::Cpu => Self::Software,
+            wgpu::DeviceType::Other => Self::Other,
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Discrete => "discrete",
+            Self::Integrated => "integrated",
+            Self::Virtual => "virtual",
+            Self::Other => "unknown",
+            Self::Software => "software",
+        })
+    }
+}
+
+/// An adapter, and how it does.
+#[derive(Debug)]
+pub struct AdapterReport {
+    /// Its name.
+    pub name: String,
+    /// The interface it is reached through.
+    pub api: String,
+    /// What it is.
+    pub kind: Kind,
+    /// The driver and its version.
+    pub driver: String,
+    /// Whether it takes SPIR-V as it is, which is what keeps every rounding in place.
+    pub passthrough: bool,
+    /// Whether it opens and computes the CPU's numbers, by the route that [`Route::Auto`]
+    /// takes.
+    pub canary: Result<(), Error>,
+}
+
+/// All adapters in the order in which [`crate::Gpu::new`] would try them, each opened and
+/// asked. Their position here is their number in [`Options::adapter`].
+pub fn adapters() -> Vec<AdapterReport> {
+    let report = |adapter: &wgpu::Adapter| {
+        let info = adapter.get_info();
+        AdapterReport {
+            api: info.backend.to_string(),
+            kind: Kind::new(info.device_type),
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+            passthrough: has_passthrough(adapter),
+            canary: open(adapter, Route::Auto).map(drop),
+            name: info.name,
+        }
+    };
+    enumerate().iter().map(report).collect()
+}
+
+/// Opens the adapter that the options ask for, or else the first that can be used.
+pub(crate) fn choose(options: &Options) -> Result<Device, Error> {
+    let adapters = enumerate();
+    let Some(wanted) = &options.adapter else {
+        let mut tried = Vec::new();
+        for adapter in &adapters {
+            match open(adapter, options.route) {
+                Ok(device) => return Ok(device),
+                Err(error) => tried.push(error.to_string()),
+            }
+        }
+        return Err(Error::NoAdapter { tried });
+    };
+    let named = |adapter: &&wgpu::Adapter| label(adapter).to_lowercase().contains(&wanted.to_lowercase());
+    let numbered = wanted.parse().ok().and_then(|number: usize| adapters.get(number));
+    match numbered.or_else(|| adapters.iter().find(named)) {
+        Some(adapter) => open(adapter, options.route),
+        None => Err(Error::AdapterNotFound {
+            wanted: wanted.clone(),
+            names: adapters.iter().map(label).collect(),
+        }),
+    }
+}
+
+/// Opens the adapter and asks it the canary.
+fn open(adapter: &wgpu::Adapter, route: Route) -> Result<Device, Error> {
+    let device = Device::open(adapter, route)?;
+    canary::check(&device)?;
+    Ok(device)
+}
+
+/// All adapters, the most promising first.
+fn enumerate() -> Vec<wgpu::Adapter> {
+    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        flags: wgpu::InstanceFlags::empty(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    adapters.sort_by_key(|adapter| Kind::new(adapter.get_info().device_type));
+    adapters
+}
+
+/// What the adapter is called, with its interface: one GPU may be there twice.
+pub(crate) fn label(adapter: &wgpu::Adapter) -> String {
+    let info = adapter.get_info();
+    format!("{} ({})", info.name, info.backend)
+}
+
+/// What the adapter is.
+pub(crate) fn kind(adapter: &wgpu::Adapter) -> Kind {
+    Kind::new(adapter.get_info().device_type)
+}
+
+/// Whether the adapter takes SPIR-V as it is.
+pub(crate) fn has_passthrough(adapter: &wgpu::Adapter) -> bool {
+    adapter.get_info().backend == wgpu::Backend::Vulkan
+        && adapter.features().contains(wgpu::Features::PASSTHROUGH_SHADERS)
+}

@@ -1,0 +1,162 @@
+//! Whether a device computes the CPU's numbers, asked before it is trusted.
+
+use crate::Error;
+use crate::device::Device;
+use crate::pipeline::{Access, groups};
+use rtrt_core::kernel::canary::{NAMES, OUTPUTS, canary};
+use rtrt_core::layout::{Attribute, Frame, Hit, Material, Node, Object, PROBES, Surface, View, probe};
+
+/// What the entry point `kernels` binds.
+pub(crate) const KERNELS: &[Access] = &[Access::Read, Access::Write];
+/// What the entry point `layout` binds.
+pub(crate) const LAYOUT: &[Access] = &[
+    Access::Uniform,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Write,
+];
+
+/// Compares the device's answers with the CPU's.
+pub(crate) fn check(device: &Device) -> Result<(), Error> {
+    let words = words();
+    for (case, answers) in kernels(device, &words)?.iter().enumerate() {
+        let expected = canary(&words, case as u32);
+        if let Some(i) = (0..OUTPUTS).find(|&i| answers[i] != expected[i]) {
+            return Err(Error::Canary {
+                adapter: device.name.clone(),
+                what: NAMES[i],
+                case,
+                cpu: expected[i],
+                gpu: answers[i],
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The kernels' answers to every run of words.
+pub(crate) fn kernels(device: &Device, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
+    let bytes = (words.len() * size_of::<[u32; OUTPUTS]>()) as u64;
+    let inputs = [bytemuck::cast_slice(words)];
+    let answers = run(device, "kernels", KERNELS, &inputs, bytes, groups(words.len() as u32))?;
+    Ok(bytemuck::pod_collect_to_vec(&answers))
+}
+
+/// Where the device finds fields: [`rtrt_core::layout::probe`] of elements that are filled
+/// with [`pattern`].
+pub(crate) fn layout(device: &Device) -> Result<[u32; PROBES], Error> {
+    fn pair<T: bytemuck::Pod>() -> Vec<u8> {
+        bytemuck::bytes_of(&pattern::<[T; 2]>()).to_vec()
+    }
+    let frame = bytemuck::bytes_of(&pattern::<Frame>()).to_vec();
+    let buffers = [
+        frame,
+        pair::<View>(),
+        pair::<Object>(),
+        pair::<Node>(),
+        pair::<Attribute>(),
+        pair::<Material>(),
+        pair::<Surface>(),
+        pair::<Hit>(),
+    ];
+    let inputs: Vec<&[u8]> = buffers.iter().map(Vec::as_slice).collect();
+    let found = run(device, "layout", LAYOUT, &inputs, 4 * PROBES as u64, [1, 1])?;
+    let mut words = [0; PROBES];
+    words.copy_from_slice(&bytemuck::pod_collect_to_vec::<u8, u32>(&found));
+    Ok(words)
+}
+
+/// What [`layout`] must give.
+pub(crate) fn expected_layout() -> [u32; PROBES] {
+    probe(
+        &pattern(),
+        &pattern::<[View; 2]>(),
+        &pattern::<[Object; 2]>(),
+        &pattern::<[Node; 2]>(),
+        &pattern::<[Attribute; 2]>(),
+        &pattern::<[Material; 2]>(),
+        &pattern::<[Surface; 2]>(),
+        &pattern::<[Hit; 2]>(),
+    )
+}
+
+/// A value whose words tell where they are: word `i` is `1.0`'s bits plus `i`.
+fn pattern<T: bytemuck::Pod>() -> T {
+    let words: Vec<u32> = (0..size_of::<T>() as u32 / 4).map(|i| 1.0_f32.to_bits() + i).collect();
+    bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words))
+}
+
+/// Runs an entry point once: `inputs` are bound from 0 on, then the output, which is read
+/// back.
+fn run(
+    device: &Device,
+    entry: &str,
+    accesses: &[Access],
+    inputs: &[&[u8]],
+    output_bytes: u64,
+    groups: [u32; 2],
+) -> Result<Vec<u8>, Error> {
+    let pipeline = device.pipeline(entry, accesses.iter().copied());
+    let mut buffers = Vec::new();
+    for (access, input) in accesses.iter().zip(inputs) {
+        let usage = if *access == Access::Uniform {
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST
+        } else {
+            wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST
+        };
+        let buffer = device.buffer("canary", input.len() as u64, usage)?;
+        device.queue.write_buffer(&buffer, 0, input);
+        buffers.push(buffer);
+    }
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+    buffers.push(device.buffer("canary", output_bytes, usage)?);
+    let mut commands = device.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = commands.begin_compute_pass(&Default::default());
+        pipeline.dispatch(&device.device, &mut pass, buffers.iter(), groups);
+    }
+    device.queue.submit([commands.finish()]);
+    device.fetch(&buffers[inputs.len()], output_bytes)
+}
+
+/// Edge values, then numbers of everyday size: some thousand cases.
+fn words() -> Vec<u32> {
+    let edges = [
+        0.0,
+        1.0,
+        0.5,
+        2.0,
+        3.0,
+        0.003_130_8,
+        0.040_45,
+        core::f32::consts::SQRT_2,
+        core::f32::consts::FRAC_1_SQRT_2,
+        126.5,
+        127.0,
+        1e-38,
+        1e-40,
+        1e-28,
+        1e28,
+        1e38,
+        4_194_303.5,
+        f32::EPSILON,
+        f32::MIN_POSITIVE,
+        f32::MAX,
+        f32::INFINITY,
+        f32::NAN,
+    ];
+    let mut words: Vec<u32> = edges.iter().flat_map(|x| [x.to_bits(), (-x).to_bits()]).collect();
+    let mut state = 1_u32;
+    while words.len() < 4096 {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        // Both signs, exponents from 2⁻⁷ to 2⁸.
+        let exponent = 120 + (state >> 5 & 15);
+        words.push(state & 0x8000_0000 | exponent << 23 | state >> 8 & 0x7f_ffff);
+    }
+    words
+}

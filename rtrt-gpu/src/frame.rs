@@ -1,0 +1,247 @@
+//! One frame on a device: bin, then band after band of rays.
+
+use crate::Error;
+use crate::buffers::{Buffers, Slot};
+use crate::device::Device;
+use crate::pipeline::{FIRST_OF_BAND, PASSES, Pipeline, groups};
+use crate::timer::Timer;
+use bytemuck::Pod;
+use rtrt_core::backend::{Deferred, Picture, STAGES};
+use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
+use rtrt_core::kernel::cover::Cover;
+use rtrt_core::kernel::lists::Lists;
+use rtrt_core::layout::{Frame, Hit, Lit, Surface, View};
+use rtrt_core::scene::{Scene, Setup};
+use rtrt_core::stage;
+use wgpu::BufferUsages;
+
+/// Entries that the lists have room for at first.
+const FIRST_CAPACITY: u32 = 1 << 16;
+
+/// What is read back after a band: the number of entries in the lists, then times, then
+/// pixels. Times want to be aligned to 256 bytes.
+const TIMES: u64 = 256;
+const PIXELS: u64 = 512;
+
+/// Everything that renders frames on one device.
+pub(crate) struct Renderer {
+    pub device: Device,
+    pipelines: Vec<Pipeline>,
+    buffers: Buffers,
+    read_back: Option<wgpu::Buffer>,
+    timer: Timer,
+    capacity: u32,
+    /// The most bytes that a buffer of a band may have.
+    band_bytes: u64,
+}
+
+impl Renderer {
+    /// Compiles all entry points.
+    pub fn new(device: Device, band_bytes: Option<u64>) -> Result<Self, Error> {
+        let pipelines = PASSES.iter().map(|pass| device.pipeline(pass.entry, pass.accesses())).collect();
+        let timer = Timer::new(&device)?;
+        device.check()?;
+        Ok(Self {
+            band_bytes: band_bytes.unwrap_or(u64::MAX).min(device.limit),
+            device,
+            pipelines,
+            buffers: Buffers::default(),
+            read_back: None,
+            timer,
+            capacity: FIRST_CAPACITY,
+        })
+    }
+
+    /// Renders the frame that was set up.
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        setup: &Setup,
+        deferred: bool,
+        picture: &mut Picture,
+    ) -> Result<(), Error> {
+        let result = self.frame(scene, setup, deferred, picture);
+        if result.is_err() {
+            // Whatever is there now is not to be relied on.
+            self.buffers = Buffers::default();
+            self.read_back = None;
+        }
+        result
+    }
+
+    fn frame(
+        &mut self,
+        scene: &Scene,
+        setup: &Setup,
+        deferred: bool,
+        picture: &mut Picture,
+    ) -> Result<(), Error> {
+        let frame = setup.frame;
+        picture.width = frame.width;
+        picture.height = frame.height;
+        picture.pixels.resize((frame.width * frame.height) as usize, 0);
+        picture.deferred = deferred.then(|| Deferred { mask_words: frame.mask_words, ..Deferred::default() });
+        picture.stages_ms = [0.0; STAGES.len()];
+        self.buffers.upload_scene(&self.device, scene)?;
+        self.buffers.upload::<View>(&self.device, Slot::Views, &setup.views)?;
+        let covers = u64::from(stage::prepare::count(&frame));
+        self.buffers.reserve::<Cover>(&self.device, Slot::Covers, covers)?;
+        self.buffers.reserve::<u32>(&self.device, Slot::Counts, u64::from(frame.blocks))?;
+
+        let mut bands = bands(&frame, self.band_bytes);
+        let Some(first) = bands.next() else { return Ok(()) };
+        let entries = loop {
+            let entries = self.band(&Frame { capacity: self.capacity, ..first }, 0, picture)?;
+            if entries <= self.capacity {
+                break entries;
+            }
+            // Nothing is lost because a list was full: the frame begins again with room.
+            self.capacity = entries.saturating_add(entries / 4);
+            picture.stages_ms = [0.0; STAGES.len()];
+        };
+        self.fetch_band(&first, &mut picture.deferred)?;
+        for band in bands {
+            let band = Frame { capacity: self.capacity, ..band };
+            self.band(&band, FIRST_OF_BAND, picture)?;
+            self.fetch_band(&band, &mut picture.deferred)?;
+        }
+        if let Some(deferred) = &mut picture.deferred {
+            let words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(entries);
+            self.fetch(Slot::Lists, words, &mut deferred.lists)?;
+        }
+        Ok(())
+    }
+
+    /// Runs the stages from `first_stage` on for a band of rays, and reads its pixels and
+    /// times back. Gives the number of entries in the lists.
+    fn band(&mut self, frame: &Frame, first_stage: usize, picture: &mut Picture) -> Result<u32, Error> {
+        let device = &self.device;
+        let [first_pixel, pixel_count] = frame.grid().pixels(RayIndex(frame.first_ray), frame.rays);
+        let rays = u64::from(frame.rays);
+        let list_words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(frame.capacity);
+        self.buffers.upload(device, Slot::Frame, &[*frame])?;
+        self.buffers.reserve::<u32>(device, Slot::Lists, list_words)?;
+        self.buffers.reserve::<Hit>(device, Slot::Hits, rays)?;
+        self.buffers.reserve::<Surface>(device, Slot::Surfaces, rays)?;
+        self.buffers.reserve::<u32>(device, Slot::Masks, rays * u64::from(frame.mask_words))?;
+        self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;
+        self.buffers.reserve::<[f32; 4]>(device, Slot::Colors, rays)?;
+        self.buffers.reserve::<u32>(device, Slot::Pixels, u64::from(pixel_count))?;
+        let bytes = PIXELS + 4 * u64::from(pixel_count);
+        if self.read_back.as_ref().is_none_or(|buffer| buffer.size() < bytes) {
+            let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+            self.read_back = Some(device.buffer("read back", bytes, usage)?);
+        }
+
+        let mut commands = device.device.create_command_encoder(&Default::default());
+        for stage in first_stage..STAGES.len() {
+            self.encode(&mut commands, frame, stage);
+            self.timer.end_stage(device, &mut commands, stage, &mut picture.stages_ms)?;
+        }
+        let (Some(read_back), Some(lists), Some(made)) =
+            (&self.read_back, self.buffers.get(Slot::Lists), self.buffers.get(Slot::Pixels))
+        else {
+            return Ok(0);
+        };
+        commands.copy_buffer_to_buffer(lists, 4 * u64::from(frame.blocks), read_back, 0, 4);
+        commands.copy_buffer_to_buffer(made, 0, read_back, PIXELS, 4 * u64::from(pixel_count));
+        self.timer.copy(&mut commands, read_back, TIMES);
+        let mut entries = 0;
+        let timer = &self.timer;
+        device.finish(commands, read_back, bytes, |mapped| {
+            entries = bytemuck::pod_read_unaligned(&mapped[..4]);
+            timer.add(&mapped[TIMES as usize..PIXELS as usize], first_stage, &mut picture.stages_ms);
+            let range = first_pixel as usize..(first_pixel + pixel_count) as usize;
+            bytemuck::cast_slice_mut(&mut picture.pixels[range]).copy_from_slice(&mapped[PIXELS as usize..]);
+        })?;
+        Ok(entries)
+    }
+
+    /// Appends the dispatches of a stage to the commands.
+    fn encode(&self, commands: &mut wgpu::CommandEncoder, frame: &Frame, stage: usize) {
+        if let Some(counts) = self.buffers.get(Slot::Counts).filter(|_| stage == 1) {
+            commands.clear_buffer(counts, 0, None);
+        }
+        let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(STAGES[stage]),
+            timestamp_writes: self.timer.writes(stage),
+        });
+        for (row, pipeline) in PASSES.iter().zip(&self.pipelines).filter(|(row, _)| row.stage == stage) {
+            let buffers = row.slots().filter_map(|slot| self.buffers.get(slot));
+            pipeline.dispatch(&self.device.device, &mut pass, buffers, groups((row.work)(frame)));
+        }
+    }
+
+    /// Appends what a band has left to the deferred buffers, if they were asked for.
+    fn fetch_band(&self, frame: &Frame, deferred: &mut Option<Deferred>) -> Result<(), Error> {
+        let Some(deferred) = deferred else { return Ok(()) };
+        let rays = u64::from(frame.rays);
+        self.fetch(Slot::Hits, rays, &mut deferred.hits)?;
+        self.fetch(Slot::Surfaces, rays, &mut deferred.surfaces)?;
+        self.fetch(Slot::Masks, rays * u64::from(frame.mask_words), &mut deferred.masks)?;
+        self.fetch(Slot::Lit, rays, &mut deferred.lit)?;
+        self.fetch(Slot::Colors, rays, &mut deferred.colors)
+    }
+
+    /// Appends the first `count` elements of a buffer to `to`.
+    fn fetch<T: Pod>(&self, slot: Slot, count: u64, to: &mut Vec<T>) -> Result<(), Error> {
+        let Some(buffer) = self.buffers.get(slot) else { return Ok(()) };
+        let bytes = self.device.fetch(buffer, count * size_of::<T>() as u64)?;
+        to.extend(bytemuck::pod_collect_to_vec::<u8, T>(&bytes));
+        Ok(())
+    }
+}
+
+/// The frame in bands: whole rows of blocks, as many as no buffer of more than `bytes`
+/// needs, but at least one.
+fn bands(frame: &Frame, bytes: u64) -> impl Iterator<Item = Frame> + use<> {
+    let frame = *frame;
+    let row = frame.grid().blocks_x() * BLOCK_RAYS;
+    let largest = (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words));
+    let rows = (bytes / largest / u64::from(row)).max(1);
+    let step = (rows * u64::from(row)).min(u64::from(frame.rays)) as u32;
+    (0..frame.rays)
+        .step_by(step as usize)
+        .map(move |first_ray| Frame { first_ray, rays: step.min(frame.rays - first_ray), ..frame })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Gpu, Options};
+    use bytemuck::Zeroable;
+    use rtrt_core::backend::{Backend, Request};
+    use rtrt_core::scene::{Camera, Projection};
+
+    #[test]
+    fn bands_are_whole_rows_of_blocks_and_make_the_frame() {
+        let frame = Frame { width: 100, height: 90, side: 1, mask_words: 1, ..Frame::zeroed() };
+        let frame = Frame { rays: frame.grid().rays(), ..frame };
+        let row = 7 * BLOCK_RAYS;
+        let split = |bytes| bands(&frame, bytes).map(|band| (band.first_ray, band.rays)).collect::<Vec<_>>();
+        assert_eq!(split(u64::MAX), [(0, 6 * row)]);
+        assert_eq!(split(0).len(), 6);
+        assert_eq!(split(44 * 4 * u64::from(row) + 43), [(0, 4 * row), (4 * row, 2 * row)]);
+    }
+
+    #[test]
+    fn a_buffer_beyond_the_limit_is_an_error_and_the_next_frame_is_not() {
+        let mut gpu = match Gpu::new(Options::default()) {
+            Ok(gpu) => gpu,
+            Err(error) => return println!("skipped: {error}"),
+        };
+        let camera = Camera {
+            eye: [0.0; 3].into(),
+            look_at: [1.0; 3].into(),
+            up: [0.0, 1.0, 0.0].into(),
+            projection: Projection::Perspective { fov_y: 1.0 },
+        };
+        let request = Request { camera: &camera, size: [40, 30], samples: 1, shadows: true, deferred: false };
+        let limit = std::mem::replace(&mut gpu.renderer.device.limit, 10_000);
+        let mut picture = Picture::default();
+        let error = gpu.render(&Scene::new(), &request, &mut picture).unwrap_err();
+        assert!(error.to_string().contains("the device allows 10000"), "{error}");
+        gpu.renderer.device.limit = limit;
+        gpu.render(&Scene::new(), &request, &mut picture).unwrap();
+    }
+}

@@ -1,0 +1,209 @@
+//! What a frame dispatches, as a table, and the pipelines made from it.
+
+use crate::buffers::Slot;
+use rtrt_core::grid::RayIndex;
+use rtrt_core::layout::Frame;
+use rtrt_core::stage;
+use rtrt_shaders::{GROUP, ROW, SHARES};
+
+/// How an entry point uses a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Access {
+    Uniform,
+    Read,
+    Write,
+}
+
+/// One dispatch of a frame.
+pub(crate) struct Pass {
+    /// Which of [`rtrt_core::backend::STAGES`] it belongs to.
+    pub stage: usize,
+    /// The entry point.
+    pub entry: &'static str,
+    /// Buffers read, bound from 0 on: the frame first.
+    pub reads: &'static [Slot],
+    /// Buffers written, bound after those.
+    pub writes: &'static [Slot],
+    /// How many invocations it takes.
+    pub work: fn(&Frame) -> u32,
+}
+
+impl Pass {
+    /// The buffers in the order of their bindings.
+    pub fn slots(&self) -> impl Iterator<Item = Slot> {
+        self.reads.iter().chain(self.writes).copied()
+    }
+    /// How each is used.
+    pub fn accesses(&self) -> impl Iterator<Item = Access> {
+        let read = |slot: &Slot| if *slot == Slot::Frame { Access::Uniform } else { Access::Read };
+        self.reads.iter().map(read).chain(self.writes.iter().map(|_| Access::Write))
+    }
+}
+
+/// The first stage that works on rays, and is repeated for each band of them.
+pub(crate) const FIRST_OF_BAND: usize = 2;
+
+/// A frame, in order.
+#[rustfmt::skip]
+pub(crate) const PASSES: &[Pass] = {
+    use Slot::*;
+    &[
+        Pass { stage: 0, entry: "prepare", reads: &[Frame, Views, Objects], writes: &[Covers], work: covers },
+        Pass { stage: 1, entry: "count", reads: &[Frame, Views, Objects, Covers], writes: &[Counts], work: shares },
+        Pass { stage: 1, entry: "scan", reads: &[Frame], writes: &[Counts, Lists], work: one_group },
+        Pass { stage: 1, entry: "scatter", reads: &[Frame, Views, Objects, Covers], writes: &[Counts, Lists], work: shares },
+        Pass { stage: 1, entry: "sort", reads: &[Frame], writes: &[Lists], work: blocks },
+        Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions], writes: &[Hits], work: rays },
+        Pass { stage: 3, entry: "surface", reads: &[Frame, Views, Hits, Objects, Nodes, Words, Positions, Attributes], writes: &[Surfaces], work: rays },
+        Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: rays },
+        Pass { stage: 5, entry: "light", reads: &[Frame, Views, Materials, Surfaces, Masks], writes: &[Lit], work: rays },
+        Pass { stage: 6, entry: "shade", reads: &[Frame, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
+        Pass { stage: 7, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
+    ]
+};
+
+fn covers(frame: &Frame) -> u32 {
+    stage::prepare::count(frame)
+}
+fn shares(frame: &Frame) -> u32 {
+    SHARES * covers(frame)
+}
+fn one_group(_: &Frame) -> u32 {
+    1
+}
+fn blocks(frame: &Frame) -> u32 {
+    frame.blocks
+}
+fn rays(frame: &Frame) -> u32 {
+    frame.rays
+}
+fn pixels(frame: &Frame) -> u32 {
+    frame.grid().pixels(RayIndex(frame.first_ray), frame.rays)[1]
+}
+
+/// Workgroups in x and y for this many invocations.
+pub(crate) fn groups(invocations: u32) -> [u32; 2] {
+    [invocations.min(ROW).div_ceil(GROUP), invocations.div_ceil(ROW)]
+}
+
+/// A compiled entry point.
+pub(crate) struct Pipeline {
+    pub pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+impl Pipeline {
+    /// Compiles the entry point; its buffers are bound from 0 on.
+    pub fn new(
+        device: &wgpu::Device,
+        module: &wgpu::ShaderModule,
+        entry: &str,
+        accesses: impl Iterator<Item = Access>,
+    ) -> Self {
+        let binding = |(binding, access): (usize, Access)| wgpu::BindGroupLayoutEntry {
+            binding: binding as u32,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: match access {
+                    Access::Uniform => wgpu::BufferBindingType::Uniform,
+                    Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                    Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        let entries: Vec<_> = accesses.enumerate().map(binding).collect();
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(entry),
+            entries: &entries,
+        });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(entry),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: Some(&pipeline_layout),
+            module,
+            entry_point: Some(entry),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        Self { pipeline, layout }
+    }
+
+    /// Dispatches it with these buffers, bound from 0 on.
+    pub fn dispatch<'a>(
+        &self,
+        device: &wgpu::Device,
+        pass: &mut wgpu::ComputePass<'_>,
+        buffers: impl Iterator<Item = &'a wgpu::Buffer>,
+        [x, y]: [u32; 2],
+    ) {
+        let entry = |(binding, buffer): (usize, &'a wgpu::Buffer)| wgpu::BindGroupEntry {
+            binding: binding as u32,
+            resource: buffer.as_entire_binding(),
+        };
+        let entries: Vec<_> = buffers.enumerate().map(entry).collect();
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.layout,
+            entries: &entries,
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(x, y, 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::canary::{KERNELS, LAYOUT};
+    use rtrt_core::backend::STAGES;
+    use rtrt_shaders::reflect::{BindingKind, entry_points};
+
+    #[test]
+    fn the_module_has_the_entry_points_of_the_table_with_their_bindings() {
+        let mut expected: Vec<(&str, Vec<Access>)> =
+            PASSES.iter().map(|pass| (pass.entry, pass.accesses().collect())).collect();
+        expected.extend([("kernels", KERNELS.to_vec()), ("layout", LAYOUT.to_vec())]);
+        let found = entry_points(rtrt_shaders::SPIRV).unwrap();
+        assert_eq!(found.len(), expected.len());
+        for (name, accesses) in expected {
+            let entry = found.iter().find(|entry| entry.name == name).unwrap();
+            let group = match name {
+                "scan" => 256,
+                "layout" => 1,
+                _ => GROUP,
+            };
+            assert_eq!(entry.workgroup_size, [group, 1, 1], "{name}");
+            for (number, binding) in entry.bindings.iter().enumerate() {
+                assert_eq!((binding.set, binding.binding), (0, number as u32), "{name}");
+            }
+            let kinds = entry.bindings.iter().map(|binding| match binding.kind {
+                BindingKind::Uniform => Access::Uniform,
+                BindingKind::ReadOnlyStorage => Access::Read,
+                BindingKind::Storage => Access::Write,
+            });
+            assert_eq!(kinds.collect::<Vec<_>>(), accesses, "{name}");
+        }
+    }
+
+    #[test]
+    fn every_stage_is_dispatched_in_order() {
+        let stages: Vec<usize> = PASSES.iter().map(|pass| pass.stage).collect();
+        assert!(stages.is_sorted() && (0..STAGES.len()).all(|stage| stages.contains(&stage)));
+        assert_eq!(STAGES[FIRST_OF_BAND], "visibility");
+    }
+
+    #[test]
+    fn work_beyond_a_row_of_groups_takes_another_row() {
+        assert_eq!(groups(1), [1, 1]);
+        assert_eq!(groups(ROW), [65_535, 1]);
+        assert_eq!(groups(ROW + 1), [65_535, 2]);
+    }
+}

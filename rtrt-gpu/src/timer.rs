@@ -1,0 +1,90 @@
+//! How long each stage takes.
+
+use crate::Error;
+use crate::device::Device;
+use rtrt_core::backend::STAGES;
+use std::time::Instant;
+use wgpu::{BufferUsages, Features};
+
+/// Two times a stage: before and after.
+const TIMES: u32 = 2 * STAGES.len() as u32;
+
+/// Takes the time of stages: on the device, or, where it has no clock, by waiting for each
+/// stage.
+pub(crate) enum Timer {
+    /// The device writes down when a stage begins and ends.
+    Device {
+        /// Where it writes.
+        queries: wgpu::QuerySet,
+        /// Where the numbers are copied to.
+        times: wgpu::Buffer,
+        /// Milliseconds in one unit.
+        unit_ms: f64,
+    },
+    /// The host waits.
+    Host,
+}
+
+impl Timer {
+    /// The best that the device has.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        if !device.device.features().contains(Features::TIMESTAMP_QUERY) {
+            return Ok(Self::Host);
+        }
+        let queries = device.device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: None,
+            ty: wgpu::QueryType::Timestamp,
+            count: TIMES,
+        });
+        let usage = BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC;
+        let times = device.buffer("times", u64::from(8 * TIMES), usage)?;
+        let unit_ms = f64::from(device.queue.get_timestamp_period()) * 1e-6;
+        Ok(Self::Device { queries, times, unit_ms })
+    }
+
+    /// What a stage's pass has to write.
+    pub fn writes(&self, stage: usize) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let Self::Device { queries, .. } = self else { return None };
+        Some(wgpu::ComputePassTimestampWrites {
+            query_set: queries,
+            beginning_of_pass_write_index: Some(2 * stage as u32),
+            end_of_pass_write_index: Some(2 * stage as u32 + 1),
+        })
+    }
+
+    /// Ends a stage: without a clock on the device, hands it the commands and waits.
+    pub fn end_stage(
+        &self,
+        device: &Device,
+        commands: &mut wgpu::CommandEncoder,
+        stage: usize,
+        stages_ms: &mut [f64],
+    ) -> Result<(), Error> {
+        if matches!(self, Self::Host) {
+            let next = device.device.create_command_encoder(&Default::default());
+            let start = Instant::now();
+            device.queue.submit([std::mem::replace(commands, next).finish()]);
+            device.device.poll(wgpu::PollType::wait_indefinitely()).map_err(Error::read_back)?;
+            stages_ms[stage] += start.elapsed().as_secs_f64() * 1e3;
+        }
+        Ok(())
+    }
+
+    /// Copies the times to `to`.
+    pub fn copy(&self, commands: &mut wgpu::CommandEncoder, to: &wgpu::Buffer, offset: u64) {
+        if let Self::Device { queries, times, .. } = self {
+            commands.resolve_query_set(queries, 0..TIMES, times, 0);
+            commands.copy_buffer_to_buffer(times, 0, to, offset, u64::from(8 * TIMES));
+        }
+    }
+
+    /// Adds the times that were copied to the stages' milliseconds.
+    pub fn add(&self, copied: &[u8], first_stage: usize, stages_ms: &mut [f64]) {
+        let Self::Device { unit_ms, .. } = self else { return };
+        let time = |index: usize| bytemuck::pod_read_unaligned::<u64>(&copied[8 * index..8 * index + 8]);
+        for (stage, ms) in stages_ms.iter_mut().enumerate().skip(first_stage) {
+            // A clock that steps back is no clock.
+            *ms += time(2 * stage + 1).saturating_sub(time(2 * stage)) as f64 * unit_ms;
+        }
+    }
+}

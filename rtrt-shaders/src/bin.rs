@@ -1,0 +1,106 @@
+//! Bin: count, add up, place, sort.
+
+use crate::{SHARES, index};
+use rtrt_core::kernel::cover::Cover;
+use rtrt_core::kernel::lists::{Lists, scan_share, scan_starts, scan_total, sort as sort_list, store};
+use rtrt_core::layout::{Frame, Object, View};
+use rtrt_core::stage;
+use spirv_std::arch::{atomic_i_add, workgroup_memory_barrier_with_group_sync};
+use spirv_std::glam::UVec3;
+use spirv_std::memory::{Scope, Semantics};
+use spirv_std::spirv;
+
+/// Adds 1 to a word that many invocations add to, and gives what it was.
+fn take(words: &mut [u32], at: u32) -> u32 {
+    // SAFETY: the word is in a storage buffer, and every other access to it during the
+    // dispatch goes through here.
+    unsafe {
+        atomic_i_add::<u32, { Scope::Device as u32 }, { Semantics::NONE.bits() }>(&mut words[at as usize], 1)
+    }
+}
+
+/// How many entries each block has: [`SHARES`] invocations a cover.
+#[spirv(compute(threads(64), entry_point_name = "count"))]
+pub fn count(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] objects: &[Object],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] covers: &[Cover],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] counts: &mut [u32],
+) {
+    let (cover, share) = (index(id) / SHARES, index(id) % SHARES);
+    if cover < stage::prepare::count(frame) {
+        stage::bin::each_block_of_share(frame, views, objects, covers, cover, [share, SHARES], |block, _| {
+            take(counts, block);
+        });
+    }
+}
+
+/// Where each block's entries start: one workgroup, whose invocations share the blocks.
+#[spirv(compute(threads(256), entry_point_name = "scan"))]
+pub fn scan(
+    #[spirv(local_invocation_id)] id: UVec3,
+    #[spirv(workgroup)] totals: &mut [u32; 256],
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] counts: &mut [u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] lists: &mut [u32],
+) {
+    let share = scan_share(frame.blocks, 256);
+    let first = (id.x * share).min(frame.blocks);
+    let last = (first + share).min(frame.blocks);
+    totals[id.x as usize] = scan_total(counts, first, last);
+    workgroup_memory_barrier_with_group_sync();
+    let mut start = 0;
+    let mut before = 0;
+    while before < id.x {
+        start += totals[before as usize];
+        before += 1;
+    }
+    scan_starts(counts, lists, first, last, start);
+}
+
+/// Puts every entry into its block's list, where there is room: [`SHARES`] invocations a
+/// cover. If there is not, the host sees it by the total, and does the frame again.
+#[spirv(compute(threads(64), entry_point_name = "scatter"))]
+pub fn scatter(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] objects: &[Object],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] covers: &[Cover],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] counts: &mut [u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] lists: &mut [u32],
+) {
+    let (cover, share) = (index(id) / SHARES, index(id) % SHARES);
+    if cover < stage::prepare::count(frame) {
+        let header = Lists::header(frame.blocks);
+        stage::bin::each_block_of_share(
+            frame,
+            views,
+            objects,
+            covers,
+            cover,
+            [share, SHARES],
+            |block, entry| {
+                let place = lists[block as usize] + take(counts, block);
+                if place < frame.capacity {
+                    store(lists, header, place, entry);
+                }
+            },
+        );
+    }
+}
+
+/// Orders the entries of each block: one invocation a block.
+#[spirv(compute(threads(64), entry_point_name = "sort"))]
+pub fn sort(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] lists: &mut [u32],
+) {
+    let block = index(id);
+    if block < frame.blocks && lists[frame.blocks as usize] <= frame.capacity {
+        sort_list(lists, frame.blocks, block);
+    }
+}

@@ -1,0 +1,33 @@
+//! Light: one invocation a ray.
+
+use crate::index;
+use rtrt_core::grid::RayIndex;
+use rtrt_core::lane::Word;
+use rtrt_core::layout::{Frame, Lit, Material, Surface, View};
+use rtrt_core::stage;
+use rtrt_core::stage::surface::Surfaces;
+use spirv_std::glam::UVec3;
+use spirv_std::spirv;
+
+/// The light that arrives at each surface.
+#[spirv(compute(threads(64), entry_point_name = "light"))]
+pub fn light(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] materials: &[Material],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] surfaces: &[Surface],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] masks: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] lit: &mut [Lit],
+) {
+    let index = index(id);
+    if index < frame.rays {
+        let ray = RayIndex(frame.first_ray + index);
+        let camera = &views[Frame::CAMERA as usize];
+        let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
+        let surface = Surfaces::new(&surfaces[index as usize]);
+        let mask = |word: u32| Word(masks[(index * frame.mask_words + word) as usize]);
+        let arriving = stage::light::light(frame, views, materials, mask, &rays[0], &surface);
+        lit[index as usize] = arriving.lane(0);
+    }
+}

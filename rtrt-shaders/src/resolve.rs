@@ -1,0 +1,26 @@
+//! Resolve: one invocation a pixel.
+
+use crate::index;
+use rtrt_core::grid::RayIndex;
+use rtrt_core::layout::Frame;
+use rtrt_core::stage;
+use spirv_std::glam::UVec3;
+use spirv_std::spirv;
+
+/// The pixels that the rays of this dispatch make, row by row.
+#[spirv(compute(threads(64), entry_point_name = "resolve"))]
+pub fn resolve(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] colors: &[[f32; 4]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] pixels: &mut [u32],
+) {
+    let index = index(id);
+    let grid = frame.grid();
+    let [first, count] = grid.pixels(RayIndex(frame.first_ray), frame.rays);
+    if index < count {
+        let pixel = |_: usize| grid.pixel(first + index);
+        let color = |ray: RayIndex| colors[(ray.0 - frame.first_ray) as usize];
+        pixels[index as usize] = stage::resolve::resolve::<f32>((), grid, pixel, color).0;
+    }
+}

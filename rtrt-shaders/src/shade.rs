@@ -1,0 +1,25 @@
+//! Shade: one invocation a ray.
+
+use crate::index;
+use rtrt_core::layout::{Frame, Lit, Material, Surface};
+use rtrt_core::stage;
+use spirv_std::glam::UVec3;
+use spirv_std::spirv;
+
+/// The color that each ray brings back.
+#[spirv(compute(threads(64), entry_point_name = "shade"))]
+pub fn shade(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] materials: &[Material],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] texels: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] surfaces: &[Surface],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] lit: &[Lit],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] colors: &mut [[f32; 4]],
+) {
+    let index = index(id);
+    if index < frame.rays {
+        let (surface, lit) = (&surfaces[index as usize], &lit[index as usize]);
+        colors[index as usize] = stage::shade::shade(frame, materials, texels, surface, lit);
+    }
+}

@@ -1,0 +1,35 @@
+//! Surface: one invocation a ray.
+
+use crate::index;
+use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::traverse::{Best, Geometry};
+use rtrt_core::layout::{Attribute, Frame, Hit, Node, Object, Surface, View};
+use rtrt_core::stage;
+use spirv_std::glam::UVec3;
+use spirv_std::spirv;
+
+/// What is known about each ray's hit.
+#[spirv(compute(threads(64), entry_point_name = "surface"))]
+pub fn surface(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] hits: &[Hit],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] objects: &[Object],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] nodes: &[Node],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] positions: &[[f32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] attributes: &[Attribute],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] surfaces: &mut [Surface],
+) {
+    let index = index(id);
+    if index < frame.rays {
+        let geometry = Geometry { objects, nodes, words, positions, magnitude: frame.magnitude };
+        let ray = RayIndex(frame.first_ray + index);
+        let camera = &views[Frame::CAMERA as usize];
+        let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
+        let best = Best::new(&hits[index as usize]);
+        let found = stage::surface::surface(camera, &geometry, attributes, &rays[0], &best);
+        surfaces[index as usize] = found.lane(0);
+    }
+}

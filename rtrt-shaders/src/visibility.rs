@@ -1,0 +1,33 @@
+//! Visibility: one invocation a ray.
+
+use crate::index;
+use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::traverse::Geometry;
+use rtrt_core::layout::{Frame, Hit, Node, Object, View};
+use rtrt_core::stage;
+use spirv_std::glam::UVec3;
+use spirv_std::spirv;
+
+/// The closest surface on each ray.
+#[spirv(compute(threads(64), entry_point_name = "visibility"))]
+pub fn visibility(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] lists: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] objects: &[Object],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] nodes: &[Node],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] positions: &[[f32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] hits: &mut [Hit],
+) {
+    let index = index(id);
+    if index < frame.rays {
+        let lists = Lists { words: lists, blocks: frame.blocks };
+        let geometry = Geometry { objects, nodes, words, positions, magnitude: frame.magnitude };
+        let ray = RayIndex(frame.first_ray + index);
+        let best = stage::visibility::visibility::<f32, 1>((), frame, views, &lists, &geometry, ray);
+        hits[index as usize] = stage::visibility::hit(&best[0], 0);
+    }
+}

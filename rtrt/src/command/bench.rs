@@ -1,0 +1,175 @@
+//! `rtrt bench`: how fast a scene renders.
+
+use super::Error;
+use super::console::Console;
+use super::job::{Job, open};
+use super::options::Bench;
+use super::output;
+use super::report::{Machine, PerStage, pixel_hash};
+use rtrt_core::backend::{Backend, Picture, Request, STAGES};
+use std::fmt;
+use std::time::Instant;
+
+/// Sub-rays a pixel if not given: figures of other ray tracers are for one.
+const SAMPLES: u32 = 1;
+/// Frames that are not counted: memory is allocated, scenes are uploaded.
+const WARM_UP: u32 = 2;
+/// Stages that find what the camera sees: prepare, bin, visibility.
+const PRIMARY: usize = 3;
+/// Stages up to and including Lambert shading: and surface, occlusion, light.
+const LIT: usize = 6;
+
+/// What is reported; `--json` prints it.
+#[derive(serde::Serialize)]
+struct Report {
+    #[serde(flatten)]
+    machine: Machine,
+    /// Width and height.
+    size: [u32; 2],
+    samples: u32,
+    stages_ms: PerStage<Times>,
+    /// Rays from the camera over the medians of prepare, bin and visibility.
+    primary_rays_per_second: f64,
+    /// Rays from the camera and to lights over the medians of all stages up to and
+    /// including light. A ray to a light is counted where the light is in reach of a
+    /// surface that faces it; without shadows none is.
+    primary_and_shadow_rays_per_second: f64,
+    /// Median wall clock of a frame.
+    frame_ms: f64,
+    tree_build_ms: f64,
+    /// Everything that rays are traced and shaded with, but for texels.
+    scene_bytes: usize,
+    /// Vertices and indices as imported.
+    source_bytes: usize,
+    /// The most memory that the process had up to the last measured frame; null where the
+    /// system does not tell.
+    peak_rss_bytes: Option<u64>,
+    triangles: u64,
+    drawn_triangles: u64,
+    objects: usize,
+    /// SHA-256 of the pixels.
+    hash: String,
+}
+
+/// Milliseconds over all frames.
+#[derive(Debug, Clone, Copy, serde::Serialize)]
+struct Times {
+    median: f64,
+    min: f64,
+}
+
+/// Measures.
+pub fn run(options: &Bench) -> Result<(), Error> {
+    let console = Console::new(u64::from(options.frames + WARM_UP) + 3);
+    let job = Job::load(&options.common, SAMPLES, true, &console)?;
+    let (mut backend, machine) = open(&options.common.backend, &console)?;
+    let mut picture = Picture::default();
+    let mut frames: Vec<[f64; STAGES.len()]> = Vec::new();
+    let mut frame_ms = Vec::new();
+    for frame in 0..WARM_UP + options.frames {
+        console.step(format_args!("frame {}", frame + 1));
+        let start = Instant::now();
+        job.render(&mut *backend, &job.request(false), &mut picture)?;
+        if frame >= WARM_UP {
+            frame_ms.push(start.elapsed().as_secs_f64() * 1e3);
+            frames.push(picture.stages_ms);
+        }
+    }
+    let peak_rss_bytes = peak_rss_bytes();
+    console.step("counting rays");
+    let shadow_rays = shadow_rays(&job, &mut *backend)?;
+    drop(console);
+
+    let stages: [Times; STAGES.len()] =
+        core::array::from_fn(|stage| times(frames.iter().map(|frame| frame[stage]).collect()));
+    let seconds = |stages: &[Times]| stages.iter().map(|times| times.median).sum::<f64>() * 1e-3;
+    let scene = &job.scene;
+    let report = Report {
+        machine,
+        size: job.size,
+        samples: job.samples,
+        primary_rays_per_second: job.rays as f64 / seconds(&stages[..PRIMARY]),
+        primary_and_shadow_rays_per_second: (job.rays + shadow_rays) as f64 / seconds(&stages[..LIT]),
+        stages_ms: PerStage(stages),
+        frame_ms: times(frame_ms).median,
+        tree_build_ms: job.tree_build_ms,
+        scene_bytes: scene.bytes() - size_of_val(scene.texels()),
+        source_bytes: scene.source_bytes(),
+        peak_rss_bytes,
+        triangles: scene.triangles(),
+        drawn_triangles: scene.drawn_triangles(),
+        objects: scene.objects().len(),
+        hash: pixel_hash(&picture),
+    };
+    if options.common.json { output::print_json(&report) } else { output::print(report) }
+}
+
+/// Median and least of these times, which are some.
+fn times(mut of: Vec<f64>) -> Times {
+    of.sort_by(f64::total_cmp);
+    let middle = of.len() / 2;
+    let median = if of.len().is_multiple_of(2) { (of[middle - 1] + of[middle]) * 0.5 } else { of[middle] };
+    Times { median, min: of[0] }
+}
+
+/// How many rays to lights a frame casts. Without shadows a light reaches every surface
+/// that would have asked whether something is in between: the bits of the shadow mask are
+/// the rays.
+fn shadow_rays(job: &Job<'_>, backend: &mut dyn Backend) -> Result<u64, Error> {
+    if !job.shadows {
+        return Ok(0);
+    }
+    let mut picture = Picture::default();
+    job.render(backend, &Request { shadows: false, ..job.request(true) }, &mut picture)?;
+    let masks = picture.deferred.map(|deferred| deferred.masks).unwrap_or_default();
+    Ok(masks.iter().map(|word| u64::from(word.count_ones())).sum())
+}
+
+/// The most memory that this process ever had.
+fn peak_rss_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const MEGA: f64 = 1e-6;
+        let [width, height] = self.size;
+        writeln!(f, "{}: {width}x{height}, {} samples", self.machine, self.samples)?;
+        let Self { triangles, drawn_triangles, objects, .. } = self;
+        writeln!(f, "{objects} objects, {triangles} triangles, {drawn_triangles} drawn")?;
+        for (name, Times { median, min }) in STAGES.iter().zip(self.stages_ms.0) {
+            writeln!(f, "{name:>12} {median:9.3} ms (min {min:.3})")?;
+        }
+        writeln!(f, "{:>12} {:9.3} ms", "frame", self.frame_ms)?;
+        writeln!(f, "{:>12} {:9.3} ms", "tree build", self.tree_build_ms)?;
+        writeln!(f, "primary rays: {:.2} million a second", self.primary_rays_per_second * MEGA)?;
+        let both = self.primary_and_shadow_rays_per_second * MEGA;
+        writeln!(f, "primary and shadow rays: {both:.2} million a second")?;
+        let [scene, source] = [self.scene_bytes, self.source_bytes].map(|bytes| bytes as f64 * MEGA);
+        writeln!(f, "memory: scene {scene:.1} MB, of which {source:.1} MB were imported")?;
+        if let Some(peak) = self.peak_rss_bytes {
+            writeln!(f, "peak memory of the process: {:.1} MB", peak as f64 * MEGA)?;
+        }
+        write!(f, "{}  pixels", self.hash)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_are_over_the_stages_they_name() {
+        assert_eq!(STAGES[..PRIMARY], ["prepare", "bin", "visibility"]);
+        assert_eq!(STAGES[PRIMARY..LIT], ["surface", "occlusion", "light"]);
+    }
+
+    #[test]
+    fn the_median_is_in_the_middle() {
+        let Times { median, min } = times(vec![4.0, 1.0, 9.0]);
+        assert_eq!((median, min), (4.0, 1.0));
+        assert_eq!(times(vec![4.0, 1.0, 9.0, 5.0]).median, 4.5);
+    }
+}

@@ -1,0 +1,38 @@
+//! `rtrt doctor`: what this machine offers.
+
+use super::Error;
+use super::output::print;
+use super::report::Machine;
+use rtrt::choose::{Options, choose};
+use rtrt_cpu::Cpu;
+use rtrt_gpu::AdapterReport;
+
+/// Lists backends, and which of them `auto` would choose.
+pub fn run() -> Result<(), Error> {
+    for lanes in [1, 8, 16] {
+        match Cpu::new(rtrt_cpu::Options { lanes: Some(lanes), threads: None }) {
+            Ok(cpu) => print(Machine::from(rtrt_core::backend::Backend::describe(&cpu)))?,
+            Err(error) => print(format_args!("cpu, not available: {error}"))?,
+        }
+    }
+    let adapters = rtrt_gpu::adapters();
+    if adapters.is_empty() {
+        print("gpu, not available: there is no adapter")?;
+    }
+    for (number, adapter) in adapters.iter().enumerate() {
+        print_adapter(number, adapter)?;
+    }
+    let chosen = choose(&Options::default())?;
+    print(format_args!("auto chooses {}: {}", Machine::from(chosen.backend.describe()), chosen.why))
+}
+
+fn print_adapter(number: usize, adapter: &AdapterReport) -> Result<(), Error> {
+    let AdapterReport { name, api, kind, driver, passthrough, canary } = adapter;
+    print(format_args!("gpu, {name}: adapter {number}, {kind}, {api}, {driver}"))?;
+    let route = if *passthrough { "available" } else { "not available, naga translates" };
+    print(format_args!("    SPIR-V passthrough: {route}"))?;
+    match canary {
+        Ok(()) => print("    canary: equal to the CPU"),
+        Err(error) => print(format_args!("    canary: refused: {error}")),
+    }
+}

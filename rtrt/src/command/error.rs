@@ -1,0 +1,134 @@
+//! Why a command failed, and its exit code.
+
+use rtrt::choose::ChooseError;
+use rtrt::import::ImportError;
+use rtrt_core::backend::RenderError;
+use rtrt_core::scene::SetupError;
+use std::io;
+use std::path::PathBuf;
+
+/// Why a command failed. Shown in one line.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The scene is none of those built in.
+    #[error("unknown scene: demo:{name}: no such scene is built in")]
+    Demo {
+        /// What follows `demo:`.
+        name: String,
+    },
+    /// The scene has fewer cameras.
+    #[error("unknown camera: {}: there is no camera {asked}, {}", scene.display(), cameras(*have))]
+    Camera {
+        /// The scene.
+        scene: PathBuf,
+        /// The camera asked for, from 0.
+        asked: usize,
+        /// How many there are.
+        have: usize,
+    },
+    /// The frame has too many rays.
+    #[error("frame too large: {rays} rays, and at most {limit} {may}")]
+    TooLarge {
+        /// In the frame.
+        rays: u64,
+        /// What may be done with as many.
+        may: &'static str,
+        /// The most there may be.
+        limit: u64,
+    },
+    /// The scene could not be loaded.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The backend is not available.
+    #[error(transparent)]
+    Choose(#[from] ChooseError),
+    /// `RTRT_REQUIRE_GPU` is set, and a GPU could not be compared.
+    #[error("a GPU is required by RTRT_REQUIRE_GPU: {skipped}")]
+    GpuRequired {
+        /// What was skipped, and why.
+        skipped: String,
+    },
+    /// Nothing of what was asked for is available.
+    #[error("nothing was compared: all that was asked for is skipped")]
+    NothingCompared,
+    /// The frame could not be rendered.
+    #[error("cannot render: {}: {source}", scene.display())]
+    Render {
+        /// The scene.
+        scene: PathBuf,
+        /// Why.
+        source: RenderError,
+    },
+    /// The picture could not be encoded.
+    #[error("cannot encode the picture: {}: {source}", path.display())]
+    Encode {
+        /// Where it was to go.
+        path: PathBuf,
+        /// Why.
+        source: image::ImageError,
+    },
+    /// The picture could not be written.
+    #[error("cannot write the picture: {}: {source}", path.display())]
+    Write {
+        /// Where it was to go.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Results could not be written.
+    #[error("cannot write to standard output: {0}")]
+    Print(#[from] io::Error),
+    /// Results differ from the reference.
+    #[error("backends disagree: {}: {differ} of {variants} differ from the reference", scene.display())]
+    Disagree {
+        /// The scene.
+        scene: PathBuf,
+        /// How many.
+        differ: usize,
+        /// Of how many.
+        variants: usize,
+    },
+}
+
+impl Error {
+    /// What the process returns.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Encode { .. } | Self::Write { .. } | Self::Print(_) => 1,
+            Self::Demo { .. } | Self::Camera { .. } | Self::TooLarge { .. } => 2,
+            Self::Import(_) => 3,
+            Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => 4,
+            Self::Disagree { .. } => 5,
+            Self::Render { source: RenderError::Setup(error), .. } => match error {
+                // The command's own lights are checked when they are parsed.
+                SetupError::Light { .. } | SetupError::Lights { .. } => 3,
+                _ => 2,
+            },
+            Self::Render { .. } => 1,
+        }
+    }
+
+    /// What to try instead.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Demo { .. } => Some("try demo:matchbox"),
+            Self::TooLarge { .. } => Some("try a smaller --size or fewer --samples"),
+            Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => {
+                Some("`rtrt doctor` lists what this machine offers")
+            }
+            Self::Render { source: RenderError::Setup(SetupError::Camera { .. }), .. } => {
+                Some("see --eye, --look-at, --up and --fov-y")
+            }
+            _ => None,
+        }
+    }
+}
+
+/// How many cameras there are, in words.
+fn cameras(have: usize) -> String {
+    match have {
+        0 => "the scene has none".into(),
+        1 => "the scene has only camera 0".into(),
+        _ => format!("the scene has cameras 0 to {}", have - 1),
+    }
+}

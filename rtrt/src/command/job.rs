@@ -1,0 +1,147 @@
+//! What is rendered: a scene, loaded, and the camera chosen for it.
+
+use super::Error;
+use super::console::Console;
+use super::options::{BackendOptions, CameraOptions, Common};
+use super::report::Machine;
+use rtrt::choose::{ChooseError, Chosen, choose};
+use rtrt::demo;
+use rtrt::import::{self, Loaded};
+use rtrt_core::backend::{Backend, Picture, Request};
+use rtrt_core::scene::{Camera, Projection, Scene};
+use rtrt_cpu::{Cpu, Parallel};
+use std::path::Path;
+
+/// The most rays of a frame: they are numbered with 32 bits, those of blocks that reach
+/// outside the frame included.
+const MAX_RAYS: u64 = 1 << 31;
+/// The most rays whose deferred buffers are kept: at about 140 bytes each, 9 GB.
+const MAX_DEFERRED: u64 = 1 << 26;
+
+/// What is rendered.
+pub struct Job<'a> {
+    pub scene: Scene,
+    pub camera: Camera,
+    pub size: [u32; 2],
+    pub samples: u32,
+    pub shadows: bool,
+    /// Rays from the camera.
+    pub rays: u64,
+    /// Milliseconds.
+    pub tree_build_ms: f64,
+    name: &'a Path,
+}
+
+impl<'a> Job<'a> {
+    /// Loads the scene that `common` names, and changes it as `common` says. `samples` is
+    /// for where it says nothing; `deferred` is whether deferred buffers will be asked for.
+    pub fn load(common: &'a Common, samples: u32, deferred: bool, console: &Console) -> Result<Self, Error> {
+        let samples = common.samples.unwrap_or(samples);
+        let rays = common.size.map(u64::from).iter().product::<u64>() * u64::from(samples);
+        if rays > MAX_RAYS {
+            return Err(Error::TooLarge { rays, limit: MAX_RAYS, may: "can be numbered" });
+        }
+        if deferred && rays > MAX_DEFERRED {
+            return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can be kept to be looked at" });
+        }
+        console.step(format_args!("loading {}", common.scene.display()));
+        let loaded = load(&common.scene, common.backend.threads())?;
+        for warning in &loaded.warnings {
+            console.say(format_args!("warning: {warning}"));
+        }
+        let camera = camera(common, &loaded)?;
+        let mut scene = loaded.scene;
+        if !common.lights.is_empty() {
+            scene.lights_mut().clone_from(&common.lights);
+        } else if loaded.lit_by_default {
+            import::light_by_default(&mut scene, &camera);
+        }
+        Ok(Self {
+            scene,
+            camera,
+            size: common.size,
+            samples,
+            rays,
+            shadows: !common.no_shadows,
+            tree_build_ms: loaded.tree_build_ms,
+            name: &common.scene,
+        })
+    }
+
+    /// The request for a frame.
+    pub fn request(&self, deferred: bool) -> Request<'_> {
+        Request {
+            camera: &self.camera,
+            size: self.size,
+            samples: self.samples,
+            shadows: self.shadows,
+            deferred,
+        }
+    }
+
+    /// Renders a frame as `request` says.
+    pub fn render(
+        &self,
+        backend: &mut dyn Backend,
+        request: &Request<'_>,
+        picture: &mut Picture,
+    ) -> Result<(), Error> {
+        backend
+            .render(&self.scene, request, picture)
+            .map_err(|source| Error::Render { scene: self.name.to_owned(), source })
+    }
+}
+
+/// Loads the scene of this name, its trees built by `threads` threads.
+fn load(name: &Path, threads: Option<usize>) -> Result<Loaded, Error> {
+    let pool = Cpu::new(rtrt_cpu::Options { lanes: None, threads }).map_err(ChooseError::Cpu)?;
+    match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
+        Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
+        Some(unknown) => Err(Error::Demo { name: unknown.into() }),
+        None => Ok(pool.install(|| import::load(name, &Parallel))?),
+    }
+}
+
+/// The scene's camera, or the one chosen of its cameras, changed as the options say.
+fn camera(common: &Common, loaded: &Loaded) -> Result<Camera, Error> {
+    let options = &common.camera;
+    let chosen = match options.camera {
+        Some(asked) => loaded.cameras.get(asked).map(|named| named.camera).ok_or_else(|| {
+            let have = loaded.cameras.len();
+            Error::Camera { scene: common.scene.clone(), asked, have }
+        })?,
+        // The import frames for 16 to 9.
+        None if loaded.cameras.is_empty() => {
+            import::framing(&loaded.scene, common.size[0] as f32 / common.size[1] as f32)
+        }
+        None => loaded.camera,
+    };
+    Ok(changed(chosen, options, &loaded.scene))
+}
+
+/// `camera` with what the options give in place of its own.
+fn changed(camera: Camera, options: &CameraOptions, scene: &Scene) -> Camera {
+    let middle = || scene.extent().map_or(camera.look_at, |(low, high)| low * 0.5 + high * 0.5);
+    Camera {
+        eye: options.eye.unwrap_or(camera.eye),
+        look_at: options
+            .look_at
+            .unwrap_or_else(|| if options.eye.is_some() { middle() } else { camera.look_at }),
+        up: options.up.unwrap_or(camera.up),
+        projection: options.fov_y.map_or(camera.projection, |fov_y| Projection::Perspective { fov_y }),
+    }
+}
+
+/// Opens the backend that the options ask for, and says which it is and why.
+pub fn open(options: &BackendOptions, console: &Console) -> Result<(Box<dyn Backend>, Machine), Error> {
+    console.step("opening the backend");
+    let Chosen { backend, why, is_software } = choose(&options.choose())?;
+    let machine = Machine::from(backend.describe());
+    console.say(format_args!("backend: {machine}: {why}"));
+    if is_software {
+        console.say(
+            "warning: this adapter is software: it computes on the processor, as --backend cpu does faster",
+        );
+    }
+    Ok((backend, machine))
+}

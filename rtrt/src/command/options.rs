@@ -1,0 +1,220 @@
+//! The command line.
+
+use clap::Args;
+use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
+use glam::Vec3;
+use rtrt::choose::{self, Choice};
+use rtrt_core::scene::{Light, Setup};
+use std::path::PathBuf;
+
+/// Options of `rtrt render`.
+#[derive(Debug, Args)]
+pub struct Render {
+    /// Where to write the picture: a PNG file
+    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(png), required_unless_present_any = ["hash", "json"])]
+    pub output: Option<PathBuf>,
+    /// Print the SHA-256 of the pixels (red, green, blue, alpha, row by row) and of each
+    /// deferred buffer
+    #[arg(long)]
+    pub hash: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Options of `rtrt verify`.
+#[derive(Debug, Args)]
+pub struct Verify {
+    /// Print the SHA-256 of the reference's pixels and of each of its deferred buffers
+    #[arg(long)]
+    pub hash: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Options of `rtrt bench`.
+#[derive(Debug, Args)]
+pub struct Bench {
+    /// Frames to measure, after two that are not counted
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: u32,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What all commands that render take.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// A .glb, .gltf or .obj file, or demo:matchbox
+    pub scene: PathBuf,
+    /// Width and height in pixels, each at most 16384
+    #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size)]
+    pub size: [u32; 2],
+    /// Sub-rays a pixel; render takes 4, verify and bench 1
+    #[arg(long, value_parser = one_of(["1", "4", "16"]))]
+    pub samples: Option<u32>,
+    /// Render without shadows
+    #[arg(long)]
+    pub no_shadows: bool,
+    /// Add a white light; the scene's own lights are then off. point:x,y,z shines from there
+    /// without limit; sun:x,y,z stands infinitely far away in that direction
+    #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]
+    pub lights: Vec<Light>,
+    /// Print the results as one JSON object
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub camera: CameraOptions,
+    #[command(flatten)]
+    pub backend: BackendOptions,
+}
+
+/// Where the scene is seen from. What is not given is the scene's.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraOptions {
+    /// Take this camera of the scene's, counted from 0
+    #[arg(long, value_name = "N")]
+    pub camera: Option<usize>,
+    /// Where the camera is; without --look-at it looks at the middle of the scene
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub eye: Option<Vec3>,
+    /// A point in the middle of the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub look_at: Option<Vec3>,
+    /// What is up in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub up: Option<Vec3>,
+    /// Angle between the top and the bottom of the picture, degrees within 0 and 180
+    #[arg(long, value_name = "DEGREES", value_parser = angle, allow_hyphen_values = true)]
+    pub fov_y: Option<f32>,
+}
+
+/// What renders.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Backend")]
+pub struct BackendOptions {
+    /// What renders; auto takes the first that works of: discrete, integrated, virtual GPU,
+    /// CPU, software Vulkan
+    #[arg(long, default_value = "auto", value_parser = choice())]
+    pub backend: Choice,
+    /// The GPU adapter whose name contains this, or that has this number in `rtrt doctor`; auto
+    /// then takes no other
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Threads for loading, and for rendering on the CPU; as many as run at once if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Numbers side by side in one instruction on the CPU; the fastest if not given
+    #[arg(long, value_parser = one_of(["1", "8", "16"]))]
+    pub lanes: Option<u32>,
+}
+
+impl BackendOptions {
+    /// What to choose from.
+    pub fn choose(&self) -> choose::Options {
+        choose::Options {
+            choice: self.backend,
+            adapter: self.adapter.clone(),
+            lanes: self.lanes,
+            threads: self.threads(),
+        }
+    }
+
+    /// Threads, if given.
+    pub fn threads(&self) -> Option<usize> {
+        self.threads.map(usize::from)
+    }
+}
+
+/// One of a few numbers.
+fn one_of<const N: usize>(allowed: [&'static str; N]) -> impl TypedValueParser<Value = u32> {
+    PossibleValuesParser::new(allowed).try_map(|text| text.parse::<u32>())
+}
+
+/// A backend's name.
+fn choice() -> impl TypedValueParser<Value = Choice> {
+    PossibleValuesParser::new(["auto", "cpu", "gpu"]).map(|name| match &name[..] {
+        "cpu" => Choice::Cpu,
+        "gpu" => Choice::Gpu,
+        _ => Choice::Auto,
+    })
+}
+
+/// `1280x720`.
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=Setup::MAX_SIDE).contains(side));
+    text.split_once(['x', 'X'])
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or(format!("not WIDTHxHEIGHT with sides of 1 to {}", Setup::MAX_SIDE))
+}
+
+/// `-12,4,0`.
+fn vector(text: &str) -> Result<Vec3, String> {
+    let numbers: Option<Vec<f32>> =
+        text.split(',').map(|number| number.trim().parse().ok().filter(|n: &f32| n.is_finite())).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
+        _ => Err("not three finite numbers with commas between them".into()),
+    }
+}
+
+/// Degrees, to radians.
+fn angle(text: &str) -> Result<f32, String> {
+    let radians = text.parse().map(|degrees: f64| degrees.to_radians() as f32);
+    radians
+        .ok()
+        .filter(|&radians| radians > 0.0 && radians < core::f32::consts::PI)
+        .ok_or("not a number within 0 and 180".into())
+}
+
+/// `point:0,14,0` or `sun:1,2,2`.
+fn light(text: &str) -> Result<Light, String> {
+    let (kind, place) = text.split_once(':').ok_or("not point:X,Y,Z or sun:X,Y,Z")?;
+    let place = vector(place)?;
+    match kind {
+        "point" => Ok(Light::Point { position: place, color: Vec3::ONE, reach: None, inverse_square: false }),
+        "sun" if place.abs().max_element() < 1e-18 => Err("the sun has no direction".into()),
+        "sun" => Ok(Light::Sun { direction: -place, color: Vec3::ONE }),
+        _ => Err("not point:X,Y,Z or sun:X,Y,Z".into()),
+    }
+}
+
+/// The path of a PNG file.
+fn png(path: PathBuf) -> Result<PathBuf, &'static str> {
+    let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    if is_png { Ok(path) } else { Err("the name must end in .png") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_within_the_limits_are_taken() {
+        assert_eq!(size("317x179"), Ok([317, 179]));
+        for bad in ["", "0x0", "1280", "12x", "99999x99999", "-1x5", "4x4x4", "1e2x5"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_finite() {
+        assert_eq!(vector("-12,4, 0.5"), Ok(Vec3::new(-12.0, 4.0, 0.5)));
+        for bad in ["", "1,2", "1,2,3,4", "nan,0,0", "0,inf,0", "1e39,0,0", "a,b,c"] {
+            assert!(vector(bad).is_err(), "{bad}");
+        }
+        for bad in ["0", "-5", "180", "179.99999999", "nan", "inf", "1e-60", "x"] {
+            assert!(angle(bad).is_err(), "{bad}");
+        }
+        assert_eq!(angle("90"), Ok(core::f32::consts::FRAC_PI_2));
+    }
+
+    #[test]
+    fn the_sun_shines_from_where_it_stands() {
+        let Ok(Light::Sun { direction, .. }) = light("sun:1,2,2") else { panic!("no sun") };
+        assert_eq!(direction, Vec3::new(-1.0, -2.0, -2.0));
+        for bad in ["sun:0,0,0", "sun:0,-0,1e-38", "moon:1,2,3", "1,2,3", "point:1,2", "point:"] {
+            assert!(light(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! `rtrt verify`: every backend, lane width and thread count against one reference.
+
+use super::Error;
+use super::console::Console;
+use super::job::Job;
+use super::options::{BackendOptions, Verify};
+use super::output;
+use super::report::{buffer_hashes, counted, pixel_hash};
+use rtrt::choose::{Choice, ChooseError, is_called};
+use rtrt_core::backend::{Backend, Picture};
+use rtrt_core::compare::compare;
+use rtrt_cpu::Cpu;
+use rtrt_gpu::{Gpu, Route};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::path::Path;
+
+/// Sub-rays a pixel if not given.
+const SAMPLES: u32 = 1;
+
+/// What `--json` prints.
+#[derive(serde::Serialize)]
+struct Report {
+    /// What the others are compared with.
+    reference: String,
+    size: [u32; 2],
+    samples: u32,
+    /// SHA-256 of the reference's pixels.
+    hash: String,
+    /// SHA-256 of each of its deferred buffers.
+    buffers: Option<BTreeMap<&'static str, String>>,
+    /// Whether no variant differs.
+    equal: bool,
+    variants: Vec<Verdict>,
+}
+
+/// What came of a variant.
+#[derive(serde::Serialize)]
+struct Verdict {
+    variant: String,
+    result: Outcome,
+    /// The first difference, or why it was skipped.
+    detail: Option<String>,
+    /// The adapter, if it is one.
+    #[serde(skip)]
+    gpu: Option<String>,
+}
+
+#[derive(Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Outcome {
+    Equal,
+    Differs,
+    Skipped,
+}
+
+/// A backend to be compared with the reference.
+#[derive(PartialEq)]
+enum Variant {
+    Cpu {
+        lanes: u32,
+        threads: usize,
+    },
+    Gpu {
+        /// Its number, or none for the first that can be used.
+        adapter: Option<usize>,
+        name: String,
+        route: Route,
+    },
+}
+
+/// What the others are compared with.
+const REFERENCE: Variant = Variant::Cpu { lanes: 1, threads: 1 };
+
+/// Compares.
+pub fn run(options: &Verify) -> Result<(), Error> {
+    let common = &options.common;
+    let variants = variants(&common.backend)?;
+    let console = Console::new(variants.len() as u64 + 2);
+    let job = Job::load(common, SAMPLES, true, &console)?;
+    console.step(format_args!("rendering the reference: {REFERENCE}"));
+    let mut expected = Picture::default();
+    job.render(&mut *REFERENCE.open()?, &job.request(true), &mut expected)?;
+
+    let (mut verdicts, mut actual) = (Vec::new(), Picture::default());
+    for variant in &variants {
+        console.step(format_args!("comparing {variant}"));
+        let verdict = verdict(variant, &job, &expected, &mut actual)?;
+        if !common.json {
+            console.print(&verdict)?;
+        }
+        verdicts.push(verdict);
+    }
+    drop(console);
+    let failure = failure(&verdicts, &common.scene);
+    let (hash, buffers) = (pixel_hash(&expected), buffer_hashes(&expected));
+    if common.json {
+        let equal = verdicts.iter().all(|verdict| verdict.result != Outcome::Differs);
+        let (reference, size, samples) = (REFERENCE.to_string(), job.size, job.samples);
+        output::print_json(&Report { reference, size, samples, hash, buffers, equal, variants: verdicts })?;
+    } else if options.hash {
+        output::print_hashes(&hash, buffers)?;
+    }
+    failure.map_or(Ok(()), Err)
+}
+
+/// Renders on the variant, and compares.
+fn verdict(
+    variant: &Variant,
+    job: &Job<'_>,
+    expected: &Picture,
+    actual: &mut Picture,
+) -> Result<Verdict, Error> {
+    let (result, detail) = match variant.open() {
+        Err(error) => (Outcome::Skipped, Some(error.to_string())),
+        Ok(mut backend) => {
+            job.render(&mut *backend, &job.request(true), actual)?;
+            match compare(&job.request(true), expected, actual) {
+                Ok(()) => (Outcome::Equal, None),
+                Err(difference) => (Outcome::Differs, Some(difference.to_string())),
+            }
+        }
+    };
+    let gpu = match variant {
+        Variant::Cpu { .. } => None,
+        Variant::Gpu { name, .. } => Some(name.clone()),
+    };
+    Ok(Verdict { variant: variant.to_string(), result, detail, gpu })
+}
+
+/// What the exit code is to tell.
+fn failure(verdicts: &[Verdict], scene: &Path) -> Option<Error> {
+    let differ = verdicts.iter().filter(|verdict| verdict.result == Outcome::Differs).count();
+    if differ > 0 {
+        return Some(Error::Disagree { scene: scene.to_owned(), differ, variants: verdicts.len() });
+    }
+    let is_required = std::env::var_os("RTRT_REQUIRE_GPU").is_some_and(|value| value == "1");
+    // A route that an adapter does not take, or by which the canary refuses it, is made up
+    // for by its other route.
+    let is_compared =
+        |gpu: &str| verdicts.iter().any(|v| v.gpu.as_deref() == Some(gpu) && v.result == Outcome::Equal);
+    let skipped = verdicts.iter().find(|v| v.gpu.as_deref().is_some_and(|gpu| !is_compared(gpu)));
+    if let Some(skipped) = skipped.filter(|_| is_required) {
+        return Some(Error::GpuRequired { skipped: skipped.to_string() });
+    }
+    let is_nothing = verdicts.iter().all(|verdict| verdict.result == Outcome::Skipped);
+    is_nothing.then_some(Error::NothingCompared)
+}
+
+/// What to compare, without what the options leave out.
+fn variants(options: &BackendOptions) -> Result<Vec<Variant>, ChooseError> {
+    let cpu = if options.backend == Choice::Gpu { vec![] } else { cpu_variants(options) };
+    let gpu = if options.backend == Choice::Cpu { vec![] } else { gpu_variants(options)? };
+    Ok(cpu.into_iter().chain(gpu).collect())
+}
+
+fn cpu_variants(options: &BackendOptions) -> Vec<Variant> {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = options.threads().map_or([1, 2, all].into(), |threads| BTreeSet::from([threads]));
+    let lanes = options.lanes.map_or(vec![1, 8, 16], |lanes| vec![lanes]);
+    let each = lanes.iter().flat_map(|&lanes| threads.iter().map(move |&threads| (lanes, threads)));
+    each.map(|(lanes, threads)| Variant::Cpu { lanes, threads }).filter(|v| *v != REFERENCE).collect()
+}
+
+fn gpu_variants(options: &BackendOptions) -> Result<Vec<Variant>, ChooseError> {
+    let adapters = rtrt_gpu::adapters().into_iter().enumerate();
+    let (wanted, other): (Vec<_>, Vec<_>) = adapters.partition(|(number, report)| {
+        options.adapter.as_ref().is_none_or(|name| is_called(report, *number, name))
+    });
+    if let Some(wanted) = options.adapter.clone().filter(|_| wanted.is_empty()) {
+        let tried = other.into_iter().map(|(_, report)| report.name).collect();
+        return Err(ChooseError::Adapter { wanted, tried });
+    }
+    let mut names: Vec<_> = wanted.into_iter().map(|(number, report)| (Some(number), report.name)).collect();
+    if names.is_empty() {
+        // Opening it tells why there is none.
+        names.push((None, "any adapter".into()));
+    }
+    let both = |(adapter, name): (Option<usize>, String)| {
+        [Route::Passthrough, Route::Naga].map(|route| Variant::Gpu { adapter, name: name.clone(), route })
+    };
+    Ok(names.into_iter().flat_map(both).collect())
+}
+
+impl Variant {
+    fn open(&self) -> Result<Box<dyn Backend>, ChooseError> {
+        Ok(match *self {
+            Self::Cpu { lanes, threads } => {
+                Box::new(Cpu::new(rtrt_cpu::Options { lanes: Some(lanes), threads: Some(threads) })?)
+            }
+            Self::Gpu { adapter, route, .. } => {
+                let adapter = adapter.map(|number| number.to_string());
+                Box::new(Gpu::new(rtrt_gpu::Options { adapter, route, ..Default::default() })?)
+            }
+        })
+    }
+}
+
+impl fmt::Display for Variant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cpu { lanes, threads } => {
+                write!(f, "cpu, {}, {}", counted(*lanes, "lane"), counted(*threads as u32, "thread"))
+            }
+            Self::Gpu { name, route: Route::Naga, .. } => write!(f, "gpu, {name}, naga"),
+            Self::Gpu { name, .. } => write!(f, "gpu, {name}, passthrough"),
+        }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let result = match self.result {
+            Outcome::Equal => "equal",
+            Outcome::Differs => "differs",
+            Outcome::Skipped => "skipped",
+        };
+        write!(f, "{}: {result}", self.variant)?;
+        self.detail.iter().try_for_each(|detail| write!(f, ": {detail}"))
+    }
+}

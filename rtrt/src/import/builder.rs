@@ -1,0 +1,131 @@
+//! What both formats fill: a scene, within limits, with warnings.
+
+use super::{ImportError, picture};
+use rtrt_core::layout::{Attribute, Texture, Wrap};
+use rtrt_core::scene::{
+    Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, Scene, SceneError,
+};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The most triangles that a scene may store: 67 million.
+const TRIANGLES: u64 = 1 << 26;
+/// The most objects that a scene may place: 4 million.
+const OBJECTS: u64 = 1 << 22;
+/// The most texels that all textures may have at full size: 4 GiB of them.
+const TEXELS: u64 = 1 << 30;
+/// The most warnings.
+const WARNINGS: usize = 40;
+
+/// Positions, attributes and indices of a mesh that is not checked yet.
+#[derive(Debug, Default)]
+pub(crate) struct Geometry {
+    pub positions: Vec<[f32; 3]>,
+    pub attributes: Vec<Attribute>,
+    pub indices: Vec<u32>,
+}
+
+/// A scene in the making.
+pub(crate) struct Builder<'a, J> {
+    pub scene: Scene,
+    pub warnings: Vec<String>,
+    /// Kinds of things that the file has and the renderer does not draw.
+    pub not_drawn: BTreeSet<&'static str>,
+    pub tree_build_ms: f64,
+    /// The file, for messages.
+    pub path: PathBuf,
+    join: &'a J,
+    texels: u64,
+}
+
+impl<'a, J: Join> Builder<'a, J> {
+    pub fn new(path: &Path, join: &'a J) -> Self {
+        Self {
+            scene: Scene::new(),
+            warnings: Vec::new(),
+            not_drawn: BTreeSet::new(),
+            tree_build_ms: 0.0,
+            path: path.to_owned(),
+            join,
+            texels: 0,
+        }
+    }
+
+    /// Says something that the user should know, once; a file with very much wrong does
+    /// not drown the rest.
+    pub fn warn(&mut self, warning: String) {
+        if self.warnings.len() < WARNINGS && !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+            if self.warnings.len() == WARNINGS {
+                self.warnings.push("further warnings are not shown".into());
+            }
+        }
+    }
+
+    /// The file breaks a rule.
+    pub fn invalid(&self, why: String) -> ImportError {
+        ImportError::Invalid { path: self.path.clone(), why }
+    }
+
+    fn limit(&self, what: &'static str, limit: u64) -> ImportError {
+        ImportError::Limit { path: self.path.clone(), what, limit }
+    }
+
+    /// Checks a mesh, builds its tree and adds it. `name` is for messages.
+    pub fn add_mesh(&mut self, name: &str, geometry: Geometry) -> Result<MeshIndex, ImportError> {
+        let refused =
+            |source: MeshError| ImportError::Mesh { path: self.path.clone(), mesh: name.into(), source };
+        let Geometry { positions, attributes, indices } = geometry;
+        let mesh = Mesh::new(positions, attributes, indices).map_err(refused)?;
+        if self.scene.triangles() + mesh.triangles() as u64 > TRIANGLES {
+            return Err(self.limit("triangles", TRIANGLES));
+        }
+        let start = Instant::now();
+        let tree = MeshTree::build(&mesh, self.join);
+        self.tree_build_ms += start.elapsed().as_secs_f64() * 1e3;
+        let path = &self.path;
+        self.scene
+            .add_mesh(&mesh, &tree)
+            .map_err(|source| ImportError::Scene { path: path.clone(), source })
+    }
+
+    /// Places a mesh. One whose transform cannot be inverted has no volume to be seen: it
+    /// is left out with a warning.
+    pub fn add_object(
+        &mut self,
+        name: &str,
+        mesh: MeshIndex,
+        material: MaterialIndex,
+        to_world: glam::Mat4,
+    ) -> Result<(), ImportError> {
+        if self.scene.objects().len() as u64 >= OBJECTS {
+            return Err(self.limit("objects", OBJECTS));
+        }
+        match self.scene.add_object(mesh, material, to_world) {
+            Ok(_) => Ok(()),
+            Err(SceneError::Transform) => {
+                self.warn(format!("{name} is left out: its transform cannot be inverted"));
+                Ok(())
+            }
+            Err(source) => Err(ImportError::Scene { path: self.path.clone(), source }),
+        }
+    }
+
+    /// Adds a texture. One that could not be read becomes a checker of magenta and black,
+    /// with a warning. `name` is for messages.
+    pub fn add_texture(&mut self, name: &str, image: Result<Image, String>) -> Result<Texture, ImportError> {
+        let image = image.unwrap_or_else(|why| {
+            self.warn(format!("texture {name} is drawn as a magenta checker: {why}"));
+            picture::placeholder()
+        });
+        self.texels += u64::from(image.width) * u64::from(image.height);
+        if self.texels > TEXELS {
+            return Err(self.limit("texels", TEXELS));
+        }
+        let path = &self.path;
+        self.scene
+            .add_texture(&image, [Wrap::Repeat; 2])
+            .map_err(|source| ImportError::Scene { path: path.clone(), source })
+    }
+}

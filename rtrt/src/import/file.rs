@@ -1,0 +1,36 @@
+//! Reading files: only real ones, and no more than is asked for.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// The longest file that is read, in bytes: 4 GiB.
+pub(super) const LONGEST: u64 = 1 << 32;
+
+/// The bytes of a file of at most `limit` bytes.
+///
+/// # Errors
+/// The file cannot be read, is longer, or is no file: a pipe or a device might have no end.
+pub(super) fn read(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a file"));
+    }
+    if metadata.len() > limit {
+        return Err(io::Error::new(
+            io::ErrorKind::FileTooLarge,
+            format!("it has {} bytes, and {limit} are read at most", metadata.len()),
+        ));
+    }
+    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    File::open(path)?.take(limit).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// A file named by another, relative to that one's folder. Separators may be those of
+/// Windows.
+pub(super) fn beside(path: &Path, name: &str) -> PathBuf {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let exact = folder.join(name);
+    if name.contains('\\') && !exact.exists() { folder.join(name.replace('\\', "/")) } else { exact }
+}

@@ -1,0 +1,68 @@
+//! The camera and the light of scenes that bring none.
+
+use glam::{DVec3, Vec3};
+use rtrt_core::scene::{Camera, Light, Projection, Scene};
+
+/// Where the camera of a scene without one looks from, seen from its middle: the front
+/// (+z in glTF), from somewhat above and to the right. Any length.
+const FROM: DVec3 = DVec3::new(0.4, 0.3, 1.0);
+/// Its vertical field of view, radians: 45°.
+const FOV_Y: f64 = core::f64::consts::FRAC_PI_4;
+/// How much of the picture the bounds may fill in either direction.
+const FILL: f64 = 0.95;
+
+/// A camera that has the whole scene in view: it looks at the middle of the bounds from a
+/// fixed direction (front, right, above) with a vertical field of view of 45°, from as near
+/// as a picture of this `aspect` (width / height) allows, 5% left free. The same scene gives
+/// the same camera on every host.
+pub fn framing(scene: &Scene, aspect: f32) -> Camera {
+    let (low, high) = scene.extent().unwrap_or((Vec3::splat(-1.0), Vec3::splat(1.0)));
+    let (low, high) = (low.as_dvec3(), high.as_dvec3());
+    let center = (low + high) * 0.5;
+    let back = unit(FROM);
+    let right = unit(DVec3::Y.cross(back));
+    let up = back.cross(right);
+    let tangent = libm::tan(FOV_Y * 0.5) * FILL;
+    let aspect = if aspect.is_finite() && aspect > 0.0 { f64::from(aspect) } else { 1.0 };
+    // How far away each corner of the bounds wants the camera.
+    let distance = (0..8).map(|corner| {
+        let pick = |bit: u32, low: f64, high: f64| if corner >> bit & 1 == 0 { low } else { high };
+        let corner = DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
+        let offset = corner - center;
+        let across = (offset.dot(up).abs()).max(offset.dot(right).abs() / aspect);
+        offset.dot(back) + across / tangent
+    });
+    let distance = distance.fold(0.0, f64::max);
+    let distance = if distance > 0.0 { distance } else { 1.0 };
+    Camera {
+        eye: (center + back * distance).as_vec3(),
+        look_at: center.as_vec3(),
+        up: Vec3::Y,
+        projection: Projection::Perspective { fov_y: FOV_Y as f32 },
+    }
+}
+
+/// Lights a scene that has no lights of its own, for a picture by this `camera`; lights
+/// that it has are replaced.
+///
+/// A sun, slightly warm, shines from above, and somewhat from the left and from behind the
+/// camera. A lamp at the camera itself, a third as bright and not fading, tells shapes apart
+/// where the sun does not reach, such as in rooms. Ambient light, slightly blue, does the
+/// rest.
+pub fn light_by_default(scene: &mut Scene, camera: &Camera) {
+    let forward = unit(camera.look_at.as_dvec3() - camera.eye.as_dvec3());
+    let right = unit(forward.cross(camera.up.as_dvec3()));
+    let up = right.cross(forward);
+    let direction = (forward * 0.45 + right * 0.3 - up).as_vec3();
+    *scene.lights_mut() = vec![
+        Light::Sun { direction, color: Vec3::new(0.75, 0.72, 0.68) },
+        Light::Point { position: camera.eye, color: Vec3::splat(0.25), reach: None, inverse_square: false },
+    ];
+    scene.ambient = Vec3::new(0.16, 0.17, 0.19);
+}
+
+/// `v` at length 1; z for a vector without length.
+fn unit(v: DVec3) -> DVec3 {
+    let length = libm::sqrt(v.length_squared());
+    if length > 0.0 && length.is_finite() { v / length } else { DVec3::Z }
+}

@@ -1,0 +1,123 @@
+//! From a file's bytes to its JSON and its binary chunk.
+
+use crate::import::ImportError;
+use crate::import::builder::Builder;
+use gltf_json::validation::{self, Validate};
+use gltf_json::{Root, Value};
+
+/// The first bytes of a binary file.
+pub(super) const MAGIC: &[u8] = b"glTF";
+
+/// What is drawn of the extensions that a file may require.
+const EXTENSIONS: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// A file's JSON, and its binary chunk if it has one.
+///
+/// # Errors
+/// It is not glTF 2.0, or requires an extension that is not implemented.
+pub(super) fn open<'a, J: rtrt_core::scene::Join>(
+    builder: &Builder<'_, J>,
+    bytes: &'a [u8],
+) -> Result<(Root, Option<&'a [u8]>), ImportError> {
+    let invalid = |why| builder.invalid(why);
+    let (json, binary) = if bytes.starts_with(MAGIC) {
+        chunks(bytes).map_err(|why| invalid(why.into()))?
+    } else {
+        (bytes, None)
+    };
+    let root = parse(json).map_err(|error| invalid(format!("JSON: {error}")))?;
+    let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
+    if version.split('.').next() != Some("2") {
+        return Err(invalid(format!("glTF {}, but only glTF 2 is supported", version.escape_debug())));
+    }
+    if let Some(name) = root.extensions_required.iter().find(|name| !EXTENSIONS.contains(&name.as_str())) {
+        let extension = name.escape_debug().to_string();
+        return Err(ImportError::Extension { path: builder.path.clone(), extension });
+    }
+    match dangling(&root) {
+        Some(place) => Err(invalid(format!("{} is not there", place.escape_debug()))),
+        None => Ok((root, binary)),
+    }
+}
+
+/// Where the file refers to something that it does not have, be it drawn or not. Its other
+/// errors are found where they matter, in what is drawn.
+fn dangling(root: &Root) -> Option<String> {
+    let mut place = None;
+    root.validate(root, gltf_json::Path::new, &mut |path, error| {
+        if error == validation::Error::IndexOutOfBounds && place.is_none() {
+            place = Some(path().to_string());
+        }
+    });
+    place
+}
+
+/// The JSON chunk and the binary chunk of a `.glb`. Other chunks, and bytes after the end,
+/// are passed over, as the format asks for.
+fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), &'static str> {
+    let word = |at: usize| {
+        bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+    };
+    match word(4) {
+        Some(2) => {}
+        Some(1) => return Err("binary glTF 1, but only glTF 2 is supported"),
+        _ => return Err("the binary header has no known version"),
+    }
+    let length = word(8).ok_or("the binary header is cut off")? as usize;
+    let bytes = bytes.get(..length).ok_or("the file is shorter than its header says")?;
+    let (mut json, mut binary) = (None, None);
+    let mut at = 12;
+    while at < bytes.len() {
+        let (Some(size), Some(kind)) = (word(at), bytes.get(at + 4..at + 8)) else {
+            return Err("a chunk header is cut off");
+        };
+        let chunk = bytes.get(at + 8..).and_then(|rest| rest.get(..size as usize));
+        let chunk = chunk.ok_or("a chunk is longer than the file")?;
+        match kind {
+            b"JSON" if json.is_none() && binary.is_none() => json = Some(chunk),
+            b"BIN\0" if json.is_some() && binary.is_none() => binary = Some(chunk),
+            _ if json.is_none() => return Err("the first chunk is not JSON"),
+            _ => {}
+        }
+        // Chunks start at multiples of four.
+        at = (at + 8 + size as usize).next_multiple_of(4);
+    }
+    json.map(|json| (json, binary)).ok_or("there is no JSON chunk")
+}
+
+/// The JSON, in the types of the format.
+///
+/// Those refuse some things that the format allows, or that no picture depends on. If they
+/// do, they get a second try with numbers such as `1.0` written as integers, which they are
+/// in this format, and without animations, which are not drawn.
+fn parse(json: &[u8]) -> Result<Root, gltf_json::Error> {
+    gltf_json::deserialize::from_slice(json).or_else(|error| {
+        let mut value: Value = gltf_json::deserialize::from_slice(json)?;
+        whole_numbers(&mut value);
+        if let Some(root) = value.as_object_mut() {
+            root.remove("animations");
+        }
+        gltf_json::deserialize::from_value(value).map_err(|_| error)
+    })
+}
+
+/// Makes integers of numbers without a fraction.
+fn whole_numbers(value: &mut Value) {
+    match value {
+        Value::Number(number) => {
+            let whole = number.as_f64().filter(|x| number.is_f64() && x.fract() == 0.0);
+            if let Some(whole) = whole.filter(|x| (0.0..=u32::MAX.into()).contains(x)) {
+                *value = Value::from(whole as u64);
+            }
+        }
+        Value::Array(array) => array.iter_mut().for_each(whole_numbers),
+        Value::Object(object) => object.values_mut().for_each(whole_numbers),
+        _ => {}
+    }
+}

@@ -1,0 +1,67 @@
+//! Lights: KHR_lights_punctual.
+
+use crate::import::builder::Builder;
+use gltf_json::extensions::scene::khr_lights_punctual::{Light as Source, Type};
+use gltf_json::validation::Checked;
+use glam::{DMat4, DVec3, Vec3};
+use rtrt_core::scene::{Join, Light, Scene, Setup};
+
+/// A light of the file at its node's place: in candela (point) or lux (sun), not yet exposed.
+///
+/// A spot light is drawn as a point light.
+pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_world: &DMat4) {
+    let color = Vec3::from(source.color) * source.intensity;
+    let position = to_world.w_axis.truncate().as_vec3();
+    let direction = -to_world.z_axis.truncate().as_vec3();
+    let reach = source.range.filter(|reach| reach.is_finite() && *reach > 0.0);
+    let usable = color.is_finite() && color.min_element() >= 0.0 && position.is_finite();
+    if builder.scene.lights().len() == Setup::MAX_LIGHTS {
+        return builder.warn(format!("only the first {} lights are drawn", Setup::MAX_LIGHTS));
+    }
+    let light = match source.type_ {
+        Checked::Valid(Type::Directional) => Light::Sun { direction, color },
+        Checked::Valid(Type::Point | Type::Spot) => Light::Point { position, color, reach, inverse_square: true },
+        Checked::Invalid => return builder.warn("a light of an unknown type is left out".into()),
+    };
+    if source.type_ == Checked::Valid(Type::Spot) {
+        builder.not_drawn.insert("cones of spot lights");
+    }
+    if !usable || direction.length_squared() == 0.0 || !direction.is_finite() {
+        return builder.warn("a light is left out: its color or its node's transform is not usable".into());
+    }
+    builder.scene.add_light(light);
+}
+
+/// Exposes the lights: multiplies them all by one factor, so that the strongest one arrives
+/// in the middle of the scene as 1, which is what makes a white surface white.
+///
+/// ```text
+/// sun    arrives as   color
+/// point  arrives as   color / max(distance to the middle, diagonal of the bounds / 4)²
+/// ```
+///
+/// Files give lights in candela and lux, with powers from a few (a lamp written by hand) to
+/// a hundred thousand (daylight); an 8-bit picture has no room for that, nor does it say
+/// what its exposure is. The factor 1/π between illuminance and the light a surface
+/// reflects, which this renderer leaves out everywhere, goes with it.
+pub(super) fn expose(scene: &mut Scene) {
+    let Some((low, high)) = scene.extent() else { return };
+    let (low, high) = (low.as_dvec3(), high.as_dvec3());
+    let middle = (low + high) * 0.5;
+    let nearest = (high - low).length_squared() / 16.0;
+    let arriving = |light: &Light| match light {
+        Light::Sun { color, .. } => f64::from(color.max_element()),
+        Light::Point { position, color, .. } => {
+            let squared: f64 = (position.as_dvec3() - middle as DVec3).length_squared();
+            f64::from(color.max_element()) / squared.max(nearest)
+        }
+    };
+    let strongest = scene.lights().iter().map(arriving).fold(0.0, f64::max);
+    if !(strongest > 0.0 && strongest.is_finite()) {
+        return;
+    }
+    for light in scene.lights_mut() {
+        let (Light::Point { color, .. } | Light::Sun { color, .. }) = light;
+        *color = (color.as_dvec3() / strongest).as_vec3();
+    }
+}

@@ -1,0 +1,32 @@
+//! Textures: PNG and JPEG, and what stands in for one that is missing.
+
+use image::{ImageReader, Limits};
+use rtrt_core::scene::Image;
+use std::io::Cursor;
+
+/// The picture in these bytes (PNG or JPEG), 8 bits a channel.
+///
+/// # Errors
+/// What is wrong with the bytes, in one line.
+pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
+    let mut reader =
+        ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(Image::MAX_SIDE);
+    limits.max_image_height = Some(Image::MAX_SIDE);
+    // 16 bits a channel, four channels, at the largest size.
+    limits.max_alloc = Some(8 * u64::from(Image::MAX_SIDE) * u64::from(Image::MAX_SIDE));
+    reader.limits(limits);
+    let picture = reader.decode().map_err(|error| error.to_string().replace('\n', " "))?.into_rgba8();
+    Ok(Image { width: picture.width(), height: picture.height(), rgba: picture.into_raw() })
+}
+
+/// What is drawn instead of a texture that cannot be read: a checker of magenta and black
+/// that nobody takes for intended.
+pub(super) fn placeholder() -> Image {
+    const SIDE: u32 = 8;
+    let texel = |i: u32| {
+        if (i % SIDE + i / SIDE).is_multiple_of(2) { [255, 0, 255, 255] } else { [0, 0, 0, 255] }
+    };
+    Image { width: SIDE, height: SIDE, rgba: (0..SIDE * SIDE).flat_map(texel).collect() }
+}

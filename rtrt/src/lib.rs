@@ -1,0 +1,5 @@
+//! The front door of rtrt: scenes from files and in code.
+
+pub mod choose;
+pub mod demo;
+pub mod import;

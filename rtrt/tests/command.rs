@@ -1,0 +1,341 @@
+//! The `rtrt` command as a shell sees it: exit codes, output, files.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of the test's own, with a scene in it: `scene.obj`, a triangle on a floor.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+        fs::remove_dir_all(&path).ok();
+        fs::create_dir_all(&path).unwrap();
+        let scene = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -1 0.5 0\nv 1 0.5 0\nv 0 2 0\n\
+                     f 4 3 2 1\nf 5 6 7\n";
+        fs::write(path.join("scene.obj"), scene).unwrap();
+        Self(path)
+    }
+
+    /// Runs the command here. `line` is split at white space.
+    fn run(&self, line: &str) -> Output {
+        self.command(line).output().unwrap()
+    }
+
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rtrt"));
+        command.current_dir(&self.0).args(line.split_whitespace()).env_remove("RTRT_REQUIRE_GPU");
+        command
+    }
+
+    /// What lies in the folder, but for the scene.
+    fn files(&self) -> Vec<String> {
+        let names = fs::read_dir(&self.0).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+        names.filter(|name| name != "scene.obj").collect()
+    }
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("ended by a signal")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// What a run printed, which must have ended well.
+fn stdout(output: &Output) -> String {
+    assert_eq!(code(output), 0, "{}", stderr(output));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_str(&stdout(output)).unwrap()
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    let mut keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    keys
+}
+
+#[test]
+fn renders_a_file_and_the_demo_to_png() {
+    let folder = Folder::new("renders");
+    for scene in ["scene.obj", "demo:matchbox"] {
+        let output =
+            folder.run(&format!("render {scene} -o out.png --size 64x36 --backend cpu --eye -1,2,3"));
+        assert_eq!(stdout(&output), "");
+        assert_eq!(stderr(&output).lines().filter(|line| line.starts_with("backend: cpu, ")).count(), 1);
+        let picture = image::open(folder.0.join("out.png")).unwrap().into_rgba8();
+        assert_eq!(picture.dimensions(), (64, 36));
+        let first = *picture.get_pixel(0, 0);
+        assert!(picture.pixels().any(|&pixel| pixel != first), "{scene} is blank");
+        assert_eq!(folder.files(), ["out.png"]);
+    }
+}
+
+#[test]
+fn wrong_usage_is_exit_code_2_and_no_panic() {
+    let folder = Folder::new("usage");
+    for wrong in [
+        "--size 0x0",
+        "--size 99999x99999",
+        "--size 16384x16384 --samples 16",
+        "--size 64",
+        "--samples 3",
+        "--lanes 4",
+        "--threads 0",
+        "--eye nan,0,0",
+        "--eye 0,0",
+        "--up 0,0,0",
+        "--fov-y 0",
+        "--fov-y 180",
+        "--fov-y -5",
+        "--fov-y NaN",
+        "--eye 1,2,3 --look-at 1,2,3",
+        "--eye 0,5,0 --look-at 0,0,0 --up 0,1,0",
+        "--camera 7",
+        "--camera -1",
+        "--light sun:0,0,0",
+        "--light moon:1,2,3",
+        "--backend tpu",
+        "--no-such-option",
+    ] {
+        let output = folder.run(&format!("render scene.obj -o out.png --backend cpu {wrong}"));
+        assert_eq!(code(&output), 2, "{wrong}: {}", stderr(&output));
+        assert!(stderr(&output).contains("error: "), "{wrong}: {}", stderr(&output));
+    }
+    for wrong in
+        ["render", "render scene.obj", "render scene.obj -o out.jpg", "render demo:none -o out.png", ""]
+    {
+        assert_eq!(code(&folder.run(wrong)), 2, "{wrong}");
+    }
+    assert_eq!(folder.files(), [""; 0]);
+}
+
+#[test]
+fn extreme_numbers_do_not_panic() {
+    let folder = Folder::new("extreme");
+    for extreme in [
+        "--size 1x1",
+        "--size 1x3000",
+        "--size 8x8 --eye 1e38,1,1",
+        "--size 8x8 --eye 1e-38,0,0 --look-at 0,0,0",
+        "--size 8x8 --eye 3e38,3e38,3e38 --look-at -3e38,-3e38,-3e38",
+        "--size 8x8 --fov-y 1e-30",
+        "--size 8x8 --fov-y 179.999",
+        "--size 8x8 --light point:3e38,0,0",
+        "--size 8x8 --light point:0,0,0 --light sun:1e-17,0,0",
+        "--size 8x8 --light sun:0,-3e38,3e38",
+    ] {
+        let output = folder.run(&format!("render scene.obj --hash --backend cpu {extreme}"));
+        assert!([0, 2].contains(&code(&output)), "{extreme}: {}", stderr(&output));
+        assert!(!stderr(&output).contains("panicked"), "{extreme}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn input_that_cannot_be_read_is_exit_code_3() {
+    let folder = Folder::new("input");
+    fs::write(folder.0.join("broken.glb"), "glTF but not really").unwrap();
+    fs::write(folder.0.join("nan.obj"), "v 0 nan 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    for scene in ["missing.glb", "broken.glb", "nan.obj", "."] {
+        for command in ["render -o out.png", "verify", "bench"] {
+            let output = folder.run(&format!("{command} {scene} --size 8x8 --backend cpu"));
+            assert_eq!(code(&output), 3, "{command} {scene}: {}", stderr(&output));
+            let errors = stderr(&output);
+            let [error] = errors.lines().collect::<Vec<_>>()[..] else { panic!("not one line: {errors}") };
+            assert!(error.starts_with("error: ") && error.contains(scene), "{error}");
+        }
+    }
+    assert!(!folder.0.join("out.png").exists());
+}
+
+#[test]
+fn a_picture_that_cannot_be_written_is_exit_code_1_and_leaves_nothing() {
+    let folder = Folder::new("output");
+    fs::create_dir(folder.0.join("folder.png")).unwrap();
+    for place in ["missing/out.png", "folder.png", "scene.obj/out.png"] {
+        let output = folder.run(&format!("render scene.obj -o {place} --size 8x8 --backend cpu"));
+        assert_eq!(code(&output), 1, "{place}: {}", stderr(&output));
+        assert!(stderr(&output).contains(place), "{}", stderr(&output));
+    }
+    assert_eq!(folder.files(), ["folder.png"]);
+}
+
+#[test]
+fn a_failed_run_leaves_the_picture_that_was_there() {
+    let folder = Folder::new("kept");
+    fs::write(folder.0.join("out.png"), "before").unwrap();
+    for scene in ["missing.obj", "demo:none", "scene.obj --up 0,0,0"] {
+        assert_ne!(code(&folder.run(&format!("render {scene} -o out.png --backend cpu"))), 0);
+        assert_eq!(fs::read(folder.0.join("out.png")).unwrap(), b"before");
+        assert_eq!(folder.files(), ["out.png"]);
+    }
+}
+
+#[test]
+fn a_backend_that_is_not_there_is_exit_code_4() {
+    let folder = Folder::new("unavailable");
+    for backend in ["--backend gpu --adapter no-such-adapter", "--adapter no-such-adapter"] {
+        for command in ["render -o out.png", "verify", "bench"] {
+            let output = folder.run(&format!("{command} scene.obj --size 8x8 {backend}"));
+            assert_eq!(code(&output), 4, "{command} {backend}: {}", stderr(&output));
+            assert!(stderr(&output).contains("no-such-adapter"), "{}", stderr(&output));
+        }
+    }
+    assert_eq!(folder.files(), [""; 0]);
+}
+
+#[test]
+fn lanes_and_threads_do_not_change_a_hash() {
+    let folder = Folder::new("hash");
+    let hashes = |options: &str| {
+        let line = format!("render demo:matchbox --hash --size 64x36 --samples 1 --backend cpu {options}");
+        stdout(&folder.run(&line))
+    };
+    let scalar = hashes("--lanes 1 --threads 1");
+    let names: Vec<_> = scalar.lines().map(|line| line.split("  ").last().unwrap()).collect();
+    assert_eq!(names, ["pixels", "colors", "hits", "lists", "lit", "masks", "surfaces"]);
+    for options in ["--lanes 8 --threads 1", "--lanes 1 --threads 2", "--lanes 8 --threads 2", ""] {
+        assert_eq!(hashes(options), scalar, "{options}");
+    }
+    assert_ne!(hashes("--eye -1,2,3"), scalar);
+    assert_ne!(hashes("--no-shadows"), scalar);
+}
+
+#[test]
+fn render_prints_the_documented_keys() {
+    let folder = Folder::new("render_json");
+    let report =
+        json(&folder.run("render scene.obj --json --size 64x36 --backend cpu --lanes 8 --threads 2"));
+    let expected = [
+        "adapter",
+        "backend",
+        "buffers",
+        "drawn_triangles",
+        "frame_ms",
+        "hash",
+        "lanes",
+        "objects",
+        "output",
+        "samples",
+        "size",
+        "stages_ms",
+        "threads",
+        "tree_build_ms",
+        "triangles",
+    ];
+    assert_eq!(keys(&report), expected);
+    assert_eq!(report["backend"], "cpu");
+    assert_eq!(report["size"], serde_json::json!([64, 36]));
+    assert_eq!([&report["lanes"], &report["threads"], &report["samples"]], [8, 2, 4]);
+    assert_eq!(report["triangles"], 3);
+    assert!(report["buffers"].is_null() && report["output"].is_null());
+}
+
+#[test]
+fn bench_prints_the_documented_keys() {
+    let folder = Folder::new("bench_json");
+    let line = "demo:matchbox --size 64x36 --samples 1 --backend cpu --lanes 1";
+    let report = json(&folder.run(&format!("bench --json --frames 3 {line}")));
+    let expected = [
+        "adapter",
+        "backend",
+        "drawn_triangles",
+        "frame_ms",
+        "hash",
+        "lanes",
+        "objects",
+        "peak_rss_bytes",
+        "primary_and_shadow_rays_per_second",
+        "primary_rays_per_second",
+        "samples",
+        "scene_bytes",
+        "size",
+        "source_bytes",
+        "stages_ms",
+        "threads",
+        "tree_build_ms",
+        "triangles",
+    ];
+    assert_eq!(keys(&report), expected);
+    let stages = report["stages_ms"].as_object().unwrap();
+    assert_eq!(stages.len(), rtrt_core::backend::STAGES.len());
+    for (name, times) in stages {
+        let [median, min] = ["median", "min"].map(|key| times[key].as_f64().unwrap());
+        assert!(0.0 <= min && min <= median, "{name}");
+    }
+    let number = |key: &str| report[key].as_f64().unwrap();
+    let median = |stage: &str| stages[stage]["median"].as_f64().unwrap();
+    let seconds = (median("prepare") + median("bin") + median("visibility")) * 1e-3;
+    let rays = number("primary_rays_per_second") * seconds;
+    assert!((rays - 64.0 * 36.0).abs() < 1e-3, "{rays}");
+    assert!(number("frame_ms") > 0.0 && number("scene_bytes") > number("source_bytes"));
+    let rendered = json(&folder.run(&format!("render --json {line}")));
+    assert_eq!(report["hash"], rendered["hash"]);
+}
+
+#[test]
+fn verify_finds_all_cpu_variants_equal() {
+    let folder = Folder::new("verify");
+    let line = "verify scene.obj --size 37x21 --samples 4 --backend cpu";
+    let lines = stdout(&folder.run(line));
+    assert!(lines.contains("cpu, 8 lanes, 2 threads: equal"), "{lines}");
+    assert!(lines.lines().all(|line| line.ends_with(": equal") || line.contains("16 lanes")), "{lines}");
+
+    let report = json(&folder.run(&format!("{line} --json")));
+    let expected = ["buffers", "equal", "hash", "reference", "samples", "size", "variants"];
+    assert_eq!(keys(&report), expected);
+    assert_eq!(report["equal"], true);
+    let variants = report["variants"].as_array().unwrap();
+    assert_eq!(variants.len(), lines.lines().count());
+    for variant in variants {
+        assert_eq!(keys(variant), ["detail", "result", "variant"]);
+    }
+}
+
+#[test]
+fn verify_finds_the_gpu_equal_or_says_that_it_is_skipped() {
+    let folder = Folder::new("verify_gpu");
+    let is_required = std::env::var("RTRT_REQUIRE_GPU").is_ok_and(|value| value == "1");
+    let mut command = folder.command("verify demo:matchbox --size 64x36 --json --backend gpu");
+    if is_required {
+        command.env("RTRT_REQUIRE_GPU", "1");
+    }
+    let output = command.output().unwrap();
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for variant in report["variants"].as_array().unwrap() {
+        println!("{}: {}: {}", variant["variant"], variant["result"], variant["detail"]);
+        assert_ne!(variant["result"], "differs", "{variant}");
+    }
+    let is_compared = report["variants"].as_array().unwrap().iter().any(|v| v["result"] == "equal");
+    assert!(is_compared || !is_required, "RTRT_REQUIRE_GPU: {}", stderr(&output));
+    if !is_compared {
+        eprintln!("SKIPPED: verify on a GPU: {}", report["variants"][0]["detail"]);
+    }
+    assert_eq!(code(&output), if is_compared { 0 } else { 4 }, "{}", stderr(&output));
+}
+
+#[test]
+fn a_required_gpu_that_is_not_there_is_exit_code_4() {
+    let folder = Folder::new("required");
+    let mut command = folder.command("verify scene.obj --size 8x8");
+    // Vulkan finds no driver in a file that is not there.
+    command.env("RTRT_REQUIRE_GPU", "1").env("VK_DRIVER_FILES", "none").env("VK_ICD_FILENAMES", "none");
+    let output = command.output().unwrap();
+    if cfg!(target_os = "linux") {
+        assert_eq!(code(&output), 4, "{}", stderr(&output));
+        assert!(stderr(&output).contains("RTRT_REQUIRE_GPU"), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn doctor_says_what_auto_would_choose() {
+    let lines = stdout(&Folder::new("doctor").run("doctor"));
+    assert!(lines.contains("cpu, scalar, 1 lane"), "{lines}");
+    assert!(lines.lines().last().unwrap().starts_with("auto chooses "), "{lines}");
+}

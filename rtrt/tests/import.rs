@@ -1,0 +1,263 @@
+//! Import of real scenes, and of files that are broken on purpose. Both lie outside of the
+//! repository; without them the tests that need them say that they are skipped.
+
+use rtrt::import::{ImportError, Loaded, framing, load};
+use rtrt_core::scene::{MeshError, Projection, Sequential};
+use std::panic::catch_unwind;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// The folder of test scenes, if it is there.
+fn scenes() -> Option<PathBuf> {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/scenes"));
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("SKIPPED: no test scenes at {}", folder.display());
+    None
+}
+
+/// A scene written for one test.
+fn written(name: &str, text: &str) -> Result<Loaded, ImportError> {
+    let folder = std::env::temp_dir().join(format!("rtrt-import-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    load(&path, &Sequential)
+}
+
+/// Triangles stored, drawn, and cameras.
+const REAL: &[(&str, u64, u64, usize)] = &[
+    ("alpha/AlphaBlendModeTest.glb", 61, 61, 1),
+    ("anim/AnimatedTriangle/AnimatedTriangle.gltf", 1, 1, 0),
+    ("anim/CesiumMan.glb", 4_672, 4_672, 0),
+    ("cad/2CylinderEngine.glb", 75_730, 121_496, 1),
+    ("classic/teapot.obj", 992, 992, 0),
+    ("cornell/cornell_box/scene.gltf", 32, 32, 0),
+    ("features/BoxInterleaved.glb", 12, 12, 0),
+    ("features/Cameras/Cameras.gltf", 2, 2, 2),
+    ("features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_00.gltf", 0, 0, 0),
+    ("features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_05.gltf", 2, 2, 0),
+    ("features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_06.gltf", 2, 2, 0),
+    ("features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_12.gltf", 2, 2, 0),
+    ("features/MultiUVTest.glb", 12, 12, 1),
+    ("features/PrimitiveModeNormalsTest.glb", 2_562, 2_562, 0),
+    ("features/SimpleSparseAccessor/SimpleSparseAccessor.gltf", 12, 12, 0),
+    ("features/TextureTransformTest/TextureTransformTest.gltf", 18, 24, 0),
+    ("features/TriangleWithoutIndices/TriangleWithoutIndices.gltf", 1, 1, 0),
+    ("features/simple-instancing.glb", 12, 1_500, 0),
+    ("hero/Avocado_512/Avocado.gltf", 682, 682, 0),
+    ("hero/FlightHelmet/FlightHelmet.gltf", 94_722, 94_722, 0),
+    ("hero/chess-board.glb", 178_848, 178_848, 0),
+    ("lights/Lights.glb", 12, 12, 1),
+    ("obj/spider/spider.obj", 1_368, 1_368, 0),
+    ("outdoor/forest_2000_instances.glb", 13_926, 2_277_600, 0),
+    ("outdoor/house.glb", 10_497, 10_497, 0),
+    ("outdoor/terrain_lowpoly.glb", 3_868, 3_868, 0),
+    ("sponza/sponza_dabrovic.obj", 76_154, 76_154, 0),
+    ("sponza/sponza_dabrovic_cc0tex.glb", 76_154, 76_154, 1),
+    ("stanford/bunny.glb", 69_630, 69_630, 0),
+    ("stanford/bunny_low.obj", 3_674, 3_674, 0),
+    ("stanford/dragon_res2.glb", 202_520, 202_520, 0),
+    ("stanford/dragon_res4_no_normals.glb", 11_102, 11_102, 0),
+];
+
+#[test]
+fn real_scenes_have_all_their_triangles() {
+    let Some(folder) = scenes() else { return };
+    for &(file, stored, drawn, cameras) in REAL {
+        let loaded = load(&folder.join(file), &Sequential).unwrap_or_else(|error| panic!("{error}"));
+        let scene = &loaded.scene;
+        assert_eq!((scene.triangles(), scene.drawn_triangles(), loaded.cameras.len()), (stored, drawn, cameras), "{file}");
+        assert!(!scene.lights().is_empty(), "{file} is dark");
+        assert!(!loaded.warnings.iter().any(|w| w.contains("checker")), "{file}: {:?}", loaded.warnings);
+    }
+}
+
+#[test]
+fn instances_share_one_mesh() {
+    let Some(folder) = scenes() else { return };
+    let forest = load(&folder.join("outdoor/forest_2000_instances.glb"), &Sequential).unwrap().scene;
+    let tree = load(&folder.join("outdoor/low-poly-tree.glb"), &Sequential).unwrap().scene;
+    assert!(forest.objects().len() > 2000);
+    assert!(forest.bytes() < 10 * tree.bytes() + (2 << 20), "{} bytes", forest.bytes());
+}
+
+#[test]
+fn the_same_atrium_from_obj_and_gltf_has_the_same_extent() {
+    let Some(folder) = scenes() else { return };
+    let extent = |file: &str| load(&folder.join("sponza").join(file), &Sequential).unwrap().scene.extent().unwrap();
+    let (a, b) = (extent("sponza_dabrovic.obj"), extent("sponza_dabrovic_cc0tex.glb"));
+    assert!((a.0 - b.0).abs().max_element() < 1e-3 && (a.1 - b.1).abs().max_element() < 1e-3, "{a:?} {b:?}");
+}
+
+/// Files without errors, as the official validator sees it, that are refused all the same.
+const REFUSED: &[(&str, &str)] =
+    &[("base/root/named_objects.gltf", "the buffer of what it draws has no bytes, nor a place to look for them")];
+
+/// What the files in `invalid` end in.
+#[test]
+fn broken_files_are_refused_in_one_line_or_drawn() {
+    let Some(folder) = scenes() else { return };
+    let mut files = Vec::new();
+    collect(&folder.join("invalid"), &mut files);
+    assert!(files.len() > 200, "only {} files", files.len());
+    for file in &files {
+        let start = Instant::now();
+        let result = catch_unwind(|| load(file, &Sequential).map(|loaded| loaded.scene.triangles()));
+        let result = result.unwrap_or_else(|_| panic!("{} made the import panic", file.display()));
+        assert!(start.elapsed() < Duration::from_secs(5), "{}", file.display());
+        if let Err(error) = result {
+            let line = error.to_string();
+            assert!(!line.contains('\n') && line.contains(&*file.to_string_lossy()), "{line}");
+        }
+    }
+}
+
+#[test]
+fn files_without_errors_load() {
+    let Some(folder) = scenes() else { return };
+    let folder = folder.join("invalid/gltf-validator");
+    let table = std::fs::read_to_string(folder.join("expected.tsv")).unwrap();
+    let mut count = 0;
+    for row in table.lines().skip(1) {
+        let columns: Vec<&str> = row.split('\t').collect();
+        if columns[1] != "0" {
+            continue;
+        }
+        count += 1;
+        let result = load(&folder.join(columns[0]), &Sequential);
+        match REFUSED.iter().find(|(file, _)| *file == columns[0]) {
+            Some((file, why)) => assert!(result.is_err(), "{file} loads now, although {why}"),
+            None => drop(result.unwrap_or_else(|error| panic!("{error}"))),
+        }
+    }
+    assert!(count > 60, "only {count} files");
+}
+
+/// Files of `invalid` that must be refused, with a part of what is said.
+const BROKEN: &[(&str, &str)] = &[
+    ("assimp-gltf2/IndexOutOfRange/AllIndicesOutOfRange.gltf", "mesh refused"),
+    ("assimp-gltf2/IndexOutOfRange/IndexOutOfRange.gltf", "mesh refused"),
+    ("assimp-gltf2/RecursiveNodes/RecursiveNodes.gltf", "two parents or is its own ancestor"),
+    ("assimp-gltf2/wrongTypes/badArray.gltf", "JSON"),
+    ("assimp-gltf2/wrongTypes/badUint.gltf", "JSON"),
+    ("gltf-validator/base/glb/bom.glb", "JSON"),
+    ("gltf-validator/base/glb/invalid_version.glb", "no known version"),
+    ("gltf-validator/base/glb/only_header.glb", "no JSON chunk"),
+    ("gltf-validator/base/glb/truncated_chunk_header.glb", "cut off"),
+    ("gltf-validator/base/json/empty_file.gltf", "JSON"),
+    ("gltf-validator/base/scene/unresolved_node.gltf", "scenes[0].nodes[0] is not there"),
+    ("obj-quirks/malformed.obj", "is not an index"),
+    ("tinygltf/BoundsChecking/invalid-buffer-index.gltf", "bufferViews[1].buffer is not there"),
+    ("tinygltf/BoundsChecking/invalid-buffer-view-index.gltf", "bufferView is not there"),
+    ("tinygltf/BoundsChecking/invalid-primitive-indices.gltf", "is not there"),
+    ("unsupported/Box_gltf1.glb", "glTF 1"),
+    ("unsupported/heart_draco.glb", "requires the extension KHR_draco_mesh_compression"),
+];
+
+#[test]
+fn broken_files_say_what_is_broken() {
+    let Some(folder) = scenes() else { return };
+    for (file, part) in BROKEN {
+        let Err(error) = load(&folder.join("invalid").join(file), &Sequential) else { panic!("{file} loads") };
+        let error = error.to_string();
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_owned();
+        if path.is_dir() {
+            collect(&path, files);
+        } else if ["glb", "gltf", "obj"].contains(&ending.as_str()) {
+            files.push(path);
+        }
+    }
+}
+
+#[test]
+fn vertices_that_are_not_finite_are_refused() {
+    for number in ["nan", "inf", "1e30"] {
+        let error = written("nan.obj", &format!("v 0 0 0\nv 1 {number} 0\nv 0 1 0\nf 1 2 3\n")).unwrap_err();
+        let ImportError::Mesh { source: MeshError::Coordinate { vertex: 1, .. }, .. } = error else {
+            panic!("{error}");
+        };
+    }
+}
+
+/// A glTF file with one triangle, whose accessor says `accessor` more.
+fn triangle(accessor: &str) -> String {
+    // Three vertices: 0 0 0, 1 0 0, 0 1 0.
+    let bytes = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"componentType":5126,"type":"VEC3",{accessor}}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}}],
+        "buffers":[{{"byteLength":36,"uri":"data:application/octet-stream;base64,{bytes}"}}]}}"#
+    )
+}
+
+#[test]
+fn counts_beyond_the_bytes_are_refused_before_anything_is_allocated() {
+    let loaded = written("fits.gltf", &triangle(r#""bufferView":0,"count":3"#)).unwrap();
+    assert_eq!(loaded.scene.triangles(), 1);
+    for accessor in [
+        r#""bufferView":0,"count":4"#,
+        r#""bufferView":0,"count":3,"byteOffset":4"#,
+        r#""bufferView":0,"count":18446744073709551615"#,
+        r#""bufferView":0,"count":3,"byteOffset":18446744073709551615"#,
+        r#""count":4000000000"#,
+    ] {
+        let error = written("counts.gltf", &triangle(accessor)).expect_err(accessor);
+        assert!(matches!(error, ImportError::Invalid { .. }), "{error}");
+    }
+}
+
+#[test]
+fn vertices_without_normals_are_flat() {
+    let loaded = written("flat.gltf", &triangle(r#""bufferView":0,"count":3"#)).unwrap();
+    assert!(loaded.scene.attributes().iter().all(|a| a.normal == [0.0; 3] && a.color == !0));
+}
+
+#[test]
+fn a_missing_texture_is_drawn_and_said() {
+    // Whatever this one is taken for, the file is then where the next one looks for it.
+    written("textured.mtl", "newmtl a\nmap_Kd nowhere.png\n").unwrap_err();
+    let obj = "mtllib textured.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+    let loaded = written("textured.obj", obj).unwrap();
+    assert!(loaded.warnings[0].contains("\"nowhere.png\" is drawn as a magenta checker"), "{:?}", loaded.warnings);
+    assert!(loaded.scene.materials()[0].texture.levels > 1);
+}
+
+#[test]
+fn framing_has_all_of_the_scene_in_view() {
+    let scene = written("box.obj", "v -3 0 0\nv 5 1 9\nv 2 8 -4\nf 1 2 3\n").unwrap().scene;
+    let (low, high) = scene.extent().unwrap();
+    for aspect in [0.3, 1.0, 16.0 / 9.0] {
+        let camera = framing(&scene, aspect);
+        let Projection::Perspective { fov_y } = camera.projection else { panic!() };
+        let forward = (camera.look_at - camera.eye).normalize();
+        let right = forward.cross(camera.up).normalize();
+        let tangent = (fov_y * 0.5).tan();
+        let mut most = 0.0_f32;
+        for corner in 0..8 {
+            let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
+            let to = glam::Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z)) - camera.eye;
+            let depth = to.dot(forward) * tangent;
+            assert!(depth > 0.0);
+            most = most.max(to.dot(right.cross(forward)).abs() / depth).max(to.dot(right).abs() / depth / aspect);
+        }
+        assert!((0.9..1.0).contains(&most), "{most} of the picture is filled");
+    }
+}
+
+#[test]
+fn the_demo_is_whole_and_the_same_every_time() {
+    let (a, b) = (rtrt::demo::matchbox(&Sequential).unwrap(), rtrt::demo::matchbox(&Sequential).unwrap());
+    assert!(a.warnings.is_empty() && a.scene.lights().len() == 3 && a.scene.drawn_triangles() > 10_000);
+    assert_eq!((a.scene.texels(), a.scene.positions()), (b.scene.texels(), b.scene.positions()));
+}
