@@ -13,7 +13,7 @@ use rtrt_core::scene::{Camera, Light, Projection, Scene};
 use std::ops::Range;
 
 fn seeds() -> Range<u64> {
-    let Ok(seeds) = std::env::var("RTRT_SEEDS") else { return 0..120 };
+    let Ok(seeds) = std::env::var("RTRT_SEEDS") else { return 0..300 };
     let (first, last) = seeds.split_once("..").expect("RTRT_SEEDS is FIRST..LAST");
     first.parse().expect("a number")..last.parse().expect("a number")
 }
@@ -72,8 +72,15 @@ fn camera(random: &mut Random) -> Camera {
         1 => Projection::Perspective { fov_y: random.within(0.01, 3.0) },
         _ => Projection::Perspective { fov_y: 1.0 },
     };
-    let far = any_size(random, -0.5, 2.0);
+    let far = any_size(random, -0.5, 4.0);
     let eye = random.vector(far);
+    // What is far away is looked at closely, so that something is seen.
+    let projection = match projection {
+        Projection::Perspective { fov_y } if far > 10.0 => {
+            Projection::Perspective { fov_y: fov_y * 8.0 / far }
+        }
+        other => other,
+    };
     Camera { eye, look_at: random.vector(1.0), up: random.vector(1.0), projection }
 }
 

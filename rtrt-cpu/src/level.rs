@@ -25,35 +25,39 @@ pub enum Level {
     /// Eight numbers in two registers, NEON.
     #[cfg(target_arch = "aarch64")]
     Neon(fearless_simd::Neon),
+    /// Eight numbers in two registers, SSE2.
+    #[cfg(target_arch = "x86_64")]
+    Sse2(fearless_simd::Sse2),
     /// Eight numbers in whatever every processor of the target has.
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     Baseline(fearless_simd::Level),
 }
 
 impl Level {
-    /// The level for this many lanes; without a number the fastest. Eight lanes run
-    /// everywhere, sixteen need AVX-512.
+    /// The level for this many lanes; without a number the fastest. Sixteen lanes need
+    /// AVX-512.
     pub fn new(lanes: Option<u32>) -> Result<Self, Error> {
         let here = fearless_simd::Level::new();
         match lanes {
             Some(1) => Ok(Self::Scalar),
-            Some(8) => Ok(Self::eight(here)),
+            Some(8) => Self::eight(here).ok_or(Error::Unsupported { lanes: 8, needed: "SSE2" }),
             Some(16) => Self::sixteen(here).ok_or(Error::Unsupported { lanes: 16, needed: "AVX-512" }),
             Some(lanes) => Err(Error::Lanes { lanes }),
-            None => Ok(Self::sixteen(here).unwrap_or_else(|| Self::eight(here))),
+            None => Ok(Self::sixteen(here).or_else(|| Self::eight(here)).unwrap_or(Self::Scalar)),
         }
     }
 
     #[cfg(target_arch = "x86_64")]
-    fn eight(here: fearless_simd::Level) -> Self {
-        here.as_avx2().map_or(Self::Baseline(fearless_simd::Level::baseline()), Self::Avx2)
+    fn eight(here: fearless_simd::Level) -> Option<Self> {
+        here.as_avx2().map(Self::Avx2).or_else(|| here.as_sse2().map(Self::Sse2))
     }
     #[cfg(target_arch = "aarch64")]
-    fn eight(here: fearless_simd::Level) -> Self {
-        here.as_neon().map_or(Self::Baseline(fearless_simd::Level::baseline()), Self::Neon)
+    fn eight(here: fearless_simd::Level) -> Option<Self> {
+        here.as_neon().map(Self::Neon)
     }
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-    fn eight(_: fearless_simd::Level) -> Self {
-        Self::Baseline(fearless_simd::Level::baseline())
+    fn eight(here: fearless_simd::Level) -> Option<Self> {
+        Some(Self::Baseline(here))
     }
 
     #[cfg(target_arch = "x86_64")]
@@ -85,6 +89,9 @@ impl Level {
             Self::Avx512(_) => "AVX-512",
             #[cfg(target_arch = "aarch64")]
             Self::Neon(_) => "NEON",
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse2(_) => "SSE2",
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
             Self::Baseline(_) => "baseline",
         }
     }
@@ -108,6 +115,12 @@ impl Level {
                 #[inline(always)]
                 || block::<Float8<_>, GROUPS_8>(token, job, index, tile, records),
             ),
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse2(token) => token.vectorize(
+                #[inline(always)]
+                || block::<Float8<_>, GROUPS_8>(token, job, index, tile, records),
+            ),
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
             Self::Baseline(level) => {
                 fearless_simd::dispatch!(level, token => block::<Float8<_>, GROUPS_8>(token, job, index, tile, records))
             }

@@ -1,7 +1,8 @@
 //! An opened device with the compiled module, and how its failures become errors.
 
 use crate::adapter::{Kind, has_passthrough, kind, label};
-use crate::pipeline::{Access, PASSES, Pipeline};
+use crate::barriers::with_barriers;
+use crate::pipeline::{Access, PASSES, Pipeline, bind_group_layout};
 use crate::{Error, Route};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
@@ -16,6 +17,7 @@ pub(crate) struct Device {
     /// The most bytes a storage buffer may have.
     pub limit: u64,
     module: wgpu::ShaderModule,
+    zero: Option<Zero>,
     failure: Arc<Mutex<Option<Error>>>,
 }
 
@@ -50,7 +52,8 @@ impl Device {
         keep_failures(&device, &failure);
         let module = module(&device, route);
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let this = Self { name, kind: kind(adapter), route, device, queue, limit, module, failure };
+        let zero = (route == Route::Naga).then(|| Zero::new(&device));
+        let this = Self { name, kind: kind(adapter), route, device, queue, limit, module, zero, failure };
         this.check()?;
         Ok(this)
     }
@@ -63,7 +66,7 @@ impl Device {
 
     /// A pipeline of the entry point, whose buffers are bound from 0 on.
     pub fn pipeline(&self, entry: &str, accesses: impl Iterator<Item = Access>) -> Pipeline {
-        Pipeline::new(&self.device, &self.module, entry, accesses)
+        Pipeline::new(&self.device, &self.module, entry, accesses, self.zero.as_ref())
     }
 
     /// A buffer of at least `bytes`, for anything.
@@ -117,6 +120,31 @@ impl Device {
     }
 }
 
+/// The zero that [`crate::barriers`] reads.
+pub(crate) struct Zero {
+    pub layout: wgpu::BindGroupLayout,
+    pub group: wgpu::BindGroup,
+}
+
+impl Zero {
+    fn new(device: &wgpu::Device) -> Self {
+        // New buffers are filled with zeros. Uniform buffers want 16 bytes.
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("zero"),
+            size: 16,
+            usage: wgpu::BufferUsages::UNIFORM,
+            mapped_at_creation: false,
+        });
+        let layout = bind_group_layout(device, "zero", [Access::Uniform].into_iter());
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("zero"),
+            layout: &layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
+        });
+        Self { layout, group }
+    }
+}
+
 /// The most storage buffers that an entry point binds.
 fn most_storage_buffers() -> u32 {
     let storage = |access: &Access| u32::from(*access != Access::Uniform);
@@ -156,7 +184,7 @@ fn module(device: &wgpu::Device, route: Route) -> wgpu::ShaderModule {
     } else {
         device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: None,
-            source: wgpu::ShaderSource::SpirV(Cow::Borrowed(&words)),
+            source: wgpu::ShaderSource::SpirV(Cow::Owned(with_barriers(&words))),
         })
     }
 }

@@ -15,6 +15,7 @@
 //! whose buffers would be too large for the device is rendered in bands, which no pixel depends on.
 
 mod adapter;
+mod barriers;
 mod buffers;
 mod canary;
 mod device;
@@ -40,8 +41,8 @@ pub enum Route {
     Auto,
     /// As it is, by Vulkan: no compiler but the driver's touches it.
     Passthrough,
-    /// Translated by naga, to whatever the adapter takes. naga drops what forbids the driver to reorder sums;
-    /// only the canary stands for the results.
+    /// Translated by naga, to whatever the adapter takes. naga drops what forbids the driver to reorder sums, so
+    /// every float operation gets a barrier first; the device takes longer.
     Naga,
 }
 

@@ -1,6 +1,8 @@
 //! What a frame dispatches, as a table, and the pipelines made from it.
 
+use crate::barriers::ZERO_GROUP;
 use crate::buffers::Slot;
+use crate::device::Zero;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::layout::Frame;
 use rtrt_core::stage;
@@ -88,40 +90,26 @@ pub(crate) fn groups(invocations: u32) -> [u32; 2] {
 
 /// A compiled entry point.
 pub(crate) struct Pipeline {
-    pub pipeline: wgpu::ComputePipeline,
+    pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
+    zero: Option<wgpu::BindGroup>,
 }
 
 impl Pipeline {
-    /// Compiles the entry point; its buffers are bound from 0 on.
+    /// Compiles the entry point; its buffers are bound from 0 on. `zero` is what the module's barriers read, if it
+    /// has any.
     pub fn new(
         device: &wgpu::Device,
         module: &wgpu::ShaderModule,
         entry: &str,
         accesses: impl Iterator<Item = Access>,
+        zero: Option<&Zero>,
     ) -> Self {
-        let binding = |(binding, access): (usize, Access)| wgpu::BindGroupLayoutEntry {
-            binding: binding as u32,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: match access {
-                    Access::Uniform => wgpu::BufferBindingType::Uniform,
-                    Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                    Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
-                },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        };
-        let entries: Vec<_> = accesses.enumerate().map(binding).collect();
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(entry),
-            entries: &entries,
-        });
+        let layout = bind_group_layout(device, entry, accesses);
+        let layouts: Vec<_> = [Some(&layout)].into_iter().chain(zero.map(|zero| Some(&zero.layout))).collect();
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(entry),
-            bind_group_layouts: &[Some(&layout)],
+            bind_group_layouts: &layouts,
             immediate_size: 0,
         });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -132,7 +120,7 @@ impl Pipeline {
             compilation_options: Default::default(),
             cache: None,
         });
-        Self { pipeline, layout }
+        Self { pipeline, layout, zero: zero.map(|zero| zero.group.clone()) }
     }
 
     /// Dispatches it with these buffers, bound from 0 on.
@@ -155,8 +143,35 @@ impl Pipeline {
         });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
+        if let Some(zero) = &self.zero {
+            pass.set_bind_group(ZERO_GROUP, zero, &[]);
+        }
         pass.dispatch_workgroups(x, y, 1);
     }
+}
+
+/// The layout of a group of buffers, bound from 0 on.
+pub(crate) fn bind_group_layout(
+    device: &wgpu::Device,
+    label: &str,
+    accesses: impl Iterator<Item = Access>,
+) -> wgpu::BindGroupLayout {
+    let binding = |(binding, access): (usize, Access)| wgpu::BindGroupLayoutEntry {
+        binding: binding as u32,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: match access {
+                Access::Uniform => wgpu::BufferBindingType::Uniform,
+                Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
+            },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let entries: Vec<_> = accesses.enumerate().map(binding).collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
 #[cfg(test)]

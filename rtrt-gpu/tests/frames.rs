@@ -149,6 +149,24 @@ fn all_scenes(route: Route) {
 }
 
 #[test]
+fn light_too_faint_to_count_is_nothing_everywhere() {
+    // Devices that flush denormals and processors that keep them must not see any.
+    let Some(mut gpu) = open(Options::default()) else { return };
+    let mut scene = Scene::new();
+    let polished = scene.add_material(phong([1e-18; 3], 0.1, 0.33, bytemuck::Zeroable::zeroed(), [0.0; 3]));
+    let mesh = shards(200);
+    let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
+    scene.add_object(mesh, polished, Mat4::IDENTITY).unwrap();
+    scene.ambient = Vec3::ZERO;
+    for (color, distance) in [(1.0, 1e2), (1e-3, 1e4), (1e-15, 3.0), (1e-30, 3.0)] {
+        let position = Vec3::new(distance, 3.0, distance);
+        let color = Vec3::splat(color);
+        scene.add_light(Light::Point { position, color, reach: None, inverse_square: true });
+        agree(&mut gpu, "faint", &scene, &request([128, 72], 1));
+    }
+}
+
+#[test]
 fn a_changed_scene_is_uploaded_again() {
     let Some(mut gpu) = open(Options::default()) else { return };
     let mut scene = heaps(3, 2);

@@ -44,7 +44,8 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
     scene.background = vec3(0.60, 0.76, 0.95);
     scene.add_light(Light::Sun { direction: vec3(1.0, -0.31, 0.08), color: vec3(1.6, 1.4, 1.08) });
     let below = BULB - Vec3::Y * 0.12;
-    let point = |position, color, reach| Light::Point { position, color, reach: Some(reach), inverse_square: false };
+    let point =
+        |position, color, reach| Light::Point { position, color, reach: Some(reach), inverse_square: false };
     scene.add_light(point(below, vec3(0.95, 0.66, 0.36), 6.5));
     scene.add_light(point(vec3(-1.6, 2.4, 4.0), vec3(0.36, 0.40, 0.48), 9.0));
     let camera = Camera {
@@ -145,7 +146,9 @@ impl<J: Join> Stage<'_, J> {
         self.add(Shape::default().quad(corner, wide, tall, [[0.0; 2], [1.0; 2]]), canvas)?;
         let bar = |from: Vec3, to: Vec3| (from - vec3(0.07, 0.07, 0.05), to + vec3(0.07, 0.07, 0.04));
         let mut bars = Shape::default();
-        for (from, to) in [(corner, wide), (corner + tall, wide), (corner + tall, -tall), (corner + tall + wide, -tall)] {
+        for (from, to) in
+            [(corner, wide), (corner + tall, wide), (corner + tall, -tall), (corner + tall + wide, -tall)]
+        {
             // As thick as it is wide, around the edge of the picture.
             let (from, to) = bar(from, from + to);
             bars = bars.cuboid(from, to, 1.0);
@@ -158,8 +161,10 @@ impl<J: Join> Stage<'_, J> {
         let white = self.painted([0.80, 0.78, 0.74], 0.4);
         let [low, high] = WINDOW;
         let (middle, thin) = ((low + high) * 0.5, 0.035);
-        let upright = |z: f32, half: f32| (vec3(low.x - 0.06, low.y, z - half), vec3(low.x + 0.04, high.y, z + half));
-        let level = |y: f32, half: f32| (vec3(low.x - 0.06, y - half, low.z), vec3(low.x + 0.04, y + half, high.z));
+        let upright =
+            |z: f32, half: f32| (vec3(low.x - 0.06, low.y, z - half), vec3(low.x + 0.04, high.y, z + half));
+        let level =
+            |y: f32, half: f32| (vec3(low.x - 0.06, y - half, low.z), vec3(low.x + 0.04, y + half, high.z));
         let sill = (vec3(low.x - 0.06, low.y - 0.06, low.z - 0.1), vec3(low.x + 0.22, low.y, high.z + 0.1));
         let bars = [
             upright(low.z, 0.07),
@@ -171,7 +176,8 @@ impl<J: Join> Stage<'_, J> {
             level(high.y, 0.07),
             sill,
         ];
-        let shape = bars.into_iter().fold(Shape::default(), |shape, (low, high)| shape.cuboid(low, high, 1.0));
+        let shape =
+            bars.into_iter().fold(Shape::default(), |shape, (low, high)| shape.cuboid(low, high, 1.0));
         self.add(shape, white)
     }
 
@@ -188,7 +194,8 @@ impl<J: Join> Stage<'_, J> {
         self.add(Shape::default().turned(BULB, &inside, &normals), lining)?;
         self.add(Shape::default().ellipsoid(BULB, 0.08, 0.09), glow)?;
         let top = vec3(BULB.x, ROOM[1].y, BULB.z);
-        let cord = Shape::default().cuboid(BULB + vec3(-0.012, 0.3, -0.012), top + vec3(0.012, 0.0, 0.012), 1.0);
+        let cord =
+            Shape::default().cuboid(BULB + vec3(-0.012, 0.3, -0.012), top + vec3(0.012, 0.0, 0.012), 1.0);
         self.add(cord, enamel)
     }
 
@@ -205,17 +212,23 @@ impl<J: Join> Stage<'_, J> {
 
         let texture = self.texture(paint::label())?;
         let label = self.material([1.0; 3], 0.5, texture);
-        let lids = Shape::default()
-            .quad(-x + y - z, x * 2.0, z * 2.0, whole)
-            .quad(-x - y + z, x * 2.0, z * -2.0, whole);
+        let lids = Shape::default().quad(-x + y - z, x * 2.0, z * 2.0, whole).quad(
+            -x - y + z,
+            x * 2.0,
+            z * -2.0,
+            whole,
+        );
         let lids = self.mesh(lids)?;
         self.place(lids, label, at)?;
         let texture = self.texture(paint::striker())?;
         let striker = self.material([1.0; 3], 0.7, texture);
         let strips = [[0.0; 2], [2.0, 0.5]];
-        let sides = Shape::default()
-            .quad(-x + y + z, x * 2.0, y * -2.0, strips)
-            .quad(-x + y - z, x * 2.0, y * -2.0, strips);
+        let sides = Shape::default().quad(-x + y + z, x * 2.0, y * -2.0, strips).quad(
+            -x + y - z,
+            x * 2.0,
+            y * -2.0,
+            strips,
+        );
         let sides = self.mesh(sides)?;
         self.place(sides, striker, at)?;
 
@@ -232,13 +245,15 @@ impl<J: Join> Stage<'_, J> {
             side(-far, vec3(9.0, 9.0, -half.z + wall)),
             side(vec3(-9.0, -9.0, half.z - wall), far),
         ];
-        let tray = walls.into_iter().fold(Shape::default(), |shape, (low, high)| shape.cuboid(low, high, 0.8));
+        let tray =
+            walls.into_iter().fold(Shape::default(), |shape, (low, high)| shape.cuboid(low, high, 0.8));
         let tray = self.mesh(tray)?;
         let drawn = at * Mat4::from_translation(vec3(0.62, 0.0, 0.0));
         self.place(tray, board, drawn)?;
 
         // A match lies along x, its head to the right.
-        let stick = self.mesh(Shape::default().cuboid(vec3(-0.62, -0.03, -0.03), vec3(0.6, 0.03, 0.03), 1.0))?;
+        let stick =
+            self.mesh(Shape::default().cuboid(vec3(-0.62, -0.03, -0.03), vec3(0.6, 0.03, 0.03), 1.0))?;
         let head = self.mesh(Shape::default().ellipsoid(Vec3::ZERO, 0.05, 0.085))?;
         let wood = self.painted([0.72, 0.53, 0.30], 0.8);
         let red = self.painted([0.55, 0.04, 0.03], 0.45);
@@ -255,7 +270,9 @@ impl<J: Join> Stage<'_, J> {
             let turn = turned(Vec3::Y, 3.0 * random(3)) * turned(Vec3::X, 40.0 * random(4));
             matches.push(drawn * Mat4::from_translation(position) * turn);
         }
-        let loose = |position, y: f32, z: f32| Mat4::from_translation(position) * turned(Vec3::Y, y) * turned(Vec3::Z, z);
+        let loose = |position, y: f32, z: f32| {
+            Mat4::from_translation(position) * turned(Vec3::Y, y) * turned(Vec3::Z, z)
+        };
         matches.push(loose(vec3(1.25, 1.62, 0.5), 35.0, 48.0));
         matches.push(loose(vec3(1.62, 1.12, 0.1), -20.0, 15.0));
         matches.push(loose(vec3(1.15, 0.62, 0.7), 60.0, -28.0));

@@ -68,7 +68,11 @@ fn real_scenes_have_all_their_triangles() {
     for &(file, stored, drawn, cameras) in REAL {
         let loaded = load(&folder.join(file), &Sequential).unwrap_or_else(|error| panic!("{error}"));
         let scene = &loaded.scene;
-        assert_eq!((scene.triangles(), scene.drawn_triangles(), loaded.cameras.len()), (stored, drawn, cameras), "{file}");
+        assert_eq!(
+            (scene.triangles(), scene.drawn_triangles(), loaded.cameras.len()),
+            (stored, drawn, cameras),
+            "{file}"
+        );
         assert!(!scene.lights().is_empty(), "{file} is dark");
         assert!(!loaded.warnings.iter().any(|w| w.contains("checker")), "{file}: {:?}", loaded.warnings);
     }
@@ -86,14 +90,17 @@ fn instances_share_one_mesh() {
 #[test]
 fn the_same_atrium_from_obj_and_gltf_has_the_same_extent() {
     let Some(folder) = scenes() else { return };
-    let extent = |file: &str| load(&folder.join("sponza").join(file), &Sequential).unwrap().scene.extent().unwrap();
+    let extent =
+        |file: &str| load(&folder.join("sponza").join(file), &Sequential).unwrap().scene.extent().unwrap();
     let (a, b) = (extent("sponza_dabrovic.obj"), extent("sponza_dabrovic_cc0tex.glb"));
     assert!((a.0 - b.0).abs().max_element() < 1e-3 && (a.1 - b.1).abs().max_element() < 1e-3, "{a:?} {b:?}");
 }
 
 /// Files without errors, as the official validator sees it, that are refused all the same.
-const REFUSED: &[(&str, &str)] =
-    &[("base/root/named_objects.gltf", "the buffer of what it draws has no bytes, nor a place to look for them")];
+const REFUSED: &[(&str, &str)] = &[(
+    "base/root/named_objects.gltf",
+    "the buffer of what it draws has no bytes, nor a place to look for them",
+)];
 
 /// What the files in `invalid` end in.
 #[test]
@@ -160,7 +167,9 @@ const BROKEN: &[(&str, &str)] = &[
 fn broken_files_say_what_is_broken() {
     let Some(folder) = scenes() else { return };
     for (file, part) in BROKEN {
-        let Err(error) = load(&folder.join("invalid").join(file), &Sequential) else { panic!("{file} loads") };
+        let Err(error) = load(&folder.join("invalid").join(file), &Sequential) else {
+            panic!("{file} loads")
+        };
         let error = error.to_string();
         assert!(error.contains(part), "{error}");
     }
@@ -229,7 +238,11 @@ fn a_missing_texture_is_drawn_and_said() {
     written("textured.mtl", "newmtl a\nmap_Kd nowhere.png\n").unwrap_err();
     let obj = "mtllib textured.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
     let loaded = written("textured.obj", obj).unwrap();
-    assert!(loaded.warnings[0].contains("\"nowhere.png\" is drawn as a magenta checker"), "{:?}", loaded.warnings);
+    assert!(
+        loaded.warnings[0].contains("\"nowhere.png\" is drawn as a magenta checker"),
+        "{:?}",
+        loaded.warnings
+    );
     assert!(loaded.scene.materials()[0].texture.levels > 1);
 }
 
@@ -246,10 +259,13 @@ fn framing_has_all_of_the_scene_in_view() {
         let mut most = 0.0_f32;
         for corner in 0..8 {
             let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
-            let to = glam::Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z)) - camera.eye;
+            let to = glam::Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z))
+                - camera.eye;
             let depth = to.dot(forward) * tangent;
             assert!(depth > 0.0);
-            most = most.max(to.dot(right.cross(forward)).abs() / depth).max(to.dot(right).abs() / depth / aspect);
+            most = most
+                .max(to.dot(right.cross(forward)).abs() / depth)
+                .max(to.dot(right).abs() / depth / aspect);
         }
         assert!((0.9..1.0).contains(&most), "{most} of the picture is filled");
     }
@@ -260,4 +276,11 @@ fn the_demo_is_whole_and_the_same_every_time() {
     let (a, b) = (rtrt::demo::matchbox(&Sequential).unwrap(), rtrt::demo::matchbox(&Sequential).unwrap());
     assert!(a.warnings.is_empty() && a.scene.lights().len() == 3 && a.scene.drawn_triangles() > 10_000);
     assert_eq!((a.scene.texels(), a.scene.positions()), (b.scene.texels(), b.scene.positions()));
+}
+
+#[test]
+fn positions_that_are_not_there_are_refused() {
+    let text = triangle(r#""bufferView":0,"count":3"#).replace(r#""POSITION":0"#, r#""POSITION":4294967295"#);
+    let error = written("positions.gltf", &text).unwrap_err().to_string();
+    assert!(error.ends_with("meshes[0].primitives[0].attributes.POSITION is not there"), "{error}");
 }

@@ -219,26 +219,23 @@ impl<L: Lane> Space<L> {
         if space.all_same {
             return space;
         }
-        let mut row = 0;
-        while row < 3 {
-            space.to_world[row] = L::gather(
-                token,
-                #[inline(always)]
-                |lane| {
-                    let index = found.object(lane);
-                    if index == NONE { [0.0; 4] } else { geometry.objects[index as usize].to_world[row] }
-                },
-            );
-            space.to_object[row] = L::gather(
-                token,
-                #[inline(always)]
-                |lane| {
-                    let index = found.object(lane);
-                    if index == NONE { [0.0; 4] } else { geometry.objects[index as usize].to_object[row] }
-                },
-            );
-            row += 1;
-        }
+        // Whole matrices at once: a closure made in a loop is beyond rust-gpu.
+        space.to_world = rows(L::gather(
+            token,
+            #[inline(always)]
+            |lane| {
+                let index = found.object(lane);
+                if index == NONE { [0.0; 12] } else { flat(&geometry.objects[index as usize].to_world) }
+            },
+        ));
+        space.to_object = rows(L::gather(
+            token,
+            #[inline(always)]
+            |lane| {
+                let index = found.object(lane);
+                if index == NONE { [0.0; 12] } else { flat(&geometry.objects[index as usize].to_object) }
+            },
+        ));
         space
     }
 
@@ -253,6 +250,19 @@ impl<L: Lane> Space<L> {
     fn normal(&self, n: V3<L>) -> V3<L> {
         if self.all_same { n } else { V3::select(self.same, n, normal(&self.to_object, n)) }
     }
+}
+
+/// The numbers of a matrix, row by row.
+#[inline(always)]
+fn flat(m: &[[f32; 4]; 3]) -> [f32; 12] {
+    let [a, b, c] = m;
+    [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]]
+}
+
+/// The matrix of these numbers.
+#[inline(always)]
+fn rows<L: Lane>(m: [L; 12]) -> [[L; 4]; 3] {
+    [[m[0], m[1], m[2], m[3]], [m[4], m[5], m[6], m[7]], [m[8], m[9], m[10], m[11]]]
 }
 
 /// The positions of the corners of one lane's triangle, object space.

@@ -28,7 +28,7 @@ pub fn run() -> Result<(), Error> {
 
 fn print_adapter(number: usize, adapter: &AdapterReport) -> Result<(), Error> {
     let AdapterReport { name, api, kind, driver, passthrough, canary } = adapter;
-    print(format_args!("gpu, {name}: adapter {number}, {kind}, {api}, {driver}"))?;
+    print(format_args!("gpu, adapter {number}, {name}: {kind}, {api}, {driver}"))?;
     let route = if *passthrough { "available" } else { "not available, naga translates" };
     print(format_args!("    SPIR-V passthrough: {route}"))?;
     match canary {

@@ -15,7 +15,7 @@ use std::path::Path;
 /// The most rays of a frame: they are numbered with 32 bits, those of blocks that reach
 /// outside the frame included.
 const MAX_RAYS: u64 = 1 << 31;
-/// The most rays whose deferred buffers are kept: at about 140 bytes each, 9 GB.
+/// The most rays whose deferred buffers are kept: at about 110 bytes each, 7 GB.
 const MAX_DEFERRED: u64 = 1 << 26;
 
 /// What is rendered.

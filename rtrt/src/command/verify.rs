@@ -171,7 +171,10 @@ fn gpu_variants(options: &BackendOptions) -> Result<Vec<Variant>, ChooseError> {
         let tried = other.into_iter().map(|(_, report)| report.name).collect();
         return Err(ChooseError::Adapter { wanted, tried });
     }
-    let mut names: Vec<_> = wanted.into_iter().map(|(number, report)| (Some(number), report.name)).collect();
+    let mut names: Vec<_> = wanted
+        .into_iter()
+        .map(|(number, report)| (Some(number), format!("adapter {number}, {}", report.name)))
+        .collect();
     if names.is_empty() {
         // Opening it tells why there is none.
         names.push((None, "any adapter".into()));

@@ -114,7 +114,11 @@ pub(super) fn landscape() -> Image {
         let from_sun = [(u - 0.66) * 1.5, v - 0.5];
         let distance = from_sun[0] * from_sun[0] + from_sun[1] * from_sun[1];
         let mut color = mix([1.0, 0.95, 0.78], sky, step(0.006, 0.0075, distance));
-        let hills = [([0.50, 0.36, 0.47], 0.52, 0.20), ([0.32, 0.27, 0.40], 0.62, 0.22), ([0.13, 0.15, 0.22], 0.76, 0.18)];
+        let hills = [
+            ([0.50, 0.36, 0.47], 0.52, 0.20),
+            ([0.32, 0.27, 0.40], 0.62, 0.22),
+            ([0.13, 0.15, 0.22], 0.76, 0.18),
+        ];
         for (hill, (tone, height, steepness)) in hills.into_iter().enumerate() {
             let ridge = height + steepness * (cloudy(u, 0.5, [3 + hill as u32, 1], 62 + hill as u32) - 0.5);
             color = mix(color, tone, step(ridge - 0.003, ridge + 0.003, v));
@@ -145,8 +149,10 @@ pub(super) fn label() -> Image {
         color = flame(color, [dx, dy + 0.01], 0.175, gold);
         color = flame(color, [dx, dy - 0.05], 0.095, [1.0, 0.95, 0.75]);
 
-        let words = text("RTRT", [x - ASPECT * 0.5, y - 0.125], 0.018) || text("SAFETY MATCHES", [x - ASPECT * 0.5, y - 0.885], 0.0098);
-        let sides = text("CPU", [x - 0.25, y - 0.505], 0.011) || text("GPU", [x - ASPECT + 0.25, y - 0.505], 0.011);
+        let words = text("RTRT", [x - ASPECT * 0.5, y - 0.125], 0.018)
+            || text("SAFETY MATCHES", [x - ASPECT * 0.5, y - 0.885], 0.0098);
+        let sides =
+            text("CPU", [x - 0.25, y - 0.505], 0.011) || text("GPU", [x - ASPECT + 0.25, y - 0.505], 0.011);
         if words || sides { ink } else { color }
     })
 }

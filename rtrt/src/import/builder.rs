@@ -2,9 +2,7 @@
 
 use super::{ImportError, picture};
 use rtrt_core::layout::{Attribute, Texture, Wrap};
-use rtrt_core::scene::{
-    Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, Scene, SceneError,
-};
+use rtrt_core::scene::{Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, Scene, SceneError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -85,9 +83,7 @@ impl<'a, J: Join> Builder<'a, J> {
         let tree = MeshTree::build(&mesh, self.join);
         self.tree_build_ms += start.elapsed().as_secs_f64() * 1e3;
         let path = &self.path;
-        self.scene
-            .add_mesh(&mesh, &tree)
-            .map_err(|source| ImportError::Scene { path: path.clone(), source })
+        self.scene.add_mesh(&mesh, &tree).map_err(|source| ImportError::Scene { path: path.clone(), source })
     }
 
     /// Places a mesh. One whose transform cannot be inverted has no volume to be seen: it

@@ -37,10 +37,13 @@ impl<'a> Column<'a> {
         types: &[Type],
     ) -> Result<Self, ImportError> {
         let number = index.value();
-        let invalid =
-            |why: &str| ImportError::Invalid { path: path.to_owned(), why: format!("accessor {number} {why}") };
+        let invalid = |why: &str| ImportError::Invalid {
+            path: path.to_owned(),
+            why: format!("accessor {number} {why}"),
+        };
         let accessor = root.get(index).ok_or_else(|| invalid("is not there"))?;
-        let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_) else {
+        let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_)
+        else {
             return Err(invalid("has an unknown type"));
         };
         if !types.contains(&kind) {
@@ -57,7 +60,9 @@ impl<'a> Column<'a> {
                 last.checked_mul(stride as u64)?.checked_add(size as u64)?.checked_add(offset)
             });
             match end {
-                Some(end) if end <= bytes.len() as u64 => Ok((bytes.get(offset as usize..).unwrap_or(&[]), stride)),
+                Some(end) if end <= bytes.len() as u64 => {
+                    Ok((bytes.get(offset as usize..).unwrap_or(&[]), stride))
+                }
                 _ => Err(invalid("is not within its buffer view")),
             }
         };

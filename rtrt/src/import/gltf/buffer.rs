@@ -27,7 +27,9 @@ impl<'a> Buffers<'a> {
                     left = left.saturating_sub(bytes.len() as u64);
                     Cow::Owned(bytes)
                 }
-                None if index == 0 => Cow::Borrowed(binary.ok_or("it has no URI, and the file no binary chunk")?),
+                None if index == 0 => {
+                    Cow::Borrowed(binary.ok_or("it has no URI, and the file no binary chunk")?)
+                }
                 None => return Err("it has no URI".into()),
             };
             if (bytes.len() as u64) < size {
@@ -49,7 +51,11 @@ impl<'a> Buffers<'a> {
         let view = root.get(index).ok_or_else(|| invalid(format!("there is no buffer view {number}")))?;
         let buffer = view.buffer.value();
         let bytes = match self.bytes.get(buffer) {
-            None => return Err(invalid(format!("buffer view {number} is of buffer {buffer}, which is not there"))),
+            None => {
+                return Err(invalid(format!(
+                    "buffer view {number} is of buffer {buffer}, which is not there"
+                )));
+            }
             Some(Err(why)) => {
                 let path = self.path.to_owned();
                 return Err(ImportError::Buffer { path, buffer, why: why.clone() });

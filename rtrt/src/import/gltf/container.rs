@@ -2,7 +2,8 @@
 
 use crate::import::ImportError;
 use crate::import::builder::Builder;
-use gltf_json::validation::{self, Validate};
+use gltf_json::mesh::Semantic;
+use gltf_json::validation::{self, Checked, Validate};
 use gltf_json::{Root, Value};
 
 /// The first bytes of a binary file.
@@ -49,6 +50,15 @@ pub(super) fn open<'a, J: rtrt_core::scene::Join>(
 /// Where the file refers to something that it does not have, be it drawn or not. Its other
 /// errors are found where they matter, in what is drawn.
 fn dangling(root: &Root) -> Option<String> {
+    // Looked at first, because the validation indexes with this one unchecked.
+    for (mesh, source) in root.meshes.iter().enumerate() {
+        for (primitive, source) in source.primitives.iter().enumerate() {
+            let positions = source.attributes.get(&Checked::Valid(Semantic::Positions));
+            if positions.is_some_and(|index| root.get(*index).is_none()) {
+                return Some(format!("meshes[{mesh}].primitives[{primitive}].attributes.POSITION"));
+            }
+        }
+    }
     let mut place = None;
     root.validate(root, gltf_json::Path::new, &mut |path, error| {
         if error == validation::Error::IndexOutOfBounds && place.is_none() {
@@ -61,9 +71,7 @@ fn dangling(root: &Root) -> Option<String> {
 /// The JSON chunk and the binary chunk of a `.glb`. Other chunks, and bytes after the end,
 /// are passed over, as the format asks for.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), &'static str> {
-    let word = |at: usize| {
-        bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-    };
+    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     match word(4) {
         Some(2) => {}
         Some(1) => return Err("binary glTF 1, but only glTF 2 is supported"),

@@ -1,9 +1,9 @@
 //! Lights: KHR_lights_punctual.
 
 use crate::import::builder::Builder;
+use glam::{DMat4, DVec3, Vec3};
 use gltf_json::extensions::scene::khr_lights_punctual::{Light as Source, Type};
 use gltf_json::validation::Checked;
-use glam::{DMat4, DVec3, Vec3};
 use rtrt_core::scene::{Join, Light, Scene, Setup};
 
 /// A light of the file at its node's place: in candela (point) or lux (sun), not yet exposed.
@@ -20,7 +20,9 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
     }
     let light = match source.type_ {
         Checked::Valid(Type::Directional) => Light::Sun { direction, color },
-        Checked::Valid(Type::Point | Type::Spot) => Light::Point { position, color, reach, inverse_square: true },
+        Checked::Valid(Type::Point | Type::Spot) => {
+            Light::Point { position, color, reach, inverse_square: true }
+        }
         Checked::Invalid => return builder.warn("a light of an unknown type is left out".into()),
     };
     if source.type_ == Checked::Valid(Type::Spot) {

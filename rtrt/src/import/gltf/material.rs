@@ -83,7 +83,8 @@ impl<'a> Materials<'a> {
         let root = self.root;
         let number = info.index.value();
         let missing = |what: &str| builder.invalid(format!("texture {number} has no {what} that is there"));
-        let texture = root.get(info.index).ok_or_else(|| builder.invalid(format!("there is no texture {number}")))?;
+        let texture =
+            root.get(info.index).ok_or_else(|| builder.invalid(format!("there is no texture {number}")))?;
         let [wrap_u, wrap_v] = match texture.sampler {
             Some(index) => {
                 let sampler = root.get(index).ok_or_else(|| missing("sampler"))?;

@@ -17,7 +17,9 @@ impl<J: Join> Import<'_, '_, J> {
     pub fn draw_scene(&mut self) -> Result<(), ImportError> {
         let root = self.root;
         let scene = match root.scene {
-            Some(index) => Some(root.get(index).ok_or_else(|| self.invalid("the scene is not there".into()))?),
+            Some(index) => {
+                Some(root.get(index).ok_or_else(|| self.invalid("the scene is not there".into()))?)
+            }
             None => root.scenes.first(),
         };
         let mut met = vec![false; root.nodes.len()];
@@ -81,7 +83,8 @@ impl<J: Join> Import<'_, '_, J> {
         if let Some(light) = light {
             let lights = self.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
             let source = lights.and_then(|lights| lights.lights.get(light.light.value()));
-            let source = source.ok_or_else(|| self.invalid(format!("{name} has a light that is not there")))?;
+            let source =
+                source.ok_or_else(|| self.invalid(format!("{name} has a light that is not there")))?;
             light::add(self.builder, source, to_world);
         }
         Ok(())

@@ -33,7 +33,10 @@ pub(super) fn geometry(
     coordinates: &Coordinates,
 ) -> Result<Result<Geometry, &'static str>, ImportError> {
     let Checked::Valid(mode) = primitive.mode else {
-        return Err(ImportError::Invalid { path: path.to_owned(), why: "a primitive has an unknown mode".into() });
+        return Err(ImportError::Invalid {
+            path: path.to_owned(),
+            why: "a primitive has an unknown mode".into(),
+        });
     };
     if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
         return Ok(Err("points and lines"));
@@ -105,7 +108,8 @@ impl Coordinates {
 fn triangles(mode: Mode, mut indices: Vec<u32>) -> Vec<u32> {
     match mode {
         Mode::TriangleStrip => {
-            let turned = |(i, t): (usize, &[u32])| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] };
+            let turned =
+                |(i, t): (usize, &[u32])| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] };
             indices.windows(3).enumerate().flat_map(turned).collect()
         }
         Mode::TriangleFan => {

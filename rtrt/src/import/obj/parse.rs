@@ -227,6 +227,9 @@ mod tests {
     #[test]
     fn lines_go_on_after_a_backslash_and_end_at_a_comment() {
         let text: Vec<_> = lines(b"f 1 \\\n 2 # three\r\n\nusemtl a#b\nv\\").collect();
-        assert_eq!(text, [(1, "f 1  2".into()), (3, String::new()), (4, "usemtl a#b".into()), (5, "v".into())]);
+        assert_eq!(
+            text,
+            [(1, "f 1  2".into()), (3, String::new()), (4, "usemtl a#b".into()), (5, "v".into())]
+        );
     }
 }

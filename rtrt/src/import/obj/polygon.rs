@@ -39,7 +39,8 @@ impl Splitter {
         let at = |i: usize| glam::DVec3::from(corners[i % corners.len()].map(f64::from)) - origin;
         let normal: glam::DVec3 = (1..corners.len()).map(|i| at(i).cross(at(i + 1))).sum();
         let size = normal.abs();
-        let (axis, length) = (0..3).map(|axis| (axis, size[axis])).fold((2, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+        let (axis, length) =
+            (0..3).map(|axis| (axis, size[axis])).fold((2, 0.0), |a, b| if b.1 > a.1 { b } else { a });
         if !(length > 0.0 && length.is_finite()) {
             return false;
         }
@@ -86,7 +87,20 @@ mod tests {
                 [cos * radius, sin * radius]
             })
             .collect();
-        let comb = [[0., 0.], [5., 0.], [5., 3.], [4., 3.], [4., 1.], [3., 1.], [3., 3.], [2., 3.], [2., 1.], [1., 1.], [1., 3.], [0., 3.]];
+        let comb = [
+            [0., 0.],
+            [5., 0.],
+            [5., 3.],
+            [4., 3.],
+            [4., 1.],
+            [3., 1.],
+            [3., 3.],
+            [2., 3.],
+            [2., 1.],
+            [1., 1.],
+            [1., 3.],
+            [0., 3.],
+        ];
         let dart = [[0., 0.], [2., 1.], [0., 2.], [0.5, 1.]];
         for shape in [&star[..], &comb, &dart] {
             for reversed in [false, true] {

@@ -1,0 +1,143 @@
+//! Keeps every rounding in place where `NoContraction` is lost.
+//!
+//! naga drops the decoration, and drivers then reorder and fold: Mesa turns `(x + c) − c` into `x`. What a driver
+//! cannot see through is an integer operation with a number that is known at run time only. So the result `r` of
+//! every float operation becomes
+//!
+//! ```text
+//! bits_to_float(float_to_bits(r) | zero)
+//! ```
+//!
+//! with `zero` read from a uniform buffer in a bind group of its own.
+
+/// The bind group of the zero; its binding is 0.
+pub(crate) const ZERO_GROUP: u32 = 1;
+
+mod op {
+    pub const TYPE_INT: u32 = 21;
+    pub const TYPE_FLOAT: u32 = 22;
+    pub const TYPE_STRUCT: u32 = 30;
+    pub const TYPE_POINTER: u32 = 32;
+    pub const CONSTANT: u32 = 43;
+    pub const FUNCTION: u32 = 54;
+    pub const FUNCTION_END: u32 = 56;
+    pub const VARIABLE: u32 = 59;
+    pub const LOAD: u32 = 61;
+    pub const ACCESS_CHAIN: u32 = 65;
+    pub const DECORATE: u32 = 71;
+    pub const MEMBER_DECORATE: u32 = 72;
+    pub const BITCAST: u32 = 124;
+    pub const F_NEGATE: u32 = 127;
+    pub const F_ADD: u32 = 129;
+    pub const F_SUB: u32 = 131;
+    pub const F_MUL: u32 = 133;
+    pub const BITWISE_OR: u32 = 197;
+    pub const LABEL: u32 = 248;
+}
+
+/// Storage class of uniform buffers.
+const UNIFORM: u32 = 2;
+/// Decorations.
+const BLOCK: u32 = 2;
+const BINDING: u32 = 33;
+const DESCRIPTOR_SET: u32 = 34;
+const OFFSET: u32 = 35;
+/// Words before the first instruction; the fourth is one more than the largest id.
+const HEADER: usize = 5;
+const BOUND: usize = 3;
+
+/// The module `spirv` with a barrier behind every float operation; `spirv` itself if it has no 32-bit numbers.
+pub(crate) fn with_barriers(spirv: &[u32]) -> Vec<u32> {
+    let find = |wanted: &[u32]| {
+        instructions(spirv).find(|i| i[0] & 0xffff == wanted[0] && i[2..] == wanted[1..]).map(|i| i[1])
+    };
+    let (Some(float), Some(uint)) = (find(&[op::TYPE_FLOAT, 32]), find(&[op::TYPE_INT, 32, 0])) else {
+        return spirv.to_vec();
+    };
+    let mut ids = spirv[BOUND]..;
+    let mut new = || ids.next().unwrap_or(u32::MAX);
+    let [block, to_block, to_uint, first, variable] = [(); 5].map(|()| new());
+
+    let mut out = spirv[..HEADER].to_vec();
+    let mut add = |words: &[u32], out: &mut Vec<u32>| {
+        out.push((words.len() as u32) << 16 | words[0]);
+        out.extend(&words[1..]);
+    };
+    let (mut declared, mut decorated) = (false, false);
+    // The zero of the function, once it is loaded; whether its first label has been passed.
+    let (mut zero, mut in_body) = (None, false);
+    for instruction in instructions(spirv) {
+        let opcode = instruction[0] & 0xffff;
+        if (op::TYPE_INT - 2..=op::CONSTANT).contains(&opcode) && !decorated {
+            add(&[op::DECORATE, block, BLOCK], &mut out);
+            add(&[op::MEMBER_DECORATE, block, 0, OFFSET, 0], &mut out);
+            add(&[op::DECORATE, variable, DESCRIPTOR_SET, ZERO_GROUP], &mut out);
+            add(&[op::DECORATE, variable, BINDING, 0], &mut out);
+            decorated = true;
+        }
+        if opcode == op::FUNCTION && !declared {
+            add(&[op::TYPE_STRUCT, block, uint], &mut out);
+            add(&[op::TYPE_POINTER, to_block, UNIFORM, block], &mut out);
+            add(&[op::TYPE_POINTER, to_uint, UNIFORM, uint], &mut out);
+            add(&[op::CONSTANT, uint, first, 0], &mut out);
+            add(&[op::VARIABLE, to_block, variable, UNIFORM], &mut out);
+            declared = true;
+        }
+        if in_body && zero.is_none() && opcode != op::VARIABLE {
+            let (address, loaded) = (new(), new());
+            add(&[op::ACCESS_CHAIN, to_uint, address, variable, first], &mut out);
+            add(&[op::LOAD, uint, loaded, address], &mut out);
+            zero = Some(loaded);
+        }
+        in_body |= opcode == op::LABEL;
+        if opcode == op::FUNCTION_END {
+            (zero, in_body) = (None, false);
+        }
+        let is_float = matches!(opcode, op::F_NEGATE | op::F_ADD | op::F_SUB | op::F_MUL);
+        out.extend(instruction);
+        if let (true, Some(zero)) = (is_float && instruction[1] == float, zero) {
+            // The operation gets an id of its own; what is used is what passes the barrier.
+            let [plain, bits, barred] = [(); 3].map(|()| new());
+            let at = out.len() - instruction.len() + 2;
+            let result = std::mem::replace(&mut out[at], plain);
+            add(&[op::BITCAST, uint, bits, plain], &mut out);
+            add(&[op::BITWISE_OR, uint, barred, bits, zero], &mut out);
+            add(&[op::BITCAST, float, result, barred], &mut out);
+        }
+    }
+    out[BOUND] = new();
+    out
+}
+
+/// The instructions of a module, each with its first word.
+fn instructions(spirv: &[u32]) -> impl Iterator<Item = &[u32]> {
+    let mut rest = &spirv[HEADER..];
+    std::iter::from_fn(move || {
+        let length = (*rest.first()? >> 16) as usize;
+        let (instruction, after) = rest.split_at_checked(length).filter(|_| length > 0)?;
+        rest = after;
+        Some(instruction)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_float_operation_passes_a_barrier() {
+        let spirv = bytemuck::pod_collect_to_vec::<u8, u32>(rtrt_shaders::SPIRV);
+        let count = |words: &[u32], opcode: u32| instructions(words).filter(|i| i[0] & 0xffff == opcode).count();
+        let floats = [op::F_NEGATE, op::F_ADD, op::F_SUB, op::F_MUL];
+        let operations: usize = floats.iter().map(|&opcode| count(&spirv, opcode)).sum();
+        let barred = with_barriers(&spirv);
+        assert!(operations > 1000);
+        assert_eq!(count(&barred, op::BITCAST), count(&spirv, op::BITCAST) + 2 * operations);
+        assert_eq!(floats.iter().map(|&opcode| count(&barred, opcode)).sum::<usize>(), operations);
+        // A barred result is never an operand's own: all ids are distinct.
+        let mut results: Vec<u32> =
+            instructions(&barred).filter(|i| i[0] & 0xffff == op::BITCAST).map(|i| i[2]).collect();
+        results.sort_unstable();
+        assert!(results.windows(2).all(|pair| pair[0] < pair[1]));
+    }
+}
