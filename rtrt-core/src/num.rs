@@ -36,6 +36,12 @@ pub fn flush<L: Lane>(x: L) -> L {
     x.abs().less_than(x.like(FLOOR)).select(x.like(0.0), x)
 }
 
+/// [`flush`] of each component.
+#[inline(always)]
+pub fn flush3<L: Lane>(v: V3<L>) -> V3<L> {
+    V3 { x: flush(v.x), y: flush(v.y), z: flush(v.z) }
+}
+
 /// `x` clamped to `low ..= high`; NaN gives `high`.
 #[inline(always)]
 pub fn clamp<L: Lane>(x: L, low: f32, high: f32) -> L {

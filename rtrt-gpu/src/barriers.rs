@@ -59,7 +59,7 @@ pub(crate) fn with_barriers(spirv: &[u32]) -> Vec<u32> {
     let [block, to_block, to_uint, first, variable] = [(); 5].map(|()| new());
 
     let mut out = spirv[..HEADER].to_vec();
-    let mut add = |words: &[u32], out: &mut Vec<u32>| {
+    let add = |words: &[u32], out: &mut Vec<u32>| {
         out.push((words.len() as u32) << 16 | words[0]);
         out.extend(&words[1..]);
     };
@@ -127,7 +127,8 @@ mod tests {
     #[test]
     fn every_float_operation_passes_a_barrier() {
         let spirv = bytemuck::pod_collect_to_vec::<u8, u32>(rtrt_shaders::SPIRV);
-        let count = |words: &[u32], opcode: u32| instructions(words).filter(|i| i[0] & 0xffff == opcode).count();
+        let count =
+            |words: &[u32], opcode: u32| instructions(words).filter(|i| i[0] & 0xffff == opcode).count();
         let floats = [op::F_NEGATE, op::F_ADD, op::F_SUB, op::F_MUL];
         let operations: usize = floats.iter().map(|&opcode| count(&spirv, opcode)).sum();
         let barred = with_barriers(&spirv);

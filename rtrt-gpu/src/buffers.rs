@@ -36,8 +36,24 @@ impl Slot {
     /// What the buffer is called in errors.
     fn name(self) -> &'static str {
         const NAMES: [&str; Slot::COUNT] = [
-            "frame", "views", "objects", "nodes", "words", "positions", "attributes", "materials", "texels",
-            "covers", "counts", "lists", "hits", "surfaces", "masks", "lit", "colors", "pixels",
+            "frame",
+            "views",
+            "objects",
+            "nodes",
+            "words",
+            "positions",
+            "attributes",
+            "materials",
+            "texels",
+            "covers",
+            "counts",
+            "lists",
+            "hits",
+            "surfaces",
+            "masks",
+            "lit",
+            "colors",
+            "pixels",
         ];
         NAMES[self as usize]
     }

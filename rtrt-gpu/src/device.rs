@@ -70,7 +70,12 @@ impl Device {
     }
 
     /// A buffer of at least `bytes`, for anything.
-    pub fn buffer(&self, what: &'static str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, Error> {
+    pub fn buffer(
+        &self,
+        what: &'static str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, Error> {
         // No binding may be empty; the largest element has 192 bytes.
         let needed = bytes.next_multiple_of(4).max(256);
         if needed > self.limit {

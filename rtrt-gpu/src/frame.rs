@@ -200,9 +200,11 @@ fn bands(frame: &Frame, bytes: u64) -> impl Iterator<Item = Frame> + use<> {
     let largest = (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words));
     let rows = (bytes / largest / u64::from(row)).max(1);
     let step = (rows * u64::from(row)).min(u64::from(frame.rays)) as u32;
-    (0..frame.rays)
-        .step_by(step as usize)
-        .map(move |first_ray| Frame { first_ray, rays: step.min(frame.rays - first_ray), ..frame })
+    (0..frame.rays).step_by(step as usize).map(move |first_ray| Frame {
+        first_ray,
+        rays: step.min(frame.rays - first_ray),
+        ..frame
+    })
 }
 
 #[cfg(test)]

@@ -106,7 +106,8 @@ impl Pipeline {
         zero: Option<&Zero>,
     ) -> Self {
         let layout = bind_group_layout(device, entry, accesses);
-        let layouts: Vec<_> = [Some(&layout)].into_iter().chain(zero.map(|zero| Some(&zero.layout))).collect();
+        let layouts: Vec<_> =
+            [Some(&layout)].into_iter().chain(zero.map(|zero| Some(&zero.layout))).collect();
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(entry),
             bind_group_layouts: &layouts,
@@ -171,7 +172,8 @@ pub(crate) fn bind_group_layout(
         count: None,
     };
     let entries: Vec<_> = accesses.enumerate().map(binding).collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+    device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
 #[cfg(test)]

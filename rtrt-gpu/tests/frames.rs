@@ -106,7 +106,8 @@ fn rendered(backend: &mut dyn Backend, scene: &Scene, request: &Request<'_>) -> 
     picture
 }
 
-fn agree(gpu: &mut Gpu, what: &str, scene: &Scene, request: &Request<'_>) {
+/// The GPU's picture, which is the CPU's.
+fn agree(gpu: &mut Gpu, what: &str, scene: &Scene, request: &Request<'_>) -> Picture {
     let mut cpu = Cpu::new(rtrt_cpu::Options { lanes: Some(1), threads: Some(1) }).unwrap();
     let expected = rendered(&mut cpu, scene, request);
     let actual = rendered(gpu, scene, request);
@@ -116,6 +117,7 @@ fn agree(gpu: &mut Gpu, what: &str, scene: &Scene, request: &Request<'_>) {
     let total: f64 = actual.stages_ms.iter().sum();
     println!("{what}: equal; {total:.1} ms {:.1?}", actual.stages_ms);
     assert!(actual.pixels.iter().any(|pixel| *pixel != actual.pixels[0]) || scene.objects().is_empty());
+    actual
 }
 
 fn request(size: [u32; 2], samples: u32) -> Request<'static> {
@@ -162,7 +164,11 @@ fn light_too_faint_to_count_is_nothing_everywhere() {
         let position = Vec3::new(distance, 3.0, distance);
         let color = Vec3::splat(color);
         scene.add_light(Light::Point { position, color, reach: None, inverse_square: true });
-        agree(&mut gpu, "faint", &scene, &request([128, 72], 1));
+        let picture = agree(&mut gpu, "faint", &scene, &request([128, 72], 1));
+        let deferred = picture.deferred.unwrap();
+        let numbers: [&[f32]; 2] =
+            [bytemuck::cast_slice(&deferred.lit), bytemuck::cast_slice(&deferred.colors)];
+        assert!(!numbers.concat().iter().any(|number| number.is_subnormal()));
     }
 }
 

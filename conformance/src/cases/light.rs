@@ -1,6 +1,7 @@
 //! What arrives from lights: how they fade, how many there are, how surfaces answer.
 
 use crate::case::{Case, look};
+use crate::cases::LOOPS;
 use crate::shape::{Build, PLAIN, Random, Shape, bulb, lamp, sun};
 use glam::{Mat4, Vec3};
 use rtrt_core::scene::{Light, Scene, phong};
@@ -68,9 +69,10 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "light/thirty_two_among_objects",
-        claim: "Each of many lights asks hundreds of objects.",
-        scene: forest_of_lights,
+        claim: "Each of many lights asks more than a thousand objects.",
+        scene: meadow_of_lights,
         size: [20, 12],
+        known: LOOPS,
         ..FROM_ABOVE
     },
     Case {
@@ -159,19 +161,17 @@ fn many(count: u32) -> Scene {
     build.scene
 }
 
-/// Posts in rows, all of them in the way of every light: the lights are low.
-fn forest_of_lights() -> Scene {
+/// Blades in rows, all of them in the way of every light: the lights are low.
+fn meadow_of_lights() -> Scene {
     let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
-    let post = build.mesh(Shape::ball(3));
-    for i in 0..900 {
-        let at = Vec3::new((i % 30) as f32 * 0.1 - 1.5, -0.95, (i / 30) as f32 * 0.1 - 1.5);
-        build.object(post, Mat4::from_translation(at) * Mat4::from_scale(Vec3::new(0.002, 0.05, 0.002)));
+    let blade = build.mesh(Shape::triangle([[-0.01, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.1, 0.01]]));
+    for i in 0..1444 {
+        let at = Vec3::new((i % 38) as f32 * 0.08 - 1.5, -1.0, (i / 38) as f32 * 0.08 - 1.5);
+        build.object(blade, Mat4::from_translation(at));
     }
-    let color = Vec3::splat(0.05);
-    (0..32)
-        .fold(build, |build, i| {
-            let position = Vec3::new(2.0 + 0.01 * i as f32, -0.94, 0.03 * i as f32);
-            build.light(Light::Point { position, color, reach: None, inverse_square: false })
-        })
-        .scene
+    let light = |i: u32| {
+        let position = Vec3::new(2.0 + 0.01 * i as f32, -0.94, 0.03 * i as f32);
+        Light::Point { position, color: Vec3::splat(0.05), reach: None, inverse_square: false }
+    };
+    (0..32).map(light).fold(build, Build::light).scene
 }

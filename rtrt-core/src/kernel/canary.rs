@@ -92,7 +92,8 @@ fn bits(value: f32) -> u32 {
 fn coordinate(value: f32) -> f32 {
     let bits = value.to_bits();
     let size = bits & 0x7fff_ffff;
-    if size < (127 - 60) << 23 || size > 0x7f80_0000 {
+    let (tiny, nan) = (size < (127 - 60) << 23, size > 0x7f80_0000);
+    if tiny || nan {
         0.0
     } else if size > (127 + 30) << 23 {
         f32::from_bits((127 + 30) << 23 | bits & 0x8000_0000)

@@ -1,13 +1,14 @@
 //! How a surface answers a light: Lambert's cosine and the Blinn-Phong lobe.
 
 use crate::lane::{Lane, V3};
-use crate::num::{normalize, pow};
+use crate::num::{flush, normalize, pow};
 
-/// Lambert's cosine between unit vectors, 0 for a light behind the surface.
+/// Lambert's cosine between unit vectors; 0 for a light behind the surface, and where it is
+/// too small to count on every device (see [`flush`]).
 #[inline(always)]
 pub fn lambert<L: Lane>(normal: V3<L>, to_light: V3<L>) -> L {
     let cosine = normal.dot(to_light);
-    cosine.max(cosine.like(0.0))
+    flush(cosine.max(cosine.like(0.0)))
 }
 
 /// The Blinn-Phong lobe (Blinn 1977), normalized so that a sharper highlight is brighter

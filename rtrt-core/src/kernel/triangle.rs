@@ -109,8 +109,8 @@ pub fn meet<L: Lane>(ray: &Ray<L>, triangle: &Triangle, limit: L) -> Meeting<L> 
             & zero.less_than(t_plane)
             & zero.like(TINY).less_than(t)
             & t.less_equal(limit);
-        weight_u = u * inverse;
-        weight_v = v * inverse;
+        weight_u = flush(u * inverse);
+        weight_v = flush(v * inverse);
     }
     Meeting { mask, t, u: weight_u, v: weight_v }
 }

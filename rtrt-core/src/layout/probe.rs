@@ -9,6 +9,7 @@ pub const PROBES: usize = 24;
 /// each slice. Filled with words that tell where they are, buffers so tell where a device
 /// looks for each field, and how far apart it takes elements to be.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "one for each layout")]
 pub fn probe(
     frame: &Frame,
     views: &[View],

@@ -5,7 +5,7 @@ use crate::kernel::ray::Ray;
 use crate::kernel::reflect::{blinn_phong, lambert};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Frame, Lit, Material, View};
-use crate::num::{normalize, sqrt};
+use crate::num::{flush3, normalize, sqrt};
 use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
 use crate::stage::surface::Surfaces;
 
@@ -106,9 +106,7 @@ fn add<L: Lane>(
     let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
     let strength = reached.select(strength, strength.like(0.0));
     let lobe = blinn_phong(surfaces.normal, toward, normalize(-ray.direction), shininess);
-    let color = V3::splat(token, view.color);
-    Arriving {
-        diffuse: sum.diffuse + color.scale(strength),
-        specular: sum.specular + color.scale(strength * lobe),
-    }
+    // Off its peak a lobe is so small that some devices keep its products and others do not.
+    let diffuse = flush3(V3::splat(token, view.color).scale(strength));
+    Arriving { diffuse: sum.diffuse + diffuse, specular: sum.specular + flush3(diffuse.scale(lobe)) }
 }

@@ -2,6 +2,7 @@
 
 use crate::kernel::texture::sample;
 use crate::layout::{Frame, Lit, Material, Surface};
+use crate::num::flush;
 use crate::stage::surface::channel;
 
 /// Linear RGB and alpha of what a ray has found:
@@ -28,7 +29,8 @@ pub fn shade(
     let ambient = [frame.ambient_r, frame.ambient_g, frame.ambient_b];
     let color = |i: usize| {
         let base = material.diffuse[i] * texture[i] * channel(surface.color, i as u32);
-        base * (ambient[i] + lit.diffuse[i]) + material.specular[i] * lit.specular[i] + material.emission[i]
+        let diffuse = flush(base * (ambient[i] + lit.diffuse[i]));
+        flush(diffuse + flush(material.specular[i] * lit.specular[i]) + material.emission[i])
     };
     [color(0), color(1), color(2), 1.0]
 }

@@ -8,7 +8,7 @@ use crate::kernel::texture::BYTE;
 use crate::kernel::traverse::{Best, BestRows, Geometry};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Attribute, NONE, Surface, View};
-use crate::num::{TINY, floor, normalize, sqrt, to_integer};
+use crate::num::{TINY, floor, flush, flush3, normalize, sqrt, to_integer};
 
 /// The surfaces that one group of rays has found; see [`Surface`].
 #[derive(Clone, Copy)]
@@ -153,9 +153,9 @@ pub fn surface<L: Lane>(
     let flat = facing(normalize(across), -ray.direction);
     let length = smooth.dot(smooth);
     let has_normal = length.like(TINY).less_than(length);
-    let smooth = V3::select(has_normal, facing(normalize(smooth), flat), flat);
+    let smooth = flush3(V3::select(has_normal, facing(normalize(smooth), flat), flat));
 
-    let place = weights.mix3(a, b, c);
+    let place = flush3(weights.mix3(a, b, c));
     let pixel = best.t * camera.pixel_t + camera.pixel;
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
@@ -176,8 +176,11 @@ pub fn surface<L: Lane>(
                 |lane| color(&vertices, &found, lane),
             ),
         ),
-        uv: [missed.select(zero, weights.mix(sa, sb, sc)), missed.select(zero, weights.mix(ta, tb, tc))],
-        footprint: missed.select(zero, footprint(pixel, uv_area, area)),
+        uv: [
+            missed.select(zero, flush(weights.mix(sa, sb, sc))),
+            missed.select(zero, flush(weights.mix(ta, tb, tc))),
+        ],
+        footprint: missed.select(zero, flush(footprint(pixel, uv_area, area))),
     }
 }
 
