@@ -121,7 +121,7 @@ pub fn exp2<L: Lane>(x: L) -> L {
     p = p * f + 1.333_355_8e-3;
     p = p * f + 9.618_129e-3;
     p = p * f + 5.550_411e-2;
-    p = p * f + 2.402_265_1e-1;
+    p = p * f + 2.402_265e-1;
     p = p * f + core::f32::consts::LN_2;
     p = p * f + 1.0;
     p * L::from_bits((to_integer(whole) + x.bits_like(127)) << 23)

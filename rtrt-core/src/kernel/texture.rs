@@ -3,7 +3,7 @@
 use crate::kernel::mip::{Levels, levels};
 use crate::lane::Lane;
 use crate::layout::{Texture, Wrap};
-use crate::num::{floor, to_integer};
+use crate::num::{clamp, floor, to_integer};
 
 /// Words at the start of the scene's texels: for each byte of an sRGB color, the bits of
 /// the linear light that it stands for.
@@ -69,12 +69,8 @@ fn neighbors(coordinate: f32, size: u32, wrap: u32) -> (u32, u32, f32) {
         let pair = c * 0.5;
         let c = (pair - floor(pair)) * 2.0;
         if c > 1.0 { 2.0 - c } else { c }
-    } else if c < 0.0 {
-        0.0
-    } else if c > 1.0 {
-        1.0
     } else {
-        c
+        clamp(c, 0.0, 1.0)
     };
     let position = c * size as f32 - 0.5;
     let before = floor(position);

@@ -43,7 +43,7 @@ impl Light {
         match *self {
             Self::Point { position, color, reach, inverse_square } => {
                 let reach = reach.unwrap_or(f32::INFINITY);
-                if !position.is_finite() || !color.is_finite() || !(reach > 0.0) {
+                if !position.is_finite() || !color.is_finite() || reach.is_nan() || reach <= 0.0 {
                     return Err(SetupError::Light {
                         why: "position, color and reach must be finite and the reach positive",
                     });
@@ -83,7 +83,7 @@ impl Light {
 fn cube_face(light: &View, face: usize, cells: u32, first_block: u32) -> View {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let [u, v] = [[1, 2], [0, 2], [0, 1]][face / 2].map(|axis: usize| axes[axis]);
-    let forward = axes[face / 2] * if face % 2 == 0 { 1.0 } else { -1.0 };
+    let forward = axes[face / 2] * if face.is_multiple_of(2) { 1.0 } else { -1.0 };
     let half = f64::from(cells) * 0.5;
     View {
         x: single((u + forward) * half),

@@ -89,7 +89,7 @@ impl Mesh {
         if positions.len() != attributes.len() {
             return Err(MeshError::Lengths { positions: positions.len(), attributes: attributes.len() });
         }
-        if indices.len() % 3 != 0 {
+        if !indices.len().is_multiple_of(3) {
             return Err(MeshError::Ragged { count: indices.len() });
         }
         if indices.len() / 3 > Self::MAX_TRIANGLES {
@@ -97,7 +97,7 @@ impl Mesh {
         }
         for (vertex, position) in positions.iter_mut().enumerate() {
             for value in position {
-                if !(value.abs() <= COORDINATE_LIMIT) {
+                if !value.is_finite() || value.abs() > COORDINATE_LIMIT {
                     return Err(MeshError::Coordinate { vertex, value: *value });
                 }
                 if value.abs() < COORDINATE_FLOOR {

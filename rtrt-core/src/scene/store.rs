@@ -359,7 +359,9 @@ fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneEr
         let p = [p.x as f32, p.y as f32, p.z as f32];
         corners = Bounds { low: p, high: p };
     }
-    if let Some(&value) = corners.low.iter().chain(&corners.high).find(|c| !(c.abs() <= COORDINATE_LIMIT)) {
+    if let Some(&value) =
+        corners.low.iter().chain(&corners.high).find(|c| !c.is_finite() || c.abs() > COORDINATE_LIMIT)
+    {
         return Err(SceneError::Coordinate { value });
     }
     let center = m.transform_point3(mesh.center);
