@@ -1,5 +1,26 @@
-//! The front door of rtrt: scenes from files and in code.
+//! The front door of rtrt: backends chosen at run time, scenes from files and in code.
+//!
+//! Whichever backend is chosen, a frame has the same bits. `choose` picks one, `import`
+//! reads glTF and OBJ, `demo` builds a scene without any file.
+//!
+//! ```
+//! use rtrt_core::backend::{Picture, Request};
+//!
+//! let loaded = rtrt::demo::matchbox(&rtrt_core::scene::Sequential)?;
+//! let mut chosen = rtrt::choose::choose(&rtrt::choose::Options::default())?;
+//! let request =
+//!     Request { camera: &loaded.camera, size: [32, 18], samples: 1, shadows: true, deferred: false };
+//! let mut picture = Picture::default();
+//! chosen.backend.render(&loaded.scene, &request, &mut picture)?;
+//! assert_eq!(picture.pixels.len(), 32 * 18);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod choose;
 pub mod demo;
 pub mod import;
+
+/// Runs the README's example as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
