@@ -40,6 +40,12 @@ pub(super) const CASES: &[Case] = &[
         ..Case::USUAL
     },
     Case {
+        name: "bin/almost_at_the_same_depth",
+        claim: "The search does not end before an object that is nearer by a rounding error.",
+        scene: grazing_walls,
+        ..Case::USUAL
+    },
+    Case {
         name: "bin/around_the_camera",
         claim: "Objects all around the camera are in the lists that see them.",
         scene: all_around,
@@ -103,6 +109,17 @@ fn rows_of_walls() -> Scene {
         build = build.shape(Shape::quad([x, -1.0, z], [0.4, 0.0, 0.02], [0.0, 2.0, 0.01]));
     }
     build.light(bulb([0.0, 3.0, 9.0])).scene
+}
+
+/// Walls that cross in the middle of the picture at an angle of a few millionths.
+fn grazing_walls() -> Scene {
+    let wall = |z: f32| Shape::quad([-1.0, -1.0, -z], [2.0, 0.0, 0.0], [0.0, 2.0, 2.0 * z]);
+    let walls = [1e-4, 0.0, -3e-5, 1e-5, 0.0, -1e-4];
+    walls
+        .into_iter()
+        .fold(Build::default(), |build, z| build.shape(wall(z)))
+        .light(bulb([0.5, 0.5, 3.0]))
+        .scene
 }
 
 fn all_around() -> Scene {

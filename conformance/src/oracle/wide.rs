@@ -174,7 +174,7 @@ fn candidate<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
     let margin = MARGIN + off * ray.direction.length() * ab.length().max(ac.length()) / determinant.abs();
     let doubt = off * ab.length() * ac.length() / determinant.abs();
     let inside = u.min(v).min(1.0 - u - v);
-    (inside > -margin && t > -doubt).then(|| Candidate {
+    (inside > -margin && t > -doubt).then_some(Candidate {
         triangle,
         t,
         doubt,
@@ -204,7 +204,7 @@ fn edge_on<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
         let (a, b) = ((low[axis] - o) / d, (high[axis] - o) / d);
         (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
     }
-    (far >= near.max(0.0)).then(|| Candidate {
+    (far >= near.max(0.0)).then_some(Candidate {
         triangle,
         t: (near + far) * 0.5,
         doubt: (far - near) * 0.5,
