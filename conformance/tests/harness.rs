@@ -52,7 +52,8 @@ fn a_pixel_off_by_one_bit_is_red() {
 #[test]
 fn every_buffer_off_by_one_bit_is_red_and_names_its_stage() {
     let off = |value: &mut f32| *value = f32::from_bits(value.to_bits() ^ 1);
-    let expectations: [(&str, fn(&mut rtrt_core::backend::Deferred, &dyn Fn(&mut f32))); 6] = [
+    type Change = fn(&mut rtrt_core::backend::Deferred, &dyn Fn(&mut f32));
+    let expectations: [(&str, Change); 6] = [
         ("bin: lists.object of block", |d, _| *d.lists.last_mut().unwrap() ^= 1),
         ("visibility: hits.t at pixel", |d, off| off(&mut d.hits[77].t)),
         ("surface: surfaces.normal.y at pixel", |d, off| off(&mut d.surfaces[77].normal[1])),
