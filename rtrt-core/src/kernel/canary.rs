@@ -120,6 +120,10 @@ mod tests {
         let ray_and_triangle =
             [0.2, 0.3, -2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0_f32];
         let found = canary(&ray_and_triangle.map(f32::to_bits), 0);
-        assert_eq!(found[13..], [1, 2.0_f32.to_bits(), 0.2_f32.to_bits(), 0.3_f32.to_bits()]);
+        assert_eq!(found[13], 1);
+        for (got, exact) in found[14..].iter().zip([2.0_f32, 0.2, 0.3]) {
+            // Two roundings of the reciprocal and one of the product.
+            assert!(got.abs_diff(exact.to_bits()) <= 3, "{} is not {exact}", f32::from_bits(*got));
+        }
     }
 }
