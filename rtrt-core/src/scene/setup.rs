@@ -1,6 +1,6 @@
 //! The numbers of one frame: views, grids, sizes.
 
-use crate::grid::Grid;
+use crate::grid::{BLOCK_RAYS, Grid};
 use crate::layout::{Frame, View};
 use crate::scene::{Camera, Scene};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
@@ -30,6 +30,12 @@ pub enum SetupError {
         width: u32,
         /// Rows.
         height: u32,
+    },
+    /// More rays than 32 bits can number with room to spare.
+    #[error("{rays} rays are more than a frame may have (2^31)")]
+    Rays {
+        /// Rays of all blocks.
+        rays: u64,
     },
     /// The number of sub-rays a pixel is not 1, 4 or 16.
     #[error("{samples} samples a pixel; only 1, 4 and 16 are possible")]
@@ -95,6 +101,10 @@ impl Setup {
             return Err(SetupError::Lights { lights: lights.len(), limit: Self::MAX_LIGHTS });
         }
         let grid = Grid { width, height, side };
+        let rays = u64::from(grid.blocks()) * u64::from(BLOCK_RAYS);
+        if rays > 1 << 31 {
+            return Err(SetupError::Rays { rays });
+        }
         self.views.clear();
         self.views.push(camera.view(grid)?);
         let cells = light_cells(scene.objects().len(), lights.len());
@@ -139,4 +149,26 @@ fn light_cells(objects: usize, lights: usize) -> u32 {
     let wanted = 2.0 * libm::sqrt(objects as f64);
     let most = if lights <= 4 { 64 } else { 16 };
     (wanted as u32).next_power_of_two().clamp(8, most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Projection;
+
+    #[test]
+    fn refuses_more_rays_than_can_be_numbered() {
+        let camera = Camera {
+            eye: [0.0, 0.0, 1.0].into(),
+            look_at: [0.0; 3].into(),
+            up: [0.0, 1.0, 0.0].into(),
+            projection: Projection::Perspective { fov_y: 1.0 },
+        };
+        let mut setup = Setup::default();
+        let mut prepare = |size, samples| setup.prepare(&Scene::new(), &camera, size, samples, true);
+        assert!(matches!(prepare([16_384, 16_384], 16), Err(SetupError::Rays { .. })));
+        assert!(matches!(prepare([0, 9], 1), Err(SetupError::Size { .. })));
+        assert!(matches!(prepare([9, 9], 2), Err(SetupError::Samples { samples: 2 })));
+        assert_eq!(prepare([16_384, 16_384], 4), Ok(()));
+    }
 }
