@@ -7,8 +7,8 @@ use alloc::vec::Vec;
 /// The triangle test multiplies three of them, which must stay far from overflow.
 pub const COORDINATE_LIMIT: f32 = 1_073_741_824.0;
 
-/// Coordinates smaller than this in magnitude (2⁻⁶⁰) become 0, so that no difference of
-/// two coordinates is a denormal, which some devices flush and others keep.
+/// Coordinates, normals and texture coordinates smaller than this in magnitude (2⁻⁶⁰) become
+/// 0, so that no difference of two is a denormal, which some devices flush and others keep.
 const COORDINATE_FLOOR: f32 = f32::from_bits((127 - 60) << 23);
 
 /// Why a mesh was refused.
@@ -83,7 +83,7 @@ impl Mesh {
     /// [`MeshError`].
     pub fn new(
         mut positions: Vec<[f32; 3]>,
-        attributes: Vec<Attribute>,
+        mut attributes: Vec<Attribute>,
         indices: Vec<u32>,
     ) -> Result<Self, MeshError> {
         if positions.len() != attributes.len() {
@@ -105,10 +105,13 @@ impl Mesh {
                 }
             }
         }
-        for (vertex, attribute) in attributes.iter().enumerate() {
-            for value in attribute.normal.into_iter().chain(attribute.uv) {
+        for (vertex, attribute) in attributes.iter_mut().enumerate() {
+            for value in attribute.normal.iter_mut().chain(&mut attribute.uv) {
                 if !value.is_finite() {
-                    return Err(MeshError::Attribute { vertex, value });
+                    return Err(MeshError::Attribute { vertex, value: *value });
+                }
+                if value.abs() < COORDINATE_FLOOR {
+                    *value = 0.0;
                 }
             }
         }
@@ -161,5 +164,8 @@ mod tests {
     fn coordinates_too_small_to_subtract_are_zero() {
         let mesh = triangle([1e-30, 1e-17, -1e-19], vec![0, 1, 2]).unwrap();
         assert_eq!(mesh.positions()[2], [0.0, 1e-17, 0.0]);
+        let tiny = Attribute { normal: [1e-40, 1.0, 0.0], uv: [1e-17, -1e-39], color: 0 };
+        let mesh = Mesh::new(vec![[0.0; 3]; 3], vec![tiny; 3], vec![0, 1, 2]).unwrap();
+        assert_eq!(mesh.attributes()[0], Attribute { normal: [0.0, 1.0, 0.0], uv: [1e-17, 0.0], color: 0 });
     }
 }
