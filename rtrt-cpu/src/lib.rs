@@ -110,16 +110,6 @@ impl Cpu {
             .map_err(|source| Error::Threads { threads, source })?;
         Ok(Self { pool, level, memory: Memory::default() })
     }
-
-    /// The numbers of lanes that this machine runs.
-    pub fn lanes_here() -> Vec<u32> {
-        [1, 8, 16].into_iter().filter(|&lanes| Level::new(Some(lanes)).is_ok()).collect()
-    }
-
-    /// Runs `work` on the backend's threads.
-    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        self.pool.install(work)
-    }
 }
 
 impl Memory {

@@ -315,16 +315,12 @@ impl Scene {
     pub fn drawn_triangles(&self) -> u64 {
         self.object_meshes.iter().map(|&m| u64::from(self.meshes[m as usize].triangles)).sum()
     }
-    /// Bytes of all arrays that rays are traced with: nodes, triangles, positions, objects.
-    pub fn traced_bytes(&self) -> usize {
+    /// Bytes of all arrays.
+    pub fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..])
             + size_of_val(&self.words[..])
             + size_of_val(&self.positions[..])
             + size_of_val(&self.objects[..])
-    }
-    /// Bytes of all arrays.
-    pub fn bytes(&self) -> usize {
-        self.traced_bytes()
             + size_of_val(&self.attributes[..])
             + size_of_val(&self.texels[..])
             + size_of_val(&self.materials[..])
