@@ -110,6 +110,11 @@ impl Cpu {
             .map_err(|source| Error::Threads { threads, source })?;
         Ok(Self { pool, level, memory: Memory::default() })
     }
+
+    /// Runs `work` on the backend's threads.
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
 }
 
 impl Memory {
