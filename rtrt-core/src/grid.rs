@@ -67,6 +67,13 @@ impl Grid {
         let [x, y] = place(index.0 % BLOCK_RAYS);
         [block % blocks_x * BLOCK + x, block / blocks_x * BLOCK + y]
     }
+    /// Column and row of the first ray of the block that the ray lies in, and the ray's number
+    /// inside it.
+    #[inline(always)]
+    pub fn corner(self, index: RayIndex) -> ([u32; 2], u32) {
+        let inside = index.0 % BLOCK_RAYS;
+        (self.ray(RayIndex(index.0 - inside)), inside)
+    }
     /// Whether the ray at `[x, y]` belongs to the frame.
     #[inline(always)]
     pub fn contains(self, ray: [u32; 2]) -> bool {

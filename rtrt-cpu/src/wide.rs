@@ -160,6 +160,19 @@ macro_rules! lane {
             fn less_equal(self, other: Self) -> $mask<S> {
                 $mask(self.0.simd_le(other.0))
             }
+            // One instruction of x86 is the comparison and selection that `Lane` defines: the
+            // second number where they are equal or either is NaN. Other machines' minimum
+            // treats those otherwise.
+            #[cfg(target_arch = "x86_64")]
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self(self.0.min(other.0))
+            }
+            #[cfg(target_arch = "x86_64")]
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self(self.0.max(other.0))
+            }
             #[inline(always)]
             fn to_bits(self) -> $bits<S> {
                 $bits(self.0.bitcast())

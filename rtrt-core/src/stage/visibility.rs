@@ -1,6 +1,6 @@
 //! Visibility: the closest surface on each ray of the camera.
 
-use crate::grid::RayIndex;
+use crate::grid::{RayIndex, place};
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::meets;
@@ -18,22 +18,20 @@ pub fn rays<L: Lane, const G: usize>(
     camera: &View,
     first: RayIndex,
 ) -> [Ray<L>; G] {
-    let grid = frame.grid();
-    let at = |group: usize, lane: usize| grid.ray(RayIndex(first.0 + (group * L::WIDTH + lane) as u32));
+    let ([left, top], inside) = frame.grid().corner(first);
     groups(
         #[inline(always)]
         |group| {
-            let x = L::from_fn(
+            let number = inside + (group * L::WIDTH) as u32;
+            let [x, y] = L::gather(
                 token,
                 #[inline(always)]
-                |lane| at(group, lane)[0] as f32,
+                |lane| {
+                    let [x, y] = place(number + lane as u32);
+                    [x as f32, y as f32]
+                },
             );
-            let y = L::from_fn(
-                token,
-                #[inline(always)]
-                |lane| at(group, lane)[1] as f32,
-            );
-            camera_ray(camera, x, y)
+            camera_ray(camera, x + left as f32, y + top as f32)
         },
     )
 }
@@ -52,15 +50,17 @@ pub fn visibility<L: Lane, const G: usize>(
     let grid = frame.grid();
     let camera = &views[Frame::CAMERA as usize];
     let rays = rays::<L, G>(token, frame, camera, first);
+    let ([left, top], inside) = grid.corner(first);
     let mut best: [Best<L>; G] = groups(
         #[inline(always)]
         |group| {
+            let number = inside + (group * L::WIDTH) as u32;
             let limit = L::from_fn(
                 token,
                 #[inline(always)]
                 |lane| {
-                    let ray = grid.ray(RayIndex(first.0 + (group * L::WIDTH + lane) as u32));
-                    if grid.contains(ray) { f32::MAX } else { -1.0 }
+                    let [x, y] = place(number + lane as u32);
+                    if grid.contains([left + x, top + y]) { f32::MAX } else { -1.0 }
                 },
             );
             let none = limit.bits_like(NONE);
