@@ -205,7 +205,7 @@ fn build(scene: &Scene, config: &CString) -> Committed {
 /// # Safety
 /// `device` is a device of Embree's.
 unsafe fn mesh(device: Handle, scene: &Scene, object: &Object) -> Handle {
-    let count = (object.first_reference - object.first_index) as usize;
+    let count = 3 * object.triangles as usize;
     let indices = &scene.words()[object.first_index as usize..][..count];
     let vertices = indices.iter().max().map_or(0, |&most| most as usize + 1);
     // SAFETY: Embree gives buffers of the size asked for.

@@ -155,7 +155,7 @@ fn nudged(scene: &Scene) -> Scene {
     let mut positions = scene.positions().to_vec();
     // Across the view: depths, and with them the lists, stay the same.
     positions[2][1] = f32::from_bits(positions[2][1].to_bits() - 1);
-    let indices = scene.words()[..object.first_reference as usize].to_vec();
+    let indices = scene.words()[..3 * object.triangles as usize].to_vec();
     let mesh = Mesh::new(positions, scene.attributes().to_vec(), indices).unwrap();
     let mut other = Scene::new();
     let material = other.add_material(scene.materials()[0]);

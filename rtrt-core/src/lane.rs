@@ -144,6 +144,18 @@ pub trait Lane:
     fn max(self, other: Self) -> Self {
         other.less_than(self).select(self, other)
     }
+    /// The largest of the lanes, which must not be NaN.
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        let row = self.row();
+        let mut largest = row.at(0);
+        let mut lane = 1;
+        while lane < Self::WIDTH {
+            largest = <f32 as Lane>::max(largest, row.at(lane));
+            lane += 1;
+        }
+        largest
+    }
     /// The number without its sign.
     #[inline(always)]
     fn abs(self) -> Self {

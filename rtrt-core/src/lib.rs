@@ -10,7 +10,7 @@
 //! let at = |v| V3::<f32>::splat((), v);
 //! let ray = Ray::new(at([0.25, 0.25, 3.0]), at([0.0, 0.0, -1.0]));
 //! let triangle = Triangle::new([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-//! let met = meet(&ray, &triangle, f32::MAX);
+//! let met = meet(&ray, &triangle, &triangle.seen_from(ray.origin), f32::MAX);
 //! assert!(met.mask && (met.t - 3.0).abs() < 1e-6);
 //! ```
 //!

@@ -5,8 +5,8 @@
 
 use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Shl, Shr, Sub};
 use fearless_simd::{
-    Bytes, ExtractToken, Select as _, Simd, SimdBase, SimdMask, f32x8, f32x16, mask32x8, mask32x16, u32x8,
-    u32x16,
+    Bytes, ExtractToken, Select as _, Simd, SimdBase, SimdMask, SimdSplit, f32x8, f32x16, mask32x8,
+    mask32x16, u32x8, u32x16,
 };
 use rtrt_core::lane::{Bits, Lane, Mask, Select};
 
@@ -44,6 +44,13 @@ macro_rules! pass {
             }
         }
     };
+}
+
+/// The largest of four numbers or of eight.
+#[inline(always)]
+fn largest_of<V: Into<[f32; N]>, const N: usize>(v: V) -> f32 {
+    let row: [f32; N] = v.into();
+    row.into_iter().fold(f32::MIN, |a, b| if b < a { a } else { b })
 }
 
 macro_rules! lane {
@@ -172,6 +179,11 @@ macro_rules! lane {
             #[inline(always)]
             fn max(self, other: Self) -> Self {
                 Self(self.0.max(other.0))
+            }
+            #[inline(always)]
+            fn largest(self) -> f32 {
+                let (a, b) = self.0.split();
+                largest_of(a.max(b))
             }
             #[inline(always)]
             fn to_bits(self) -> $bits<S> {

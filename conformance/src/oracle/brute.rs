@@ -43,9 +43,9 @@ impl<'a> Brute<'a> {
         };
         for (index, object) in (0..).zip(geometry.objects) {
             let local = if object.is_identity == 1 { *ray } else { ray.to_object(object) };
-            // A mesh's references, one a triangle, follow its indices, three a triangle.
-            for id in 0..(object.first_reference - object.first_index) / 3 {
-                let found = meet(&local, &geometry.triangle(object, id), limit);
+            for id in 0..object.triangles {
+                let triangle = geometry.triangle(object, id);
+                let found = meet(&local, &triangle, &triangle.seen_from(local.origin), limit);
                 if found.mask {
                     visit(index, id, &found);
                 }

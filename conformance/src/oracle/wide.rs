@@ -113,7 +113,7 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
 fn triangles(scene: &Scene) -> Vec<Triangle> {
     let mut all = Vec::new();
     for (object, o) in (0..).zip(scene.objects()) {
-        let indices = &scene.words()[o.first_index as usize..o.first_reference as usize];
+        let indices = &scene.words()[o.first_index as usize..][..3 * o.triangles as usize];
         for (id, corners) in (0..).zip(indices.chunks_exact(3)) {
             let [a, b, c] = [0, 1, 2].map(|i| {
                 let p = scene.positions()[(o.first_vertex + corners[i]) as usize].map(f64::from);

@@ -2,7 +2,7 @@
 //! is asked when it is opened, and what the CPU compares the answer with.
 
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::{meets, slab};
+use crate::kernel::slab::{Around, meets, slab};
 use crate::kernel::triangle::{Triangle, meet};
 use crate::lane::V3;
 use crate::num;
@@ -54,10 +54,12 @@ pub fn canary(words: &[u32], index: u32) -> [u32; OUTPUTS] {
     let x = number(0);
     // Whole numbers are asked for of nothing that a device may flush.
     let whole = num::flush(x);
-    let ray = Ray::new(V3::splat((), corner(0)), V3::splat((), corner(3)));
+    let ray: Ray<f32> = Ray::new(V3::splat((), corner(0)), V3::splat((), corner(3)));
     let triangle = Triangle::new(corner(6), corner(9), corner(12));
-    let (near, far) = slab(&ray, &triangle.low, &triangle.high);
-    let met = meet(&ray, &triangle, f32::MAX);
+    let (low, high) = triangle.bounds();
+    let around = Around::new(ray.origin, &low, &high);
+    let (near, far) = slab(&ray, &around);
+    let met = meet(&ray, &triangle, &triangle.seen_from(ray.origin), f32::MAX);
     let of_hit = |value: f32| if met.mask { bits(value) } else { 0 };
     [
         bits(num::recip(x)),
@@ -72,7 +74,7 @@ pub fn canary(words: &[u32], index: u32) -> [u32; OUTPUTS] {
         bits(num::round(whole)),
         bits(near),
         bits(far),
-        meets(&ray, &triangle.low, &triangle.high, f32::MAX) as u32,
+        meets(&ray, &around, f32::MAX) as u32,
         met.mask as u32,
         of_hit(met.t),
         of_hit(met.u),

@@ -6,20 +6,23 @@ use crate::num::recip;
 use core::ops::{Add, Mul};
 
 /// The points `origin + t · direction`, `t > 0`.
+///
+/// `O` is `L` where each lane's ray starts somewhere else, and `f32` where all rays of a
+/// packet start at one point, so that what depends on the start alone is computed once.
 #[derive(Clone, Copy)]
-pub struct Ray<L> {
+pub struct Ray<L, O = L> {
     /// Where the ray starts.
-    pub origin: V3<L>,
+    pub origin: V3<O>,
     /// Where it goes; any length.
     pub direction: V3<L>,
     /// The reciprocals of the direction, finite even where it is 0.
     pub inverse: V3<L>,
 }
 
-impl<L: Lane> Ray<L> {
+impl<L: Lane, O: Lane> Ray<L, O> {
     /// The ray from `origin` along `direction`.
     #[inline(always)]
-    pub fn new(origin: V3<L>, direction: V3<L>) -> Self {
+    pub fn new(origin: V3<O>, direction: V3<L>) -> Self {
         let inverse = V3 { x: recip(direction.x), y: recip(direction.y), z: recip(direction.z) };
         Self { origin, direction, inverse }
     }

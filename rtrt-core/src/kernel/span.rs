@@ -28,30 +28,33 @@ pub struct Span {
 impl Span {
     /// The bounds of those rays of the first `count` groups whose limit is not negative.
     #[inline(always)]
-    pub fn of<L: Lane, const G: usize>(rays: &[Ray<L>; G], best: &[Best<L>; G], count: usize) -> Self {
-        let like = rays[0].origin.x;
-        let (largest, smallest) = (like.like(f32::MAX), like.like(-f32::MAX));
-        let everything = V3 { x: largest, y: largest, z: largest };
-        let nothing = V3 { x: smallest, y: smallest, z: smallest };
-        let mut low = [everything; 2];
-        let mut high = [nothing; 2];
-        let mut g = 0;
-        while g < count {
-            let active = like.like(0.0).less_equal(best[g].t);
-            let values = [rays[g].origin, rays[g].inverse];
-            let mut k = 0;
-            while k < 2 {
-                low[k] = low[k].min(V3::select(active, values[k], everything));
-                high[k] = high[k].max(V3::select(active, values[k], nothing));
-                k += 1;
-            }
-            g += 1;
-        }
+    pub fn of<L: Lane, O: Lane, const G: usize>(
+        rays: &[Ray<L, O>; G],
+        best: &[Best<L>; G],
+        count: usize,
+    ) -> Self {
+        let inverse = Range::of(
+            best,
+            count,
+            #[inline(always)]
+            |g| rays[g].inverse,
+        );
+        let origin = if O::WIDTH < L::WIDTH {
+            let start = rays[0].origin.lane(0);
+            Range { low: start, high: start }
+        } else {
+            Range::of(
+                best,
+                count,
+                #[inline(always)]
+                |g| each(best[g].t, rays[g].origin),
+            )
+        };
         Self {
-            origin_low: least(low[0]),
-            origin_high: most(high[0]),
-            inverse_low: least(low[1]),
-            inverse_high: most(high[1]),
+            origin_low: origin.low,
+            origin_high: origin.high,
+            inverse_low: inverse.low,
+            inverse_high: inverse.high,
         }
     }
 
@@ -81,6 +84,49 @@ impl Span {
         }
         far < near
     }
+}
+
+/// The smallest and the largest of some vectors, component by component.
+struct Range {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl Range {
+    /// The range of `value(g)` in those lanes of the first `count` groups whose limit is not
+    /// negative.
+    #[inline(always)]
+    fn of<L: Lane, const G: usize>(
+        best: &[Best<L>; G],
+        count: usize,
+        value: impl Fn(usize) -> V3<L>,
+    ) -> Self {
+        let like = best[0].t;
+        let (largest, smallest) = (like.like(f32::MAX), like.like(-f32::MAX));
+        let everything = V3 { x: largest, y: largest, z: largest };
+        let nothing = V3 { x: smallest, y: smallest, z: smallest };
+        let (mut low, mut high) = (everything, nothing);
+        let mut g = 0;
+        while g < count {
+            let active = like.like(0.0).less_equal(best[g].t);
+            let value = value(g);
+            low = low.min(V3::select(active, value, everything));
+            high = high.max(V3::select(active, value, nothing));
+            g += 1;
+        }
+        Self { low: least(low), high: most(high) }
+    }
+}
+
+/// A vector of as many lanes as `like`, from one of as many.
+#[inline(always)]
+fn each<L: Lane, O: Lane>(like: L, v: V3<O>) -> V3<L> {
+    let row = v.row();
+    V3::from_fn(
+        like.token(),
+        #[inline(always)]
+        |lane| row.at(lane),
+    )
 }
 
 /// The smallest lane of each component.

@@ -1,11 +1,12 @@
 //! A packet of rays through the tree of one mesh.
 
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::meets;
+use crate::kernel::slab::{Around, meets};
 use crate::kernel::span::Span;
-use crate::kernel::triangle::{Triangle, meet};
+use crate::kernel::triangle::{Meeting, Triangle, meet};
 use crate::lane::{Bits, Lane, Mask, Row, Select, Word};
 use crate::layout::{Hit, NONE, Node, Object};
+use core::ops::Mul;
 
 /// How many children can wait on the way down: one a level, so trees are built no deeper.
 pub const STACK: usize = 64;
@@ -17,7 +18,7 @@ pub struct Geometry<'a> {
     pub objects: &'a [Object],
     /// Nodes of all mesh trees.
     pub nodes: &'a [Node],
-    /// Of each mesh: vertex indices, three a triangle, and the tree's references.
+    /// Vertex indices of all meshes, three a triangle, in the order of their trees' leaves.
     pub words: &'a [u32],
     /// Vertex positions, object space.
     pub positions: &'a [[f32; 3]],
@@ -133,14 +134,7 @@ pub fn widest<L: Lane, const G: usize>(best: &[Best<L>; G], count: usize) -> f32
         limit = limit.max(best[g].t);
         g += 1;
     }
-    let row = limit.row();
-    let mut widest = row.at(0);
-    let mut lane = 1;
-    while lane < L::WIDTH {
-        widest = Lane::max(widest, row.at(lane));
-        lane += 1;
-    }
-    widest
+    limit.largest()
 }
 
 /// Meets the first `count` groups of a packet with one object and keeps in `best`, for each
@@ -157,10 +151,10 @@ pub fn widest<L: Lane, const G: usize>(best: &[Best<L>; G], count: usize) -> f32
 /// the others asked, after [`Span`] (Wald, Slusallek, Benthin and Wagner's packets, with
 /// Reshetov's first-hit tests).
 #[inline(always)]
-pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
+pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
     geometry: &Geometry<'_>,
     object_index: u32,
-    rays: &[Ray<L>; G],
+    rays: &[Ray<L, O>; G],
     count: usize,
     span: &Span,
     best: &mut [Best<L>; G],
@@ -173,13 +167,14 @@ pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
     let mut limit = widest(best, count);
     loop {
         let node = geometry.nodes[(object.root + index) as usize];
+        let shared = Around::new(rays[0].origin, &node.low, &node.high);
         let mut group = first;
-        if !meets(&rays[group], &node.low, &node.high, best[group].t).any() {
+        if !reaches(rays, group, &node, &shared, best) {
             if G > 1 && span.misses(&node.low, &node.high, limit) {
                 group = count;
             } else {
                 group += 1;
-                while group < count && !meets(&rays[group], &node.low, &node.high, best[group].t).any() {
+                while group < count && !reaches(rays, group, &node, &shared, best) {
                     group += 1;
                 }
             }
@@ -203,7 +198,15 @@ pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
                 first = group;
                 continue;
             }
-            let changed = leaf::<L, G, ANY>(geometry, object, object_index, &node, group, rays, count, best);
+            let mut groups = 1_u32 << group;
+            if G > 1 {
+                let mut g = group + 1;
+                while g < count {
+                    groups |= (reaches(rays, g, &node, &shared, best) as u32) << g;
+                    g += 1;
+                }
+            }
+            let changed = leaf::<L, O, G, ANY>(geometry, object, object_index, &node, groups, rays, best);
             if (G > 1 || ANY) && changed {
                 limit = widest(best, count);
                 if ANY && limit < 0.0 {
@@ -220,54 +223,58 @@ pub fn traverse<L: Lane, const G: usize, const ANY: bool>(
     }
 }
 
-/// Meets the groups from `group` on with every triangle of a leaf; whether any was met.
+/// Whether any ray of the group meets the node's box. `shared` is the box seen from the
+/// first ray's start.
 #[inline(always)]
-fn leaf<L: Lane, const G: usize, const ANY: bool>(
+fn reaches<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
+    rays: &[Ray<L, O>; G],
+    group: usize,
+    node: &Node,
+    shared: &Around<O>,
+    best: &[Best<L>; G],
+) -> bool {
+    let ray = &rays[group];
+    if O::WIDTH < L::WIDTH {
+        meets(ray, shared, best[group].t).any()
+    } else {
+        meets(ray, &Around::new(ray.origin, &node.low, &node.high), best[group].t).any()
+    }
+}
+
+/// Meets the groups whose bits are set with every triangle of a leaf; whether any was met.
+#[inline(always)]
+fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
     geometry: &Geometry<'_>,
     object: &Object,
     object_index: u32,
     node: &Node,
-    group: usize,
-    rays: &[Ray<L>; G],
-    count: usize,
+    groups: u32,
+    rays: &[Ray<L, O>; G],
     best: &mut [Best<L>; G],
 ) -> bool {
     let mut changed = false;
-    let mut groups = 1_u32 << group;
-    if G > 1 {
-        let mut g = group + 1;
-        while g < count {
-            if meets(&rays[g], &node.low, &node.high, best[g].t).any() {
-                groups |= 1 << g;
-            }
-            g += 1;
-        }
-    }
-    let mut i = 0;
-    while i < node.triangles() {
-        let id = geometry.words[(object.first_reference + node.first + i) as usize];
+    let mut id = node.first;
+    let end = id + node.triangles();
+    while id < end {
         let triangle = geometry.triangle(object, id);
+        let shared = triangle.seen_from(rays[0].origin);
         let mut left = groups;
         while left != 0 {
             let g = if G == 1 { 0 } else { left.trailing_zeros() as usize };
             left &= left - 1;
-            changed |= keep::<L, ANY>(&rays[g], &triangle, object_index, id, &mut best[g]);
+            let seen = if O::WIDTH < L::WIDTH { shared } else { triangle.seen_from(rays[g].origin) };
+            let found = meet(&rays[g], &triangle, &seen, best[g].t);
+            changed |= keep::<L, ANY>(&found, object_index, id, &mut best[g]);
         }
-        i += 1;
+        id += 1;
     }
     changed
 }
 
-/// Meets one group with one triangle; whether any ray met it.
+/// Keeps the least of what a group has found so far and the triangle it has met, if any ray
+/// of it has; whether one has.
 #[inline(always)]
-fn keep<L: Lane, const ANY: bool>(
-    ray: &Ray<L>,
-    triangle: &Triangle,
-    object: u32,
-    id: u32,
-    best: &mut Best<L>,
-) -> bool {
-    let found = meet(ray, triangle, best.t);
+fn keep<L: Lane, const ANY: bool>(found: &Meeting<L>, object: u32, id: u32, best: &mut Best<L>) -> bool {
     if !found.mask.any() {
         return false;
     }

@@ -2,9 +2,10 @@
 //! Intersection", 1997), and what exactly counts as a hit.
 
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::slab;
+use crate::kernel::slab::{Around, slab};
 use crate::lane::{Lane, Mask, V3};
 use crate::num::{FLOOR, TINY, flush, recip};
+use core::ops::Mul;
 
 /// A determinant smaller than this in magnitude is of a ray in the triangle's plane, or
 /// of a triangle without area: 2⁻⁸⁰, far above anything that a device may flush.
@@ -13,32 +14,71 @@ pub const DETERMINANT_FLOOR: f32 = f32::from_bits((127 - 80) << 23);
 /// A triangle, ready to be tested.
 #[derive(Clone, Copy)]
 pub struct Triangle {
-    /// First corner.
-    pub a: [f32; 3],
+    /// Its corners.
+    pub corners: [[f32; 3]; 3],
     /// First to second corner.
-    pub ab: [f32; 3],
+    ab: [f32; 3],
     /// First to third corner.
-    pub ac: [f32; 3],
-    /// Lower corner of the bounds.
-    pub low: [f32; 3],
-    /// Upper corner of the bounds.
-    pub high: [f32; 3],
+    ac: [f32; 3],
+    /// `ac × ab`.
+    across: [f32; 3],
 }
 
 impl Triangle {
     /// The triangle with these corners.
     #[inline(always)]
     pub fn new(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Self {
-        let low = |i: usize| Lane::min(Lane::min(a[i], b[i]), c[i]);
-        let high = |i: usize| Lane::max(Lane::max(a[i], b[i]), c[i]);
+        let ab = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+        let ac = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
         Self {
-            a,
-            ab: [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
-            ac: [c[0] - a[0], c[1] - a[1], c[2] - a[2]],
-            low: [low(0), low(1), low(2)],
-            high: [high(0), high(1), high(2)],
+            corners: [a, b, c],
+            ab,
+            ac,
+            across: [
+                ac[1] * ab[2] - ac[2] * ab[1],
+                ac[2] * ab[0] - ac[0] * ab[2],
+                ac[0] * ab[1] - ac[1] * ab[0],
+            ],
         }
     }
+
+    /// Lower and upper corner of the bounds.
+    #[inline(always)]
+    pub fn bounds(&self) -> ([f32; 3], [f32; 3]) {
+        let [a, b, c] = &self.corners;
+        let low = |i: usize| Lane::min(Lane::min(a[i], b[i]), c[i]);
+        let high = |i: usize| Lane::max(Lane::max(a[i], b[i]), c[i]);
+        ([low(0), low(1), low(2)], [high(0), high(1), high(2)])
+    }
+
+    /// What [`meet`] needs of the triangle for rays that start at `origin`.
+    #[inline(always)]
+    pub fn seen_from<O: Lane>(&self, origin: V3<O>) -> Seen<O> {
+        let (ab, ac) = (&self.ab, &self.ac);
+        let s = origin - V3::splat(origin.x.token(), self.corners[0]);
+        let v =
+            V3 { x: s.y * ab[2] - s.z * ab[1], y: s.z * ab[0] - s.x * ab[2], z: s.x * ab[1] - s.y * ab[0] };
+        Seen {
+            u: V3 {
+                x: s.z * ac[1] - s.y * ac[2],
+                y: s.x * ac[2] - s.z * ac[0],
+                z: s.y * ac[0] - s.x * ac[1],
+            },
+            v,
+            distance: flush(v.x * ac[0] + v.y * ac[1] + v.z * ac[2]),
+        }
+    }
+}
+
+/// A triangle, as seen from where rays start: what their directions are multiplied with.
+#[derive(Clone, Copy)]
+pub struct Seen<O> {
+    /// `ac × (o − a)`.
+    u: V3<O>,
+    /// `(o − a) × ab`.
+    v: V3<O>,
+    /// `ac · v`.
+    distance: O,
 }
 
 /// Where a ray meets a triangle.
@@ -55,36 +95,43 @@ pub struct Meeting<L: Lane> {
 }
 
 /// Where the ray meets the triangle, at some 2⁻⁹⁰ < `t` ≤ `limit`, from either side.
+/// `seen` is the triangle as seen from where the ray starts.
 ///
 /// ```text
-/// p = d × ac,  s = o − a,  q = s × ab,  det = ab · p
-/// u = s · p / det,  v = d · q / det,  t = ac · q / det
+/// s = o − a,  det = d · (ac × ab)
+/// u = d · (ac × s) / det,  v = d · (s × ab) / det,  t = ac · (s × ab) / det
 /// hit: |det| ≥ 2⁻⁸⁰,  u ≥ 0,  v ≥ 0,  u + v ≤ 1,  t > 0
 /// ```
 ///
-/// with two additions that make the result independent of how the triangle was found:
-/// the interval of the triangle's own box must not be empty, and `t` is clamped into it.
-/// A test on an almost edge-on triangle can return a `t` far from the triangle; clamped,
-/// it is inside every box around the triangle, so no culling by boxes can lose it.
-/// (Rejecting instead of clamping would lose real hits: a triangle parallel to an axis
-/// has a box without thickness, whose `t` differs from the above by rounding.)
+/// These are the triple products of Möller and Trumbore, turned so that the direction comes
+/// last: all else is the same for rays that start at one point, and is computed once for a
+/// packet of them (as Kensler and Shirley, "Optimizing Ray-Triangle Intersection via
+/// Automated Search", 2006, do).
+///
+/// Two additions make the result independent of how the triangle was found: the interval of
+/// the triangle's own box must not be empty, and `t` is clamped into it. A test on an almost
+/// edge-on triangle can return a `t` far from the triangle; clamped, it is inside every box
+/// around the triangle, so no culling by boxes can lose it. (Rejecting instead of clamping
+/// would lose real hits: a triangle parallel to an axis has a box without thickness, whose
+/// `t` differs from the above by rounding.)
 ///
 /// Comparisons are made before the division, on numerators with the determinant's sign
 /// folded in, and a numerator below 2⁻¹⁰⁰ counts as 0, as it does on devices that flush
 /// denormals.
 #[inline(always)]
-pub fn meet<L: Lane>(ray: &Ray<L>, triangle: &Triangle, limit: L) -> Meeting<L> {
-    let token = limit.token();
-    let ab = V3::splat(token, triangle.ab);
-    let ac = V3::splat(token, triangle.ac);
-    let p = ray.direction.cross(ac);
-    let s = ray.origin - V3::splat(token, triangle.a);
-    let q = s.cross(ab);
-    let determinant = ab.dot(p);
+pub fn meet<L: Lane + Mul<O, Output = L>, O: Lane>(
+    ray: &Ray<L, O>,
+    triangle: &Triangle,
+    seen: &Seen<O>,
+    limit: L,
+) -> Meeting<L> {
+    let d = &ray.direction;
+    let n = &triangle.across;
+    let determinant = d.x * n[0] + d.y * n[1] + d.z * n[2];
     let sign = determinant.sign_bit();
     let size = determinant.abs();
-    let u = s.dot(p).flip_sign(sign);
-    let v = ray.direction.dot(q).flip_sign(sign);
+    let u = (d.x * seen.u.x + d.y * seen.u.y + d.z * seen.u.z).flip_sign(sign);
+    let v = (d.x * seen.v.x + d.y * seen.v.y + d.z * seen.v.z).flip_sign(sign);
     // Cheap, and wider than the test below by more than any flushing: most rays end here.
     let below = size.like(-2.0 * FLOOR);
     let mut mask = below.less_than(u)
@@ -96,17 +143,17 @@ pub fn meet<L: Lane>(ray: &Ray<L>, triangle: &Triangle, limit: L) -> Meeting<L> 
     if mask.any() {
         let zero = size.like(0.0);
         let (u, v) = (flush(u), flush(v));
-        let along = flush(ac.dot(q).flip_sign(sign));
         let inverse = recip(size);
-        let (near, far) = slab(ray, &triangle.low, &triangle.high);
-        let t_plane = along * inverse;
+        let (low, high) = triangle.bounds();
+        let (near, far) = slab(ray, &Around::new(ray.origin, &low, &high));
+        let t_plane = inverse.flip_sign(sign) * seen.distance;
         t = t_plane.min(far).max(near);
         mask = mask
             & zero.less_equal(u)
             & zero.less_equal(v)
             & (u + v).less_equal(size)
             & near.less_equal(far)
-            & zero.less_than(t_plane)
+            & zero.less_than(zero.like(1.0).flip_sign(sign) * seen.distance)
             & zero.like(TINY).less_than(t)
             & t.less_equal(limit);
         weight_u = flush(u * inverse);

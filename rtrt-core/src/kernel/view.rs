@@ -17,6 +17,19 @@ pub fn ray<L: Lane>(view: &View, a: L, b: L) -> Ray<L> {
     Ray::new(V3::splat(a.token(), view.center) + start, along)
 }
 
+/// [`camera_ray`] of a camera all of whose rays start at its center.
+#[inline(always)]
+pub fn central_ray<L: Lane>(view: &View, x: L, y: L) -> Ray<L, f32> {
+    let along = affine(
+        &view.along,
+        &view.along_x,
+        &view.along_y,
+        (x + 0.5) * BLOCKS_PER_RAY,
+        (y + 0.5) * BLOCKS_PER_RAY,
+    );
+    Ray::new(V3::splat((), view.center), along)
+}
+
 /// `a · by_a + b · by_b + base`.
 #[inline(always)]
 fn affine<L: Lane>(base: &[f32; 3], by_a: &[f32; 3], by_b: &[f32; 3], a: L, b: L) -> V3<L> {

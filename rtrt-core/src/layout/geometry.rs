@@ -10,7 +10,7 @@ pub struct Node {
     /// Lower corner, object space.
     pub low: [f32; 3],
     /// Inside: the first of two neighboring children, counted from the mesh's root.
-    /// A leaf: the first of its triangles, counted from the mesh's first reference.
+    /// A leaf: the first of its triangles, which are numbered in the order of the leaves.
     pub first: u32,
     /// Upper corner, object space.
     pub high: [f32; 3],
@@ -66,10 +66,10 @@ pub struct Object {
     pub center: [f32; 3],
     /// Radius of the bounding sphere.
     pub radius: f32,
-    /// Where the mesh's vertex indices, three a triangle, start in the scene's words.
+    /// Where the mesh's vertex indices, three a triangle, start in the scene's indices.
     pub first_index: u32,
-    /// Where the mesh tree's references to triangles start in the scene's words.
-    pub first_reference: u32,
+    /// The mesh's triangles.
+    pub triangles: u32,
     /// The material, in the scene's materials.
     pub material: u32,
     /// 1 where object and world space are the same, else 0.

@@ -6,6 +6,7 @@ use crate::scene::tree::Bounds;
 use crate::scene::{COORDINATE_LIMIT, Image, ImageError, Light, Mesh, MeshTree};
 use alloc::vec;
 use alloc::vec::Vec;
+use bytemuck::{Pod, Zeroable};
 use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{DMat4, DVec3, Mat4, Vec3};
 
@@ -71,20 +72,25 @@ struct Stored {
     root: u32,
     first_vertex: u32,
     first_index: u32,
-    first_reference: u32,
     triangles: u32,
     bounds: Bounds,
     center: DVec3,
     radius: f64,
 }
 
+/// Two children, in one line of the cache.
+#[repr(C, align(64))]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Pair([Node; 2]);
+
 /// A scene.
 #[derive(Debug)]
 pub struct Scene {
     id: u32,
     versions: Versions,
-    nodes: Vec<Node>,
+    nodes: Vec<Pair>,
     words: Vec<u32>,
+    sources: Vec<u32>,
     positions: Vec<[f32; 3]>,
     attributes: Vec<Attribute>,
     texels: Vec<u32>,
@@ -120,6 +126,7 @@ impl Scene {
             versions: Versions::default(),
             nodes: vec![],
             words: vec![],
+            sources: vec![],
             positions: vec![],
             attributes: vec![],
             texels: decode_words(),
@@ -165,8 +172,7 @@ impl Scene {
                 Ok(have as u32)
             }
         };
-        let words = mesh.indices().len() + tree.references.len();
-        let first_index = room(self.words.len(), words, "triangles")?;
+        let first_index = room(self.words.len(), mesh.indices().len(), "triangles")?;
         let root = tree.nodes.first().copied().ok_or(SceneError::TooLarge { what: "empty trees" })?;
         let low = DVec3::from(root.low.map(f64::from));
         let high = DVec3::from(root.high.map(f64::from));
@@ -174,20 +180,26 @@ impl Scene {
         let squared =
             mesh.positions().iter().map(|p| (DVec3::from(p.map(f64::from)) - center).length_squared());
         let stored = Stored {
-            root: room(self.nodes.len(), tree.nodes.len(), "nodes")?,
+            root: 1 + room(2 * self.nodes.len(), 1 + tree.nodes.len(), "nodes")?,
             first_vertex: room(self.positions.len(), mesh.positions().len(), "vertices")?,
             first_index,
-            first_reference: first_index + mesh.indices().len() as u32,
             triangles: mesh.triangles() as u32,
             bounds: Bounds { low: root.low, high: root.high },
             center,
             radius: libm::sqrt(squared.fold(0.0, f64::max)),
         };
-        self.nodes.extend_from_slice(&tree.nodes);
-        self.words.extend_from_slice(mesh.indices());
-        self.words.extend_from_slice(&tree.references);
-        self.positions.extend_from_slice(mesh.positions());
-        self.attributes.extend_from_slice(mesh.attributes());
+        self.nodes.push(Pair([Node::zeroed(), root]));
+        self.nodes.extend(tree.nodes[1..].chunks_exact(2).map(|pair| Pair([pair[0], pair[1]])));
+        // Vertices in the order in which the leaves use them; those that none uses are dropped.
+        let mut order = Order::new(mesh.positions().len());
+        for &triangle in &tree.triangles {
+            let corners = &mesh.indices()[3 * triangle as usize..][..3];
+            self.words.extend(corners.iter().map(|&vertex| order.place(vertex)));
+        }
+        let vertices = || order.vertices.iter().map(|&vertex| vertex as usize);
+        self.positions.extend(vertices().map(|vertex| mesh.positions()[vertex]));
+        self.attributes.extend(vertices().map(|vertex| mesh.attributes()[vertex]));
+        self.sources.extend_from_slice(&tree.triangles);
         self.versions.geometry += 1;
         self.meshes.push(stored);
         Ok(MeshIndex(self.meshes.len() as u32 - 1))
@@ -267,9 +279,9 @@ impl Scene {
     }
     /// Nodes of all mesh trees.
     pub fn nodes(&self) -> &[Node] {
-        &self.nodes
+        bytemuck::cast_slice(&self.nodes)
     }
-    /// Vertex indices and tree references of all meshes.
+    /// Vertex indices of all meshes, three a triangle, in the order of their trees' leaves.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
@@ -307,6 +319,12 @@ impl Scene {
         let bounds = self.bounds();
         bounds.low.iter().chain(&bounds.high).fold(0.0, |most, c| most.max(c.abs()))
     }
+    /// The number that a triangle of an object had in the [`Mesh`]: a scene numbers the
+    /// triangles of a mesh in the order of its tree's leaves. `None` where there is none.
+    pub fn source_triangle(&self, object: ObjectIndex, triangle: u32) -> Option<u32> {
+        let object = self.objects.get(object.0 as usize).filter(|object| triangle < object.triangles)?;
+        self.sources.get((object.first_index / 3 + triangle) as usize).copied()
+    }
     /// Triangles stored.
     pub fn triangles(&self) -> u64 {
         self.meshes.iter().map(|m| u64::from(m.triangles)).sum()
@@ -319,6 +337,7 @@ impl Scene {
     pub fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..])
             + size_of_val(&self.words[..])
+            + size_of_val(&self.sources[..])
             + size_of_val(&self.positions[..])
             + size_of_val(&self.objects[..])
             + size_of_val(&self.attributes[..])
@@ -330,6 +349,30 @@ impl Scene {
     pub fn source_bytes(&self) -> usize {
         let indices = 12 * self.triangles() as usize;
         size_of_val(&self.positions[..]) + size_of_val(&self.attributes[..]) + indices
+    }
+}
+
+/// Numbers vertices in the order in which they are first used.
+struct Order {
+    /// The new number of each, or `u32::MAX`.
+    places: Vec<u32>,
+    /// The old number of each.
+    vertices: Vec<u32>,
+}
+
+impl Order {
+    fn new(count: usize) -> Self {
+        Self { places: vec![u32::MAX; count], vertices: Vec::with_capacity(count) }
+    }
+
+    /// The new number of a vertex.
+    fn place(&mut self, vertex: u32) -> u32 {
+        let place = &mut self.places[vertex as usize];
+        if *place == u32::MAX {
+            *place = self.vertices.len() as u32;
+            self.vertices.push(vertex);
+        }
+        *place
     }
 }
 
@@ -375,7 +418,7 @@ fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneEr
         center: [center.x as f32, center.y as f32, center.z as f32],
         radius: radius as f32,
         first_index: mesh.first_index,
-        first_reference: mesh.first_reference,
+        triangles: mesh.triangles,
         material,
         is_identity: u32::from(to_world == Mat4::IDENTITY),
         slack: (SLACK * condition(&m, &inverse)) as f32,

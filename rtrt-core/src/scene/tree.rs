@@ -28,8 +28,8 @@ impl Join for Sequential {
 pub struct MeshTree {
     /// Nodes, the root first; children are neighbors.
     pub nodes: Vec<Node>,
-    /// Triangles in the order of the leaves.
-    pub references: Vec<u32>,
+    /// The mesh's triangles in the order of the leaves.
+    pub triangles: Vec<u32>,
 }
 
 /// Bins along each axis.
@@ -60,29 +60,32 @@ impl MeshTree {
             .collect();
         let mut references: Vec<u32> = (0..boxes.len() as u32).collect();
         if boxes.is_empty() {
-            return Self { nodes: vec![Node { kind: 3, ..Node::zeroed() }], references };
+            return Self { nodes: vec![Node { kind: 3, ..Node::zeroed() }], triangles: references };
         }
         // A subtree of n triangles has at most 2n − 2 nodes below its root.
         let mut nodes = vec![Node::zeroed(); 2 * boxes.len() - 1];
         let (root, below) = nodes.split_at_mut(1);
         let build = Build { boxes: &boxes, join };
         root[0] = build.node(Part { nodes: below, first_node: 1, references: &mut references, first: 0 }, 0);
-        Self { nodes: compact(&nodes), references }
+        Self { nodes: compact(&nodes), triangles: references }
     }
 }
 
-/// The nodes without the gaps between subtrees, children after parents.
+/// The nodes without the gaps between subtrees. A subtree stays together, lower half first,
+/// so that a ray on its way down reads on in memory.
 fn compact(sparse: &[Node]) -> Vec<Node> {
     let mut dense = Vec::with_capacity(sparse.len());
     dense.push(sparse[0]);
-    let mut next = 0;
-    while next < dense.len() {
-        if !dense[next].is_leaf() {
-            let children = dense[next].first as usize;
-            dense[next].first = dense.len() as u32;
+    let mut todo = vec![0];
+    while let Some(index) = todo.pop() {
+        let node: &mut Node = &mut dense[index];
+        if !node.is_leaf() {
+            let children = node.first as usize;
+            let first = dense.len();
+            dense[index].first = first as u32;
             dense.extend_from_slice(&sparse[children..children + 2]);
+            todo.extend([first + 1, first]);
         }
-        next += 1;
     }
     dense.shrink_to_fit();
     dense
@@ -295,7 +298,7 @@ mod tests {
                 continue;
             }
             for i in 0..node.triangles() {
-                let triangle = tree.references[(node.first + i) as usize] as usize;
+                let triangle = tree.triangles[(node.first + i) as usize] as usize;
                 seen[triangle] += 1;
                 for &vertex in &mesh.indices()[3 * triangle..3 * triangle + 3] {
                     let p = mesh.positions()[vertex as usize];

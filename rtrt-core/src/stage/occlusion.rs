@@ -103,7 +103,7 @@ pub fn occlusion<L: Lane, const G: usize>(
             #[inline(always)]
             |g| best[g].t,
         );
-        closest::<L, G, true>(lists, geometry, block, &rays, &mut best);
+        closest::<L, L, G, true>(lists, geometry, block, &rays, &mut best);
         let mut g = 0;
         while g < G {
             let zero = pending[g].like(0.0);

@@ -3,12 +3,13 @@
 use crate::grid::{RayIndex, place};
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::meets;
+use crate::kernel::slab::{Around, meets};
 use crate::kernel::span::Span;
 use crate::kernel::traverse::{Best, Geometry, traverse, widest};
-use crate::kernel::view::camera_ray;
+use crate::kernel::view::{camera_ray, central_ray};
 use crate::lane::{Lane, Mask, groups};
 use crate::layout::{Frame, Hit, NONE, View};
+use core::ops::Mul;
 
 /// The rays numbered from `first` on: group after group, lane after lane.
 #[inline(always)]
@@ -18,22 +19,29 @@ pub fn rays<L: Lane, const G: usize>(
     camera: &View,
     first: RayIndex,
 ) -> [Ray<L>; G] {
-    let ([left, top], inside) = frame.grid().corner(first);
+    let (corner, inside) = frame.grid().corner(first);
     groups(
         #[inline(always)]
         |group| {
-            let number = inside + (group * L::WIDTH) as u32;
-            let [x, y] = L::gather(
-                token,
-                #[inline(always)]
-                |lane| {
-                    let [x, y] = place(number + lane as u32);
-                    [x as f32, y as f32]
-                },
-            );
-            camera_ray(camera, x + left as f32, y + top as f32)
+            let [x, y] = places(token, corner, inside + (group * L::WIDTH) as u32);
+            camera_ray(camera, x, y)
         },
     )
+}
+
+/// Columns and rows, counted in rays, of the rays of a block from `number` on; `corner` is
+/// that of the block.
+#[inline(always)]
+fn places<L: Lane>(token: L::Token, corner: [u32; 2], number: u32) -> [L; 2] {
+    let [x, y] = L::gather(
+        token,
+        #[inline(always)]
+        |lane| {
+            let [x, y] = place(number + lane as u32);
+            [x as f32, y as f32]
+        },
+    );
+    [x + corner[0] as f32, y + corner[1] as f32]
 }
 
 /// The closest hits of the rays numbered from `first` on, all in one block; a ray outside
@@ -49,8 +57,7 @@ pub fn visibility<L: Lane, const G: usize>(
 ) -> [Best<L>; G] {
     let grid = frame.grid();
     let camera = &views[Frame::CAMERA as usize];
-    let rays = rays::<L, G>(token, frame, camera, first);
-    let ([left, top], inside) = grid.corner(first);
+    let (corner, inside) = grid.corner(first);
     let mut best: [Best<L>; G] = groups(
         #[inline(always)]
         |group| {
@@ -60,14 +67,27 @@ pub fn visibility<L: Lane, const G: usize>(
                 #[inline(always)]
                 |lane| {
                     let [x, y] = place(number + lane as u32);
-                    if grid.contains([left + x, top + y]) { f32::MAX } else { -1.0 }
+                    if grid.contains([corner[0] + x, corner[1] + y]) { f32::MAX } else { -1.0 }
                 },
             );
             let none = limit.bits_like(NONE);
             Best { t: limit, object: none, triangle: none, u: limit.like(0.0), v: limit.like(0.0) }
         },
     );
-    closest::<L, G, false>(lists, geometry, camera.first_block + grid.block(first).0, &rays, &mut best);
+    let block = camera.first_block + grid.block(first).0;
+    if G > 1 && camera.w_offset == 0.0 {
+        let rays: [Ray<L, f32>; G] = groups(
+            #[inline(always)]
+            |group| {
+                let [x, y] = places(token, corner, inside + (group * L::WIDTH) as u32);
+                central_ray(camera, x, y)
+            },
+        );
+        closest::<L, f32, G, false>(lists, geometry, block, &rays, &mut best);
+    } else {
+        let rays = rays::<L, G>(token, frame, camera, first);
+        closest::<L, L, G, false>(lists, geometry, block, &rays, &mut best);
+    }
     best
 }
 
@@ -77,15 +97,15 @@ pub fn visibility<L: Lane, const G: usize>(
 /// Groups that look for nothing are left out first, and for an object with a space of its
 /// own those that pass its box by, before any ray is transformed.
 #[inline(always)]
-pub fn closest<L: Lane, const G: usize, const ANY: bool>(
+pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
     lists: &Lists<'_>,
     geometry: &Geometry<'_>,
     block: u32,
-    rays: &[Ray<L>; G],
+    rays: &[Ray<L, O>; G],
     best: &mut [Best<L>; G],
 ) {
     // Element by element: copying an array through memory is beyond naga.
-    let mut world_rays: [Ray<L>; G] = groups(
+    let mut world_rays: [Ray<L, O>; G] = groups(
         #[inline(always)]
         |g| rays[g],
     );
@@ -125,7 +145,7 @@ pub fn closest<L: Lane, const G: usize, const ANY: bool>(
         let object = &geometry.objects[entry.object as usize];
         let is_identity = object.is_identity == 1;
         if G > 1 && is_identity {
-            traverse::<L, G, ANY>(geometry, entry.object, &world_rays, count, &world, &mut world_best);
+            traverse::<L, O, G, ANY>(geometry, entry.object, &world_rays, count, &world, &mut world_best);
             continue;
         }
         let (low, high) = object.widened(geometry.magnitude);
@@ -135,7 +155,8 @@ pub fn closest<L: Lane, const G: usize, const ANY: bool>(
         let mut inside = 0;
         let mut g = 0;
         while g < count {
-            if meets(&world_rays[g], &low, &high, world_best[g].t).any() {
+            let around = Around::new(world_rays[g].origin, &low, &high);
+            if meets(&world_rays[g], &around, world_best[g].t).any() {
                 local_rays[inside] =
                     if is_identity { world_rays[g] } else { world_rays[g].to_object(object) };
                 local_best[inside] = world_best[g];
@@ -148,7 +169,7 @@ pub fn closest<L: Lane, const G: usize, const ANY: bool>(
             continue;
         }
         let span = Span::of(&local_rays, &local_best, inside);
-        traverse::<L, G, ANY>(geometry, entry.object, &local_rays, inside, &span, &mut local_best);
+        traverse::<L, O, G, ANY>(geometry, entry.object, &local_rays, inside, &span, &mut local_best);
         let mut g = 0;
         while g < inside {
             world_best[local_slots[g]] = local_best[g];
