@@ -12,6 +12,8 @@ use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Shl, Shr, Sub};
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// Whether any lane is true.
     fn any(self) -> bool;
+    /// Bit `i` is 1 where lane `i` is true.
+    fn bits(self) -> u32;
 }
 
 /// Picks between two values, lane by lane.
@@ -144,7 +146,12 @@ pub trait Lane:
     fn max(self, other: Self) -> Self {
         other.less_than(self).select(self, other)
     }
-    /// The largest of the lanes, which must not be NaN.
+    /// The smallest of the lanes, none of which may be NaN.
+    #[inline(always)]
+    fn smallest(self) -> f32 {
+        -(-self).largest()
+    }
+    /// The largest of the lanes, none of which may be NaN.
     #[inline(always)]
     fn largest(self) -> f32 {
         let row = self.row();
@@ -177,6 +184,10 @@ impl Mask for bool {
     #[inline(always)]
     fn any(self) -> bool {
         self
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self as u32
     }
 }
 

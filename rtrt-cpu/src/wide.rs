@@ -46,15 +46,22 @@ macro_rules! pass {
     };
 }
 
-/// The largest of four numbers or of eight.
-#[inline(always)]
-fn largest_of<V: Into<[f32; N]>, const N: usize>(v: V) -> f32 {
-    let row: [f32; N] = v.into();
-    row.into_iter().fold(f32::MIN, |a, b| if b < a { a } else { b })
+/// The larger half of a vector, again and again; then of four numbers.
+macro_rules! largest {
+    ($v:expr, 16) => {{
+        let (low, high) = $v.split();
+        largest!(low.max(high), 8)
+    }};
+    ($v:expr, 8) => {{
+        let (low, high) = $v.split();
+        let [a, b, c, d]: [f32; 4] = low.max(high).into();
+        let (a, c) = (if a < b { b } else { a }, if c < d { d } else { c });
+        if a < c { c } else { a }
+    }};
 }
 
 macro_rules! lane {
-    ($float:ident, $bits:ident, $mask:ident, $f:ident, $u:ident, $m:ident, $width:literal) => {
+    ($float:ident, $bits:ident, $mask:ident, $f:ident, $u:ident, $m:ident, $width:tt) => {
         #[doc = concat!(stringify!($width), " numbers side by side.")]
         #[derive(Clone, Copy)]
         pub struct $float<S: Simd>($f<S>);
@@ -73,6 +80,10 @@ macro_rules! lane {
             #[inline(always)]
             fn any(self) -> bool {
                 self.0.any_true()
+            }
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                self.0.to_bitmask() as u32
             }
         }
 
@@ -182,8 +193,7 @@ macro_rules! lane {
             }
             #[inline(always)]
             fn largest(self) -> f32 {
-                let (a, b) = self.0.split();
-                largest_of(a.max(b))
+                largest!(self.0, $width)
             }
             #[inline(always)]
             fn to_bits(self) -> $bits<S> {

@@ -2,7 +2,7 @@
 
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{Around, meets};
-use crate::kernel::span::Span;
+use crate::kernel::tiles::{TILES, Tiles};
 use crate::kernel::triangle::{Meeting, Triangle, meet};
 use crate::lane::{Bits, Lane, Mask, Row, Select, Word};
 use crate::layout::{Hit, NONE, Node, Object};
@@ -10,6 +10,9 @@ use core::ops::Mul;
 
 /// How many children can wait on the way down: one a level, so trees are built no deeper.
 pub const STACK: usize = 64;
+
+/// So many tiles of a packet ask a box ray by ray: that is as quick, and exact.
+const FEW: u32 = 6;
 
 /// Everything that a ray can meet.
 #[derive(Clone, Copy)]
@@ -125,131 +128,126 @@ impl Best<f32> {
     }
 }
 
-/// The largest limit in the first `count` groups; negative when every ray is done.
-#[inline(always)]
-pub fn widest<L: Lane, const G: usize>(best: &[Best<L>; G], count: usize) -> f32 {
-    let mut limit = best[0].t;
-    let mut g = 1;
-    while g < count {
-        limit = limit.max(best[g].t);
-        g += 1;
-    }
-    limit.largest()
-}
-
-/// Meets the first `count` groups of a packet with one object and keeps in `best`, for each
-/// ray, the least of what it holds and of the object's hits, by `(t, object, triangle)`.
-/// With `ANY`, a ray that meets something at all gets the limit −1 instead, and is done.
+/// Meets the tiles of a packet whose bits are set in `among` with one object, and keeps in
+/// `best`, for each ray, the least of what it holds and of the object's hits, by
+/// `(t, object, triangle)`. With `ANY`, a ray that meets something at all gets the limit −1
+/// instead, and is done. `limits` are those of the tiles.
 ///
-/// `rays` are in the object's space and `span` bounds them. The result is a function of
-/// the set of triangles: the tree, its order and the packet's shape only decide how soon
-/// it is found. A node is passed over when its box is, for every ray, empty, behind the
-/// start, or beyond the best hit; nested boxes have nested intervals and a hit lies in
-/// its triangle's (see [`meet`]), so no hit is lost.
+/// The rays are in the object's space. The result is a function of the set of triangles: the
+/// tree, its order and the packet's shape only decide how soon it is found. A node is passed
+/// over when its box is, for every ray, empty, behind the start, or beyond the best hit;
+/// nested boxes have nested intervals and a hit lies in its triangle's (see [`meet`]), so no
+/// hit is lost.
 ///
-/// The first ray group that meets a node decides for the packet; only when it fails are
-/// the others asked, after [`Span`] (Wald, Slusallek, Benthin and Wagner's packets, with
-/// Reshetov's first-hit tests).
+/// A packet of one group, as a GPU invocation has it, asks its rays; a larger one asks its
+/// [`Tiles`], and takes those that met a node further down.
 #[inline(always)]
 pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
     geometry: &Geometry<'_>,
     object_index: u32,
     rays: &[Ray<L, O>; G],
-    count: usize,
-    span: &Span,
+    tiles: &Tiles<L, G>,
+    among: u32,
+    limits: &mut [f32; TILES],
     best: &mut [Best<L>; G],
 ) {
     let object = &geometry.objects[object_index as usize];
+    // Its way up or down decides for all which child is nearer.
+    let rising = rays[leader::<L, G>(among)].direction.lane(0);
     let mut stack = [0_u32; STACK];
+    let mut stack_among = [0_u32; STACK];
     let mut waiting = 0_usize;
     let mut index = 0_u32;
-    let mut first = 0_usize;
-    let mut limit = widest(best, count);
+    let mut among = among;
     loop {
         let node = geometry.nodes[(object.root + index) as usize];
-        let shared = Around::new(rays[0].origin, &node.low, &node.high);
-        let mut group = first;
-        if !reaches(rays, group, &node, &shared, best) {
-            if G > 1 && span.misses(&node.low, &node.high, limit) {
-                group = count;
-            } else {
-                group += 1;
-                while group < count && !reaches(rays, group, &node, &shared, best) {
-                    group += 1;
-                }
-            }
-        }
-        if group < count {
+        let met = if G == 1 || among.count_ones() <= FEW {
+            met_by_rays(rays, &node.low, &node.high, among, best)
+        } else {
+            tiles.meets(&node.low, &node.high, limits, among)
+        };
+        if met != 0 {
             if !node.is_leaf() {
-                // Near child first: the lower one when the packet's first ray goes up.
-                let axis = node.kind;
-                let rising = &rays[group].direction;
-                let slope = if axis == 0 {
-                    rising.x
-                } else if axis == 1 {
-                    rising.y
-                } else {
-                    rising.z
-                };
-                let far_first = (slope.row().at(0) < 0.0) as u32;
-                stack[waiting] = (node.first + 1 - far_first) | (group as u32) << 26;
+                let far_first = (rising[node.kind as usize] < 0.0) as u32;
+                stack[waiting] = node.first + 1 - far_first;
+                if G > 1 {
+                    stack_among[waiting] = met;
+                }
                 waiting += 1;
                 index = node.first + far_first;
-                first = group;
+                among = met;
                 continue;
             }
-            let mut groups = 1_u32 << group;
-            if G > 1 {
-                let mut g = group + 1;
-                while g < count {
-                    groups |= (reaches(rays, g, &node, &shared, best) as u32) << g;
-                    g += 1;
-                }
-            }
-            let changed = leaf::<L, O, G, ANY>(geometry, object, object_index, &node, groups, rays, best);
-            if (G > 1 || ANY) && changed {
-                limit = widest(best, count);
-                if ANY && limit < 0.0 {
-                    return;
-                }
+            let changed =
+                leaf::<L, O, G, ANY>(geometry, object, object_index, &node, met, rays, limits, best);
+            if ANY && changed && is_done(best, limits) {
+                return;
             }
         }
         if waiting == 0 {
             return;
         }
         waiting -= 1;
-        index = stack[waiting] & 0x03ff_ffff;
-        first = (stack[waiting] >> 26) as usize;
+        index = stack[waiting];
+        if G > 1 {
+            among = stack_among[waiting];
+        }
     }
 }
 
-/// Whether any ray of the group meets the node's box. `shared` is the box seen from the
-/// first ray's start.
+/// The first group of the first tile in `among`.
 #[inline(always)]
-fn reaches<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
+fn leader<L: Lane, const G: usize>(among: u32) -> usize {
+    if G == 1 { 0 } else { Tiles::<L, G>::groups(among.trailing_zeros() as usize).0 }
+}
+
+/// The tiles of `among` in which a ray meets the box.
+#[inline(always)]
+pub fn met_by_rays<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
     rays: &[Ray<L, O>; G],
-    group: usize,
-    node: &Node,
-    shared: &Around<O>,
+    low: &[f32; 3],
+    high: &[f32; 3],
+    among: u32,
     best: &[Best<L>; G],
-) -> bool {
-    let ray = &rays[group];
-    if O::WIDTH < L::WIDTH {
-        meets(ray, shared, best[group].t).any()
-    } else {
-        meets(ray, &Around::new(ray.origin, &node.low, &node.high), best[group].t).any()
+) -> u32 {
+    let shared = Around::new(rays[leader::<L, G>(among)].origin, low, high);
+    if G == 1 {
+        return meets(&rays[0], &shared, best[0].t).any() as u32;
     }
+    let mut met = 0;
+    let mut left = among;
+    while left != 0 {
+        let tile = left.trailing_zeros();
+        left &= left - 1;
+        let (mut g, end) = Tiles::<L, G>::groups(tile as usize);
+        while g < end {
+            let ray = &rays[g];
+            let around = if O::WIDTH < L::WIDTH { shared } else { Around::new(ray.origin, low, high) };
+            met |= (meets(ray, &around, best[g].t).any() as u32) << tile;
+            g += 1;
+        }
+    }
+    met
 }
 
-/// Meets the groups whose bits are set with every triangle of a leaf; whether any was met.
+/// Whether no ray looks for anything.
 #[inline(always)]
+fn is_done<L: Lane, const G: usize>(best: &[Best<L>; G], limits: &[f32; TILES]) -> bool {
+    if G == 1 { best[0].t.largest() < 0.0 } else { Tiles::<L, G>::widest(best[0].t.token(), limits) < 0.0 }
+}
+
+/// Meets the tiles whose bits are set in `met` with every triangle of a leaf; whether any
+/// ray has met one.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
 fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
     geometry: &Geometry<'_>,
     object: &Object,
     object_index: u32,
     node: &Node,
-    groups: u32,
+    met: u32,
     rays: &[Ray<L, O>; G],
+    limits: &mut [f32; TILES],
     best: &mut [Best<L>; G],
 ) -> bool {
     let mut changed = false;
@@ -257,14 +255,23 @@ fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
     let end = id + node.triangles();
     while id < end {
         let triangle = geometry.triangle(object, id);
-        let shared = triangle.seen_from(rays[0].origin);
-        let mut left = groups;
+        let shared = triangle.seen_from(rays[leader::<L, G>(met)].origin);
+        let mut left = met;
         while left != 0 {
-            let g = if G == 1 { 0 } else { left.trailing_zeros() as usize };
+            let tile = if G == 1 { 0 } else { left.trailing_zeros() as usize };
             left &= left - 1;
-            let seen = if O::WIDTH < L::WIDTH { shared } else { triangle.seen_from(rays[g].origin) };
-            let found = meet(&rays[g], &triangle, &seen, best[g].t);
-            changed |= keep::<L, ANY>(&found, object_index, id, &mut best[g]);
+            let (mut g, end) = if G == 1 { (0, 1) } else { Tiles::<L, G>::groups(tile) };
+            let mut closer = false;
+            while g < end {
+                let seen = if O::WIDTH < L::WIDTH { shared } else { triangle.seen_from(rays[g].origin) };
+                let found = meet(&rays[g], &triangle, &seen, best[g].t);
+                closer |= keep::<L, ANY>(&found, object_index, id, &mut best[g]);
+                g += 1;
+            }
+            if G > 1 && closer {
+                limits[tile] = Tiles::<L, G>::limit(best, tile);
+            }
+            changed |= closer;
         }
         id += 1;
     }

@@ -3,9 +3,8 @@
 use crate::grid::{RayIndex, place};
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::{Around, meets};
-use crate::kernel::span::Span;
-use crate::kernel::traverse::{Best, Geometry, traverse, widest};
+use crate::kernel::tiles::{TILES, Tiles};
+use crate::kernel::traverse::{Best, Geometry, met_by_rays, traverse};
 use crate::kernel::view::{camera_ray, central_ray};
 use crate::lane::{Lane, Mask, groups};
 use crate::layout::{Frame, Hit, NONE, View};
@@ -94,8 +93,8 @@ pub fn visibility<L: Lane, const G: usize>(
 /// Meets a packet with the objects of one block's list, near to far, until nothing nearer
 /// can follow. With `ANY`, rays end at the first hit (see [`traverse`]).
 ///
-/// Groups that look for nothing are left out first, and for an object with a space of its
-/// own those that pass its box by, before any ray is transformed.
+/// A packet passes by the objects whose boxes none of its tiles may meet, before any ray is
+/// transformed.
 #[inline(always)]
 pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
     lists: &Lists<'_>,
@@ -104,82 +103,44 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY:
     rays: &[Ray<L, O>; G],
     best: &mut [Best<L>; G],
 ) {
-    // Element by element: copying an array through memory is beyond naga.
-    let mut world_rays: [Ray<L, O>; G] = groups(
-        #[inline(always)]
-        |g| rays[g],
-    );
-    let mut world_best: [Best<L>; G] = groups(
-        #[inline(always)]
-        |g| best[g],
-    );
-    let mut slots = [0_usize; G];
-    let mut count = 0;
-    let mut g = 0;
-    while g < G {
-        if best[g].t.like(0.0).less_equal(best[g].t).any() {
-            world_rays[count] = rays[g];
-            world_best[count] = best[g];
-            slots[count] = g;
-            count += 1;
-        }
-        g += 1;
-    }
-    if count == 0 {
-        return;
-    }
-    let world = Span::of(&world_rays, &world_best, count);
-    let mut local_rays = world_rays;
-    let mut local_best = world_best;
-    let mut local_slots = [0_usize; G];
+    let token = best[0].t.token();
+    let mut limits = if G == 1 { [0.0; TILES] } else { Tiles::<L, G>::limits(best) };
+    let searching = if G == 1 { 1 } else { Tiles::<L, G>::searching(token, &limits) };
+    let tiles = Tiles::of(rays, best, searching);
     let [mut next, last] = lists.range(block);
     while next < last {
         let entry = lists.entry(next);
         next += 1;
         // Keys are depths, and so is a camera ray's t. Light lists have keys of 0, and a
         // packet that is done has a negative limit.
-        let limit = widest(&world_best, count);
+        let limit = if G == 1 { best[0].t.largest() } else { Tiles::<L, G>::widest(token, &limits) };
         if limit < f32::from_bits(entry.key) {
-            break;
+            return;
         }
         let object = &geometry.objects[entry.object as usize];
+        let (low, high) = object.widened(geometry.magnitude);
+        let met = if G == 1 {
+            met_by_rays(rays, &low, &high, 1, best)
+        } else {
+            tiles.meets(&low, &high, &limits, searching)
+        };
+        if met == 0 {
+            continue;
+        }
         let is_identity = object.is_identity == 1;
         if G > 1 && is_identity {
-            traverse::<L, O, G, ANY>(geometry, entry.object, &world_rays, count, &world, &mut world_best);
+            traverse::<L, O, G, ANY>(geometry, entry.object, rays, &tiles, met, &mut limits, best);
             continue;
         }
-        let (low, high) = object.widened(geometry.magnitude);
-        if G > 1 && world.misses(&low, &high, limit) {
-            continue;
-        }
-        let mut inside = 0;
-        let mut g = 0;
-        while g < count {
-            let around = Around::new(world_rays[g].origin, &low, &high);
-            if meets(&world_rays[g], &around, world_best[g].t).any() {
-                local_rays[inside] =
-                    if is_identity { world_rays[g] } else { world_rays[g].to_object(object) };
-                local_best[inside] = world_best[g];
-                local_slots[inside] = g;
-                inside += 1;
-            }
-            g += 1;
-        }
-        if inside == 0 {
-            continue;
-        }
-        let span = Span::of(&local_rays, &local_best, inside);
-        traverse::<L, O, G, ANY>(geometry, entry.object, &local_rays, inside, &span, &mut local_best);
-        let mut g = 0;
-        while g < inside {
-            world_best[local_slots[g]] = local_best[g];
-            g += 1;
-        }
-    }
-    let mut g = 0;
-    while g < count {
-        best[slots[g]] = world_best[g];
-        g += 1;
+        let local_rays: [Ray<L, O>; G] = groups(
+            #[inline(always)]
+            |g| {
+                let is_met = G == 1 || met >> Tiles::<L, G>::tile(g) & 1 == 1;
+                if is_met && !is_identity { rays[g].to_object(object) } else { rays[g] }
+            },
+        );
+        let local_tiles = Tiles::of(&local_rays, best, met);
+        traverse::<L, O, G, ANY>(geometry, entry.object, &local_rays, &local_tiles, met, &mut limits, best);
     }
 }
 
