@@ -9,7 +9,7 @@ use bytemuck::Pod;
 use rtrt_core::backend::{Deferred, Picture, STAGES};
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
 use rtrt_core::kernel::cover::Cover;
-use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::lists::{Entry, Lists};
 use rtrt_core::layout::{Frame, Hit, Lit, Surface, View};
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::stage;
@@ -120,6 +120,7 @@ impl Renderer {
         let rays = u64::from(frame.rays);
         let list_words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(frame.capacity);
         self.buffers.upload(device, Slot::Frame, &[*frame])?;
+        self.buffers.reserve::<Entry>(device, Slot::Placed, u64::from(frame.capacity))?;
         self.buffers.reserve::<u32>(device, Slot::Lists, list_words)?;
         self.buffers.reserve::<Hit>(device, Slot::Hits, rays)?;
         self.buffers.reserve::<Surface>(device, Slot::Surfaces, rays)?;

@@ -53,8 +53,8 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: 0, entry: "prepare", reads: &[Frame, Views, Objects], writes: &[Covers], work: covers },
         Pass { stage: 1, entry: "count", reads: &[Frame, Views, Objects, Covers], writes: &[Counts], work: shares },
         Pass { stage: 1, entry: "scan", reads: &[Frame], writes: &[Counts, Lists], work: one_group },
-        Pass { stage: 1, entry: "scatter", reads: &[Frame, Views, Objects, Covers], writes: &[Counts, Lists], work: shares },
-        Pass { stage: 1, entry: "sort", reads: &[Frame], writes: &[Lists], work: blocks },
+        Pass { stage: 1, entry: "scatter", reads: &[Frame, Views, Objects, Covers, Lists], writes: &[Counts, Placed], work: shares },
+        Pass { stage: 1, entry: "rank", reads: &[Frame, Placed], writes: &[Lists], work: entries },
         Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions], writes: &[Hits], work: rays },
         Pass { stage: 3, entry: "surface", reads: &[Frame, Views, Hits, Objects, Nodes, Words, Positions, Attributes], writes: &[Surfaces], work: rays },
         Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: rays },
@@ -73,8 +73,9 @@ fn shares(frame: &Frame) -> u32 {
 fn one_group(_: &Frame) -> u32 {
     1
 }
-fn blocks(frame: &Frame) -> u32 {
-    frame.blocks
+/// Only the device knows how many entries there are; those beyond do nothing.
+fn entries(frame: &Frame) -> u32 {
+    frame.capacity
 }
 fn rays(frame: &Frame) -> u32 {
     frame.rays

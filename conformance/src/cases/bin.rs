@@ -1,7 +1,6 @@
 //! The lists of blocks: many objects, and objects where blocks end.
 
 use crate::case::{Case, look, parallel};
-use crate::cases::LOOPS;
 use crate::shape::{Build, Random, Shape, bulb, lamp, sun};
 use glam::{Mat4, Vec3, Vec3Swizzles};
 use rtrt_core::scene::Scene;
@@ -13,7 +12,6 @@ pub(super) const CASES: &[Case] = &[
         scene: crowd,
         camera: look([0.0, 0.0, 40.0], [0.0; 3]),
         size: [16, 16],
-        known: LOOPS,
         ..Case::USUAL
     },
     Case {
