@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::buffers::{Buffers, Slot};
 use crate::device::Device;
-use crate::pipeline::{FIRST_OF_BAND, PASSES, Pipeline, groups};
+use crate::pipeline::{FIRST_OF_BAND, PASSES, Pipeline, ZEROED, groups};
 use crate::timer::Timer;
 use bytemuck::Pod;
 use rtrt_core::backend::{Deferred, Picture, STAGES};
@@ -160,8 +160,10 @@ impl Renderer {
 
     /// Appends the dispatches of a stage to the commands.
     fn encode(&self, commands: &mut wgpu::CommandEncoder, frame: &Frame, stage: usize) {
-        if let Some(counts) = self.buffers.get(Slot::Counts).filter(|_| stage == 1) {
-            commands.clear_buffer(counts, 0, None);
+        for (_, slot) in ZEROED.iter().filter(|(of, _)| *of == stage) {
+            if let Some(buffer) = self.buffers.get(*slot) {
+                commands.clear_buffer(buffer, 0, None);
+            }
         }
         let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(STAGES[stage]),

@@ -1,7 +1,6 @@
 //! What arrives from lights: how they fade, how many there are, how surfaces answer.
 
 use crate::case::{Case, look};
-use crate::cases::LOOPS;
 use crate::shape::{Build, PLAIN, Random, Shape, bulb, lamp, sun};
 use glam::{Mat4, Vec3};
 use rtrt_core::scene::{Light, Scene, phong};
@@ -72,7 +71,6 @@ pub(super) const CASES: &[Case] = &[
         claim: "Each of many lights asks more than a thousand objects.",
         scene: meadow_of_lights,
         size: [20, 12],
-        known: LOOPS,
         ..FROM_ABOVE
     },
     Case {
