@@ -24,6 +24,17 @@ pub(super) const CASES: &[Case] = &[
         ..FROM_ABOVE
     },
     Case {
+        name: "light/just_within_its_reach",
+        claim: "The last hundredth of a light's reach is lit, and what stands there casts a shadow.",
+        scene: || {
+            let stone = Shape::quad([0.0005, -0.993, 0.0015], [0.002, 0.0, 0.0], [0.0, 0.0, -0.003]);
+            Build::default().shape(Shape::floor(0.02, -1.0)).shape(stone).light(lamp([0.0; 3], 1.005)).scene
+        },
+        // From between the two.
+        camera: look([0.0, -0.996, 0.003], [0.0, -1.0, 0.0]),
+        ..Case::USUAL
+    },
+    Case {
         name: "light/inverse_square",
         claim: "Light that fades by the square ends at its reach.",
         scene: || lit([square([0.6, 0.3, 0.4], Some(2.5))]),
