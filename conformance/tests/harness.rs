@@ -181,7 +181,7 @@ fn a_perturbed_kernel_is_red() {
 }
 
 #[test]
-fn both_oracles_find_a_wrong_hit_and_a_wrong_shadow() {
+fn the_oracles_find_a_wrong_hit_a_wrong_shadow_and_wrong_light() {
     let (case, scene, expected) = suite().pictures().find(|(case, ..)| case.name == "shadow/point").unwrap();
     let request = case.request();
     let brute = |picture: &Picture| conformance::oracle::brute::check(scene, &request, picture, 1);
@@ -197,6 +197,11 @@ fn both_oracles_find_a_wrong_hit_and_a_wrong_shadow() {
     wrong.deferred.as_mut().unwrap().masks.iter_mut().for_each(|mask| *mask ^= 1);
     assert_eq!(brute(&wrong).unwrap_err().stage, "occlusion");
     assert!(wide(&wrong).unwrap_err().contains("light 0 is lit"));
+
+    let mut wrong = expected.clone();
+    let lit = &mut wrong.deferred.as_mut().unwrap().lit;
+    lit.iter_mut().for_each(|lit| lit.diffuse = lit.diffuse.map(|channel| channel * 1.001));
+    assert!(wide(&wrong).unwrap_err().contains("of light arrives"));
 }
 
 #[test]

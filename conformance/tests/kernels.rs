@@ -1,7 +1,8 @@
-//! Kernels on arrays of edge values, on every device.
+//! Kernels on arrays of edge values, on every device and at every width.
 
 use conformance::shape::Random;
-use rtrt_core::kernel::canary::{NAMES, canary};
+use conformance::variants::requires_gpu;
+use rtrt_core::kernel::canary::{NAMES, OUTPUTS, canary};
 use rtrt_gpu::{Gpu, Options, Route};
 
 /// Zeros, denormals, the ends of every range that `num` names, infinities, NaN, the
@@ -24,32 +25,50 @@ fn words() -> Vec<u32> {
     words
 }
 
-#[test]
-fn the_gpu_computes_every_kernel_as_the_cpu_does() {
-    let gpu = match Gpu::new(Options { route: Route::Passthrough, ..Options::default() }) {
-        Ok(gpu) => gpu,
-        Err(why) => {
-            assert!(!conformance::variants::requires_gpu(), "{why}");
-            return println!("SKIPPED: {why}");
-        }
-    };
-    let words = words();
-    let answers = gpu.kernels(&words).expect("answers");
+/// Whether all answers are those of single lanes on the CPU.
+fn check(who: &str, words: &[u32], answers: &[[u32; OUTPUTS]]) {
     assert_eq!(answers.len(), words.len());
     let mut met = 0;
-    for (index, answers) in (0..).zip(&answers) {
-        let expected = canary(&words, index);
+    for (index, answers) in (0..).zip(answers) {
+        let expected = canary::<f32>((), words, index).map(|word| word.0);
         met += expected[13];
         for ((name, actual), expected) in NAMES.iter().zip(answers).zip(expected) {
             let word = words[index as usize];
             assert_eq!(
                 *actual,
                 expected,
-                "{name} of word {index}, {word:#010x} ({:?})",
+                "{who}: {name} of word {index}, {word:#010x} ({:?})",
                 f32::from_bits(word)
             );
         }
     }
     assert!(met > 100, "only {met} triangles were met");
-    assert_eq!(gpu.layout().expect("the layout"), Gpu::expected_layout());
+}
+
+#[test]
+fn every_width_computes_every_kernel_as_single_lanes_do() {
+    let words = words();
+    let all = rtrt_cpu::kernels(&words);
+    assert!(!all.is_empty(), "there are always eight lanes");
+    for (name, answers) in all {
+        println!("{name}");
+        check(name, &words, &answers);
+    }
+}
+
+#[test]
+fn the_gpu_computes_every_kernel_as_the_cpu_does_and_finds_every_field() {
+    let words = words();
+    let mut tried = 0;
+    for route in [Route::Passthrough, Route::Naga] {
+        match Gpu::new(Options { route, ..Options::default() }) {
+            Ok(gpu) => {
+                check(&format!("{route:?}"), &words, &gpu.kernels(&words).expect("answers"));
+                assert_eq!(gpu.layout().expect("the layout"), Gpu::expected_layout(), "{route:?}");
+                tried += 1;
+            }
+            Err(why) => println!("SKIPPED: {route:?}: {why}"),
+        }
+    }
+    assert!(tried > 0 || !requires_gpu(), "no GPU");
 }

@@ -1,6 +1,7 @@
 //! All stages of one block, on one thread: what a stage leaves for the next stays in the
 //! first-level cache.
 
+use crate::level::Work;
 use rayon::prelude::*;
 use rtrt_core::backend::STAGES;
 use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
@@ -67,41 +68,47 @@ impl Clock {
     }
 }
 
-/// Renders a block, packet after packet, into its pixels and, if wanted, its records.
-#[inline(always)]
-pub fn block<L: Lane, const G: usize>(
-    token: L::Token,
-    job: &Job<'_>,
-    index: u32,
-    tile: &mut [u32],
-    mut records: Option<Records<'_>>,
-) -> Clock {
-    let mut clock = Clock::default();
-    let mut colors = [[0.0; 4]; BLOCK_RAYS as usize];
-    let packet = L::WIDTH * G;
-    for first in (0..BLOCK_RAYS as usize).step_by(packet) {
-        let ray = RayIndex(index * BLOCK_RAYS + first as u32);
-        packet_colors::<L, G>(token, job, ray, first, &mut colors, records.as_mut(), &mut clock);
-    }
-    let mut start = Instant::now();
-    let grid = job.frame.grid();
-    let side = grid.block_pixels();
-    let [left, top] = grid.ray(RayIndex(index * BLOCK_RAYS)).map(|ray| ray / grid.side);
-    for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_mut(L::WIDTH)) {
-        let bits = resolve::<L>(
-            token,
-            grid,
-            #[inline(always)]
-            |lane| [left + (first + lane as u32) % side, top + (first + lane as u32) / side],
-            #[inline(always)]
-            |ray| colors[(ray.0 % BLOCK_RAYS) as usize],
-        );
-        for (lane, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = bits.lane(lane);
+/// A block to be rendered, packet after packet, into its pixels and, if wanted, its records.
+pub struct Block<'a> {
+    pub job: &'a Job<'a>,
+    pub index: u32,
+    pub tile: &'a mut [u32],
+    pub records: Option<Records<'a>>,
+}
+
+impl Work for Block<'_> {
+    type Output = Clock;
+
+    #[inline(always)]
+    fn run<L: Lane, const G: usize>(self, token: L::Token) -> Clock {
+        let Self { job, index, tile, mut records } = self;
+        let mut clock = Clock::default();
+        let mut colors = [[0.0; 4]; BLOCK_RAYS as usize];
+        let packet = L::WIDTH * G;
+        for first in (0..BLOCK_RAYS as usize).step_by(packet) {
+            let ray = RayIndex(index * BLOCK_RAYS + first as u32);
+            packet_colors::<L, G>(token, job, ray, first, &mut colors, records.as_mut(), &mut clock);
         }
+        let mut start = Instant::now();
+        let grid = job.frame.grid();
+        let side = grid.block_pixels();
+        let [left, top] = grid.ray(RayIndex(index * BLOCK_RAYS)).map(|ray| ray / grid.side);
+        for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_mut(L::WIDTH)) {
+            let bits = resolve::<L>(
+                token,
+                grid,
+                #[inline(always)]
+                |lane| [left + (first + lane as u32) % side, top + (first + lane as u32) / side],
+                #[inline(always)]
+                |ray| colors[(ray.0 % BLOCK_RAYS) as usize],
+            );
+            for (lane, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = bits.lane(lane);
+            }
+        }
+        clock.lap(7, &mut start);
+        clock
     }
-    clock.lap(7, &mut start);
-    clock
 }
 
 /// The colors of one packet.

@@ -1,9 +1,9 @@
 //! Which instructions run a block.
 
 use crate::Error;
-use crate::block::{Clock, Job, Records, block};
 use crate::wide::{Float8, Float16};
 use fearless_simd::Simd;
+use rtrt_core::lane::Lane;
 
 /// Lane groups in a packet. A packet is a block, but for single lanes, whose packets are
 /// smaller: a mask of groups has 32 bits.
@@ -45,6 +45,16 @@ impl Level {
             Some(lanes) => Err(Error::Lanes { lanes }),
             None => Ok(Self::sixteen(here).or_else(|| Self::eight(here)).unwrap_or(Self::Scalar)),
         }
+    }
+
+    /// Every level that is there, but for single lanes.
+    pub fn wide() -> Vec<Self> {
+        let here = fearless_simd::Level::new();
+        let wide = [Self::eight(here), Self::sixteen(here)];
+        #[cfg(target_arch = "x86_64")]
+        // Where there is AVX2, nothing else runs this one.
+        let wide = [here.as_sse2().map(Self::Sse2)].into_iter().chain(wide);
+        wide.into_iter().flatten().collect()
     }
 
     #[cfg(target_arch = "x86_64")]
@@ -96,34 +106,44 @@ impl Level {
         }
     }
 
-    /// Renders a block with it.
-    pub fn block(self, job: &Job<'_>, index: u32, tile: &mut [u32], records: Option<Records<'_>>) -> Clock {
+    /// Runs the work with it.
+    pub fn run<W: Work>(self, work: W) -> W::Output {
         match self {
-            Self::Scalar => block::<f32, GROUPS_1>((), job, index, tile, records),
+            Self::Scalar => work.run::<f32, GROUPS_1>(()),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(token) => token.vectorize(
                 #[inline(always)]
-                || block::<Float8<_>, GROUPS_8>(token, job, index, tile, records),
+                || work.run::<Float8<_>, GROUPS_8>(token),
             ),
             #[cfg(target_arch = "x86_64")]
             Self::Avx512(token) => token.vectorize(
                 #[inline(always)]
-                || block::<Float16<_>, GROUPS_16>(token, job, index, tile, records),
+                || work.run::<Float16<_>, GROUPS_16>(token),
             ),
             #[cfg(target_arch = "aarch64")]
             Self::Neon(token) => token.vectorize(
                 #[inline(always)]
-                || block::<Float8<_>, GROUPS_8>(token, job, index, tile, records),
+                || work.run::<Float8<_>, GROUPS_8>(token),
             ),
             #[cfg(target_arch = "x86_64")]
             Self::Sse2(token) => token.vectorize(
                 #[inline(always)]
-                || block::<Float8<_>, GROUPS_8>(token, job, index, tile, records),
+                || work.run::<Float8<_>, GROUPS_8>(token),
             ),
             #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
             Self::Baseline(level) => {
-                fearless_simd::dispatch!(level, token => block::<Float8<_>, GROUPS_8>(token, job, index, tile, records))
+                fearless_simd::dispatch!(level, token => work.run::<Float8<_>, GROUPS_8>(token))
             }
         }
     }
+}
+
+/// What runs at any level. Implementations are `#[inline(always)]`, or they would be compiled
+/// without the level's instructions.
+pub trait Work {
+    /// What comes of it.
+    type Output;
+
+    /// Runs it, with `G` lane groups in a packet.
+    fn run<L: Lane, const G: usize>(self, token: L::Token) -> Self::Output;
 }

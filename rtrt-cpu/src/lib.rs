@@ -24,11 +24,14 @@
 
 mod bin;
 mod block;
+mod canary;
 mod level;
 mod prepare;
 mod wide;
 
-use crate::block::{Clock, Job, Records};
+pub use canary::kernels;
+
+use crate::block::{Block, Clock, Job, Records};
 use crate::level::Level;
 use bytemuck::Zeroable;
 use rayon::prelude::*;
@@ -153,7 +156,7 @@ impl Memory {
         let busy = match deferred {
             None => tiles
                 .enumerate()
-                .map(|(block, tile)| level.block(&job, block as u32, tile, None))
+                .map(|(block, tile)| level.run(Block { job: &job, index: block as u32, tile, records: None }))
                 .reduce(Clock::default, Clock::plus),
             Some(deferred) => {
                 let rays = BLOCK_RAYS as usize;
@@ -171,7 +174,7 @@ impl Memory {
                     .enumerate()
                     .map(|(block, (tile, hits, surfaces, masks, lit, colors))| {
                         let records = Records { hits, surfaces, masks, lit, colors };
-                        level.block(&job, block as u32, tile, Some(records))
+                        level.run(Block { job: &job, index: block as u32, tile, records: Some(records) })
                     })
                     .reduce(Clock::default, Clock::plus)
             }

@@ -25,7 +25,7 @@ pub(crate) const LAYOUT: &[Access] = &[
 pub(crate) fn check(device: &Device) -> Result<(), Error> {
     let words = words();
     for (case, answers) in kernels(device, &words)?.iter().enumerate() {
-        let expected = canary(&words, case as u32);
+        let expected = canary::<f32>((), &words, case as u32).map(|word| word.0);
         if let Some(i) = (0..OUTPUTS).find(|&i| answers[i] != expected[i]) {
             return Err(Error::Canary {
                 adapter: device.name.clone(),
@@ -43,7 +43,7 @@ pub(crate) fn check(device: &Device) -> Result<(), Error> {
 pub(crate) fn kernels(device: &Device, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
     let bytes = (words.len() * size_of::<[u32; OUTPUTS]>()) as u64;
     let inputs = [bytemuck::cast_slice(words)];
-    let answers = run(device, "kernels", KERNELS, &inputs, bytes, groups(words.len() as u32))?;
+    let answers = run(device, "kernels", KERNELS, &inputs, bytes, groups((words.len() as u32).into()))?;
     Ok(bytemuck::pod_collect_to_vec(&answers))
 }
 
@@ -65,7 +65,7 @@ pub(crate) fn layout(device: &Device) -> Result<[u32; PROBES], Error> {
         pair::<Hit>(),
     ];
     let inputs: Vec<&[u8]> = buffers.iter().map(Vec::as_slice).collect();
-    let found = run(device, "layout", LAYOUT, &inputs, 4 * PROBES as u64, [1, 1])?;
+    let found = run(device, "layout", LAYOUT, &inputs, 4 * PROBES as u64, [1, 1, 1])?;
     let mut words = [0; PROBES];
     words.copy_from_slice(&bytemuck::pod_collect_to_vec::<u8, u32>(&found));
     Ok(words)
@@ -99,7 +99,7 @@ fn run(
     accesses: &[Access],
     inputs: &[&[u8]],
     output_bytes: u64,
-    groups: [u32; 2],
+    groups: [u32; 3],
 ) -> Result<Vec<u8>, Error> {
     let pipeline = device.pipeline(entry, accesses.iter().copied());
     let mut buffers = Vec::new();

@@ -3,13 +3,13 @@
 use crate::Error;
 use crate::buffers::{Buffers, Slot};
 use crate::device::Device;
-use crate::pipeline::{FIRST_OF_BAND, PASSES, Pipeline, groups};
+use crate::pipeline::{FIRST_OF_BAND, PASSES, Pipeline, ZEROED, groups};
 use crate::timer::Timer;
 use bytemuck::Pod;
 use rtrt_core::backend::{Deferred, Picture, STAGES};
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
 use rtrt_core::kernel::cover::Cover;
-use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::lists::{Entry, Lists};
 use rtrt_core::layout::{Frame, Hit, Lit, Surface, View};
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::stage;
@@ -120,6 +120,7 @@ impl Renderer {
         let rays = u64::from(frame.rays);
         let list_words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(frame.capacity);
         self.buffers.upload(device, Slot::Frame, &[*frame])?;
+        self.buffers.reserve::<Entry>(device, Slot::Placed, u64::from(frame.capacity))?;
         self.buffers.reserve::<u32>(device, Slot::Lists, list_words)?;
         self.buffers.reserve::<Hit>(device, Slot::Hits, rays)?;
         self.buffers.reserve::<Surface>(device, Slot::Surfaces, rays)?;
@@ -159,8 +160,10 @@ impl Renderer {
 
     /// Appends the dispatches of a stage to the commands.
     fn encode(&self, commands: &mut wgpu::CommandEncoder, frame: &Frame, stage: usize) {
-        if let Some(counts) = self.buffers.get(Slot::Counts).filter(|_| stage == 1) {
-            commands.clear_buffer(counts, 0, None);
+        for (_, slot) in ZEROED.iter().filter(|(of, _)| *of == stage) {
+            if let Some(buffer) = self.buffers.get(*slot) {
+                commands.clear_buffer(buffer, 0, None);
+            }
         }
         let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(STAGES[stage]),

@@ -27,8 +27,27 @@ pub(crate) struct Pass {
     /// Buffers written, bound after those.
     pub writes: &'static [Slot],
     /// How many invocations it takes.
-    pub work: fn(&Frame) -> u32,
+    pub work: fn(&Frame) -> Work,
 }
+
+/// Invocations of a dispatch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Work {
+    /// How many a layer has.
+    pub invocations: u32,
+    /// How many layers there are.
+    pub layers: u32,
+}
+
+impl From<u32> for Work {
+    /// One layer.
+    fn from(invocations: u32) -> Self {
+        Self { invocations, layers: 1 }
+    }
+}
+
+/// Stages whose dispatches add to a buffer that has to be zero when they begin.
+pub(crate) const ZEROED: [(usize, Slot); 2] = [(1, Slot::Counts), (4, Slot::Masks)];
 
 impl Pass {
     /// The buffers in the order of their bindings.
@@ -53,39 +72,45 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: 0, entry: "prepare", reads: &[Frame, Views, Objects], writes: &[Covers], work: covers },
         Pass { stage: 1, entry: "count", reads: &[Frame, Views, Objects, Covers], writes: &[Counts], work: shares },
         Pass { stage: 1, entry: "scan", reads: &[Frame], writes: &[Counts, Lists], work: one_group },
-        Pass { stage: 1, entry: "scatter", reads: &[Frame, Views, Objects, Covers], writes: &[Counts, Lists], work: shares },
-        Pass { stage: 1, entry: "sort", reads: &[Frame], writes: &[Lists], work: blocks },
+        Pass { stage: 1, entry: "scatter", reads: &[Frame, Views, Objects, Covers, Lists], writes: &[Counts, Placed], work: shares },
+        Pass { stage: 1, entry: "rank", reads: &[Frame, Placed], writes: &[Lists], work: entries },
         Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions], writes: &[Hits], work: rays },
         Pass { stage: 3, entry: "surface", reads: &[Frame, Views, Hits, Objects, Nodes, Words, Positions, Attributes], writes: &[Surfaces], work: rays },
-        Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: rays },
+        Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: lights },
         Pass { stage: 5, entry: "light", reads: &[Frame, Views, Materials, Surfaces, Masks], writes: &[Lit], work: rays },
         Pass { stage: 6, entry: "shade", reads: &[Frame, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
         Pass { stage: 7, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
     ]
 };
 
-fn covers(frame: &Frame) -> u32 {
-    stage::prepare::count(frame)
+fn covers(frame: &Frame) -> Work {
+    stage::prepare::count(frame).into()
 }
-fn shares(frame: &Frame) -> u32 {
-    SHARES * covers(frame)
+fn shares(frame: &Frame) -> Work {
+    (SHARES * stage::prepare::count(frame)).into()
 }
-fn one_group(_: &Frame) -> u32 {
-    1
+fn one_group(_: &Frame) -> Work {
+    1.into()
 }
-fn blocks(frame: &Frame) -> u32 {
-    frame.blocks
+/// Only the device knows how many entries there are; those beyond do nothing.
+fn entries(frame: &Frame) -> Work {
+    frame.capacity.into()
 }
-fn rays(frame: &Frame) -> u32 {
-    frame.rays
+fn rays(frame: &Frame) -> Work {
+    frame.rays.into()
 }
-fn pixels(frame: &Frame) -> u32 {
-    frame.grid().pixels(RayIndex(frame.first_ray), frame.rays)[1]
+/// A layer a light: an invocation that asked for all of them would take more loop turns than
+/// some devices allow.
+fn lights(frame: &Frame) -> Work {
+    Work { invocations: frame.rays, layers: frame.lights }
+}
+fn pixels(frame: &Frame) -> Work {
+    frame.grid().pixels(RayIndex(frame.first_ray), frame.rays)[1].into()
 }
 
-/// Workgroups in x and y for this many invocations.
-pub(crate) fn groups(invocations: u32) -> [u32; 2] {
-    [invocations.min(ROW).div_ceil(GROUP), invocations.div_ceil(ROW)]
+/// Workgroups in x, y and z for this work.
+pub(crate) fn groups(Work { invocations, layers }: Work) -> [u32; 3] {
+    [invocations.min(ROW).div_ceil(GROUP), invocations.div_ceil(ROW), layers]
 }
 
 /// A compiled entry point.
@@ -130,7 +155,7 @@ impl Pipeline {
         device: &wgpu::Device,
         pass: &mut wgpu::ComputePass<'_>,
         buffers: impl Iterator<Item = &'a wgpu::Buffer>,
-        [x, y]: [u32; 2],
+        [x, y, z]: [u32; 3],
     ) {
         let entry = |(binding, buffer): (usize, &'a wgpu::Buffer)| wgpu::BindGroupEntry {
             binding: binding as u32,
@@ -147,7 +172,7 @@ impl Pipeline {
         if let Some(zero) = &self.zero {
             pass.set_bind_group(ZERO_GROUP, zero, &[]);
         }
-        pass.dispatch_workgroups(x, y, 1);
+        pass.dispatch_workgroups(x, y, z);
     }
 }
 
@@ -219,8 +244,9 @@ mod tests {
 
     #[test]
     fn work_beyond_a_row_of_groups_takes_another_row() {
-        assert_eq!(groups(1), [1, 1]);
-        assert_eq!(groups(ROW), [65_535, 1]);
-        assert_eq!(groups(ROW + 1), [65_535, 2]);
+        assert_eq!(groups(1.into()), [1, 1, 1]);
+        assert_eq!(groups(ROW.into()), [65_535, 1, 1]);
+        assert_eq!(groups((ROW + 1).into()), [65_535, 2, 1]);
+        assert_eq!(groups(Work { invocations: 65, layers: 7 }), [2, 1, 7]);
     }
 }

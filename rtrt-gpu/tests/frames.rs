@@ -160,7 +160,7 @@ fn light_too_faint_to_count_is_nothing_everywhere() {
     let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
     scene.add_object(mesh, polished, Mat4::IDENTITY).unwrap();
     scene.ambient = Vec3::ZERO;
-    for (color, distance) in [(1.0, 1e2), (1e-3, 1e4), (1e-15, 3.0), (1e-30, 3.0)] {
+    for (color, distance) in [(1.0, 1e2), (1e-3, 1e4), (1e-15, 3.0), (1e-30, 3.0), (1e-40, 3.0)] {
         let position = Vec3::new(distance, 3.0, distance);
         let color = Vec3::splat(color);
         scene.add_light(Light::Point { position, color, reach: None, inverse_square: true });

@@ -1,8 +1,8 @@
-//! Bin: count, add up, place, sort.
+//! Bin: count, add up, place, rank.
 
 use crate::{SHARES, index};
 use rtrt_core::kernel::cover::Cover;
-use rtrt_core::kernel::lists::{Lists, scan_share, scan_starts, scan_total, sort as sort_list, store};
+use rtrt_core::kernel::lists::{rank as rank_entry, scan_share, scan_starts, scan_total, store};
 use rtrt_core::layout::{Frame, Object, View};
 use rtrt_core::stage;
 use spirv_std::arch::{atomic_i_add, workgroup_memory_barrier_with_group_sync};
@@ -60,7 +60,7 @@ pub fn scan(
     scan_starts(counts, lists, first, last, start);
 }
 
-/// Puts every entry into its block's list, where there is room: [`SHARES`] invocations a
+/// Puts every entry among those of its block, where there is room: [`SHARES`] invocations a
 /// cover. If there is not, the host sees it by the total, and does the frame again.
 #[spirv(compute(threads(64), entry_point_name = "scatter"))]
 pub fn scatter(
@@ -69,12 +69,12 @@ pub fn scatter(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] objects: &[Object],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] covers: &[Cover],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] counts: &mut [u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] lists: &mut [u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] lists: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] counts: &mut [u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] placed: &mut [u32],
 ) {
     let (cover, share) = (index(id) / SHARES, index(id) % SHARES);
     if cover < stage::prepare::count(frame) {
-        let header = Lists::header(frame.blocks);
         stage::bin::each_block_of_share(
             frame,
             views,
@@ -85,22 +85,24 @@ pub fn scatter(
             |block, entry| {
                 let place = lists[block as usize] + take(counts, block);
                 if place < frame.capacity {
-                    store(lists, header, place, entry);
+                    store(placed, 0, place, entry);
                 }
             },
         );
     }
 }
 
-/// Orders the entries of each block: one invocation a block.
-#[spirv(compute(threads(64), entry_point_name = "sort"))]
-pub fn sort(
+/// Copies the entries to their lists, each block's in order: one invocation an entry.
+#[spirv(compute(threads(64), entry_point_name = "rank"))]
+pub fn rank(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] lists: &mut [u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] placed: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] lists: &mut [u32],
 ) {
-    let block = index(id);
-    if block < frame.blocks && lists[frame.blocks as usize] <= frame.capacity {
-        sort_list(lists, frame.blocks, block);
+    let entry = index(id);
+    let entries = lists[frame.blocks as usize];
+    if entry < entries && entries <= frame.capacity {
+        rank_entry(placed, lists, frame.blocks, entry);
     }
 }

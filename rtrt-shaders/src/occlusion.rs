@@ -1,4 +1,4 @@
-//! Occlusion: one invocation a ray.
+//! Occlusion: one invocation a ray and light.
 
 use crate::index;
 use rtrt_core::kernel::lists::Lists;
@@ -6,10 +6,13 @@ use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::layout::{Frame, Node, Object, Surface, View};
 use rtrt_core::stage;
 use rtrt_core::stage::surface::Surfaces;
+use spirv_std::arch::atomic_or;
 use spirv_std::glam::UVec3;
+use spirv_std::memory::{Scope, Semantics};
 use spirv_std::spirv;
 
-/// Which lights reach each surface.
+/// Which lights reach each surface: every layer of invocations asks for one light, and sets
+/// its bit in the masks, which were zero.
 #[spirv(compute(threads(64), entry_point_name = "occlusion"))]
 pub fn occlusion(
     #[spirv(global_invocation_id)] id: UVec3,
@@ -23,16 +26,22 @@ pub fn occlusion(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] surfaces: &[Surface],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] masks: &mut [u32],
 ) {
-    let index = index(id);
+    let (index, light) = (index(id), id.z);
     if index < frame.rays {
         let lists = Lists { words: lists, blocks: frame.blocks };
         let geometry = Geometry { objects, nodes, words, positions, magnitude: frame.magnitude };
         let surface = [Surfaces::new(&surfaces[index as usize])];
-        let mut word = 0;
-        while word < frame.mask_words {
-            let mask = stage::occlusion::word(frame, views, &lists, &geometry, word, &surface);
-            masks[(index * frame.mask_words + word) as usize] = mask[0].0;
-            word += 1;
+        let lit = stage::occlusion::occlusion(frame, views, &lists, &geometry, light, &surface);
+        if lit[0].0 == 1 {
+            let (word, bit) = stage::occlusion::place(frame, index, light);
+            // SAFETY: the word is in a storage buffer, and every access to it during the
+            // dispatch is this one.
+            unsafe {
+                atomic_or::<u32, { Scope::Device as u32 }, { Semantics::NONE.bits() }>(
+                    &mut masks[word as usize],
+                    1 << bit,
+                );
+            }
         }
     }
 }

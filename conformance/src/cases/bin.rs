@@ -1,7 +1,6 @@
 //! The lists of blocks: many objects, and objects where blocks end.
 
 use crate::case::{Case, look, parallel};
-use crate::cases::LOOPS;
 use crate::shape::{Build, Random, Shape, bulb, lamp, sun};
 use glam::{Mat4, Vec3, Vec3Swizzles};
 use rtrt_core::scene::Scene;
@@ -13,7 +12,6 @@ pub(super) const CASES: &[Case] = &[
         scene: crowd,
         camera: look([0.0, 0.0, 40.0], [0.0; 3]),
         size: [16, 16],
-        known: LOOPS,
         ..Case::USUAL
     },
     Case {
@@ -30,6 +28,48 @@ pub(super) const CASES: &[Case] = &[
         scene: edges_of_blocks,
         camera: parallel(32.0, look([0.0, 0.0, 4.0], [0.0; 3])),
         size: [48, 32],
+        ..Case::USUAL
+    },
+    Case {
+        name: "bin/corners_of_blocks",
+        claim: "An object with only a tip in the corner of a block, which touches its sphere, is listed there.",
+        scene: || {
+            needles(|build, at, along, side| {
+                let corner = (at - along - side).to_array();
+                let needle = Shape::quad(corner, (along * 2.0).to_array(), (side * 2.0).to_array());
+                let mesh = build.mesh(needle);
+                build.object(mesh, Mat4::IDENTITY);
+            })
+        },
+        ..FROM_AFAR
+    },
+    Case {
+        name: "bin/corners_of_blocks_stretched",
+        claim: "The same where a transform makes the object, and its sphere, long.",
+        scene: || {
+            needles(|build, at, along, side| {
+                let needle = Shape::quad([-1.0, -0.01, 0.0], [2.0, 0.0, 0.0], [0.0, 0.02, 0.0]);
+                let mesh = build.mesh(needle);
+                let [x, y, z] = [along, side * 100.0, Vec3::Z].map(|axis| axis.extend(0.0));
+                build.object(mesh, Mat4::from_cols(x, y, z, at.extend(1.0)));
+            })
+        },
+        ..FROM_AFAR
+    },
+    Case {
+        name: "bin/edges_of_a_lights_blocks",
+        claim: "What reaches over the edge of a light's block by a hundredth of it casts its shadow there.",
+        scene: over_the_edge,
+        camera: parallel(1.04, look([2.0, 1.5, 1.5], [4.0, 1.5, 1.5])),
+        size: [160, 160],
+        ..Case::USUAL
+    },
+    Case {
+        name: "bin/edges_across_a_lights_plane",
+        claim: "The same for what is partly behind the light's side that it is seen from.",
+        scene: over_the_edge_from_behind,
+        camera: parallel(0.078, look([2.0, 1.5, 0.0], [4.0, 1.5, 0.0])),
+        size: [640, 12],
         ..Case::USUAL
     },
     Case {
@@ -99,6 +139,49 @@ fn edges_of_blocks() -> Scene {
         build = build.shape(Shape::quad([x, y, 0.0], [size, 0.0, 0.0], [0.0, size, 0.0]));
     }
     build.light(bulb([0.0, 3.0, 9.0])).scene
+}
+
+/// A unit is a pixel, and the lower left corner of a block is at `(0, -8)`.
+const FROM_AFAR: Case =
+    Case { camera: parallel(48.0, look([0.0, 0.0, 4.0], [0.0; 3])), size: [64, 48], ..Case::USUAL };
+
+/// Four needles, much longer than a block, that point along a block's diagonal and end just
+/// behind the ray in its corner. `add` is given the middle of each, and half of it along and
+/// across.
+fn needles(add: fn(&mut Build, Vec3, Vec3, Vec3)) -> Scene {
+    let mut build = Build::default();
+    for (i, [corner_x, corner_y, x, y]) in (0..).zip([
+        [0.0, -8.0, 1.0, 1.0],
+        [0.0, 8.0, -1.0, -1.0],
+        [16.0, 8.0, 1.0, -1.0],
+        [-16.0, -8.0, -1.0, 1.0_f32],
+    ]) {
+        let tip = Vec3::new(corner_x + 0.6 * x, corner_y + 0.6 * y, 0.1 * i as f32);
+        let along = Vec3::new(x, y, 0.0) * 140.0;
+        add(&mut build, tip - along, along, Vec3::Z.cross(along) / 1000.0);
+    }
+    build.light(bulb([0.0, 3.0, 9.0])).scene
+}
+
+/// A light's blocks on this side are a quarter high and wide at `x` = 1. The wall is where
+/// their shadows are seen.
+fn beside_a_light() -> Build {
+    let wall = Shape::quad([4.0, -4.0, -4.0], [0.0, 0.0, 8.0], [0.0, 8.0, 0.0]);
+    Build::default().shape(wall).light(bulb([0.0; 3]))
+}
+
+/// How far something reaches over an edge: half of 1/64 of a block.
+const OVER: f32 = 0.25 / 128.0;
+
+fn over_the_edge() -> Scene {
+    let (corner, side) = (0.25 - OVER, 0.25 + 2.0 * OVER);
+    let block = Shape::quad([1.0, corner, corner], [0.0, 0.0, side], [0.0, side, 0.0]);
+    beside_a_light().shape(block).scene
+}
+
+fn over_the_edge_from_behind() -> Scene {
+    let plate = |z: f32| Shape::quad([-1.0, 0.27, z], [2.0, 0.0, 0.0], [0.0, 0.21, 0.0]);
+    beside_a_light().shape(plate(0.5 - OVER)).shape(plate(OVER - 0.5)).scene
 }
 
 fn rows_of_walls() -> Scene {

@@ -8,7 +8,7 @@ mod surface;
 mod texture;
 mod visibility;
 
-use crate::case::{Case, Known};
+use crate::case::Case;
 
 /// All cases, in the order of the stages.
 pub fn all() -> impl Iterator<Item = &'static Case> {
@@ -28,9 +28,3 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
 pub fn named(name: &str) -> Option<&'static Case> {
     all().find(|case| case.name == name)
 }
-
-/// What a case has in common with any other that takes many steps.
-const LOOPS: Option<Known> = Some(Known {
-    adapter: "llvmpipe",
-    why: "the driver ends all loops of an invocation after 65535 turns (LP_MAX_TGSI_LOOP_ITERATIONS)",
-});

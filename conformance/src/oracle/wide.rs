@@ -1,6 +1,6 @@
-//! Whether a picture is right, and not only the same everywhere: camera, triangle test and
-//! shadows once more in `f64`, from corners in world space, sharing no code with the
-//! renderer.
+//! Whether a picture is right, and not only the same everywhere: camera, triangle test,
+//! shadows and fading of light once more in `f64`, from corners in world space, sharing no
+//! code with the renderer.
 //!
 //! `f32` and `f64` may honestly disagree where a ray passes an edge, where two surfaces are
 //! at the same depth, or where a transform magnifies roundings. So each triangle has a
@@ -11,7 +11,7 @@
 use glam::{DVec2, DVec3, dvec2};
 use rtrt_core::backend::{Picture, Request};
 use rtrt_core::grid::{Grid, RayIndex};
-use rtrt_core::layout::{Hit, NONE};
+use rtrt_core::layout::{Hit, Lit, NONE, Surface};
 use rtrt_core::scene::{Light, Projection, Scene};
 
 /// How many rays and shadow rays could be judged, of how many. All of them were right.
@@ -64,7 +64,7 @@ struct Candidate<'a> {
     is_safe: bool,
 }
 
-/// Checks hits and shadow masks of every `step`-th ray of a picture.
+/// Checks hits, shadow masks and arriving light of every `step`-th ray of a picture.
 ///
 /// # Errors
 /// The first judged ray that is wrong.
@@ -94,17 +94,19 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         let place = ray.origin + ray.direction * nearest.t;
         let doubt = (DVec3::from(surface.origin.map(f64::from)) - place).length();
         let normal = DVec3::from(surface.normal.map(f64::from));
+        let masks = &deferred.masks[(index * deferred.mask_words) as usize..][..deferred.mask_words as usize];
         for (light, which) in scene.lights().iter().zip(0_u32..) {
             judged.shadow_rays += 1;
             let lit =
                 is_lit(&triangles, light, request.shadows, &ray, place, doubt, normal, nearest.triangle);
             let Some(lit) = lit else { continue };
             judged.judged_shadow_rays += 1;
-            let word = deferred.masks[(index * deferred.mask_words + which / 32) as usize];
-            if (word >> (which % 32) & 1 == 1) != lit {
+            if reaches(masks, which) != lit {
                 return Err(format!("ray {index} at {at:?}: light {which} is lit: {}, not {lit}", !lit));
             }
         }
+        judge_light(scene, surface, masks, &deferred.lit[index as usize])
+            .map_err(|why| format!("ray {index} at {at:?}: {why}"))?;
     }
     Ok(judged)
 }
@@ -233,6 +235,46 @@ fn judge(hit: &Hit, nearest: Option<&Candidate<'_>>) -> Result<(), String> {
     let (&Triangle { object, id, .. }, t) = (nearest.triangle, nearest.t);
     let is_right = (hit.object, hit.triangle) == (object, id) && (f64::from(hit.t) - t).abs() <= DEPTH * t;
     if is_right { Ok(()) } else { Err(format!("{hit:?}, not object {object} triangle {id} at {t}")) }
+}
+
+/// Whether a light's bit is in the shadow mask.
+fn reaches(masks: &[u32], light: u32) -> bool {
+    masks[(light / 32) as usize] >> (light % 32) & 1 == 1
+}
+
+/// Whether the light that arrives at a surface is what the lights of its mask make of the
+/// cosine and the distance.
+fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Result<(), String> {
+    let place = DVec3::from(surface.origin.map(f64::from));
+    let normal = DVec3::from(surface.normal.map(f64::from));
+    let (mut sum, mut doubt) = (DVec3::ZERO, DVec3::splat(1e-9));
+    for (light, _) in scene.lights().iter().zip(0..).filter(|(_, which)| reaches(masks, *which)) {
+        let (way, color) = match *light {
+            Light::Sun { direction, color } => (-direction.as_dvec3(), color),
+            Light::Point { position, color, .. } => (position.as_dvec3() - place, color),
+        };
+        let distance = way.length();
+        // Of a difference of two coordinates little is left where they are almost equal.
+        if distance < 1e-3 * (place.abs().max_element() + distance) {
+            return Ok(());
+        }
+        let (full, share) = match *light {
+            Light::Point { reach, inverse_square: true, .. } => {
+                let spent = reach.map_or(0.0, |reach| distance / f64::from(reach));
+                (distance.powi(-2), (1.0 - spent * spent).powi(2))
+            }
+            Light::Point { reach: Some(reach), .. } => (1.0, 1.0 - distance / f64::from(reach)),
+            _ => (1.0, 1.0),
+        };
+        let color = color.as_dvec3() * full;
+        sum += color * share * (normal.dot(way) / distance).max(0.0);
+        doubt += color.abs() * 1e-5;
+    }
+    let found = DVec3::from(lit.diffuse.map(f64::from));
+    if (found - sum).abs().cmple(doubt + sum.abs() * 1e-4).all() {
+        return Ok(());
+    }
+    Err(format!("{found} of light arrives, not {sum}"))
 }
 
 /// Whether light reaches a place on the triangle `own`, if that can be told. `doubt` is how

@@ -4,7 +4,7 @@
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{Around, meets, slab};
 use crate::kernel::triangle::{Triangle, meet};
-use crate::lane::V3;
+use crate::lane::{Bits, Lane, Select, V3};
 use crate::num;
 
 /// How many words [`canary`] gives.
@@ -36,57 +36,128 @@ pub const NAMES: [&str; OUTPUTS] = [
 pub const INPUTS: u32 = 15;
 
 /// The kernels' answers to the words from `index` on, read as numbers and wrapping at the
-/// end of `words`; see [`NAMES`].
+/// end of `words`, which are not none; see [`NAMES`]. Lane `i` is the case of the words from
+/// `index + i` on.
 ///
 /// Functions of one number get word `index`; [`num::pow`] gets its exponent from the next
 /// one. The ray and the triangle are made of 15 words, put in range as a mesh's positions
-/// are. Results that are NaN become one and the same NaN: devices choose different ones.
+/// are; a packet of rays is asked for the triangle of each lane in turn. Results that are NaN
+/// become one and the same NaN: devices choose different ones.
 #[inline(always)]
-pub fn canary(words: &[u32], index: u32) -> [u32; OUTPUTS] {
-    let count = words.len() as u32;
-    if count == 0 {
-        return [0; OUTPUTS];
-    }
-    let number = |offset: u32| f32::from_bits(words[((index + offset) % count) as usize]);
-    let corner = |offset: u32| {
-        [coordinate(number(offset)), coordinate(number(offset + 1)), coordinate(number(offset + 2))]
-    };
-    let x = number(0);
+pub fn canary<L: Lane>(token: L::Token, words: &[u32], index: u32) -> [L::Bits; OUTPUTS] {
+    let x = L::from_bits(L::bits_from_fn(
+        token,
+        #[inline(always)]
+        |lane| word(words, index + lane as u32),
+    ));
+    let y = L::from_bits(L::bits_from_fn(
+        token,
+        #[inline(always)]
+        |lane| word(words, index + 1 + lane as u32),
+    ));
+    let origin = V3::from_fn(
+        token,
+        #[inline(always)]
+        |lane| corner(words, index + lane as u32),
+    );
+    let direction = V3::from_fn(
+        token,
+        #[inline(always)]
+        |lane| corner(words, index + 3 + lane as u32),
+    );
     // Whole numbers are asked for of nothing that a device may flush.
     let whole = num::flush(x);
-    let ray: Ray<f32> = Ray::new(V3::splat((), corner(0)), V3::splat((), corner(3)));
-    let triangle = Triangle::new(corner(6), corner(9), corner(12));
-    let (low, high) = triangle.bounds();
-    let around = Around::new(ray.origin, &low, &high);
-    let (near, far) = slab(&ray, &around);
-    let met = meet(&ray, &triangle, &triangle.seen_from(ray.origin), f32::MAX);
-    let of_hit = |value: f32| if met.mask { bits(value) } else { 0 };
+    let found = rays::<L>(&Ray::new(origin, direction), words, index);
     [
         bits(num::recip(x)),
         bits(num::rsqrt(x)),
         bits(num::sqrt(x)),
         bits(num::exp2(x)),
         bits(num::log2(x)),
-        bits(num::pow(x, number(1))),
+        bits(num::pow(x, y)),
         bits(num::srgb_encode(x)),
         bits(num::srgb_decode(x)),
         bits(num::floor(whole)),
         bits(num::round(whole)),
-        bits(near),
-        bits(far),
-        meets(&ray, &around, f32::MAX) as u32,
-        met.mask as u32,
-        of_hit(met.t),
-        of_hit(met.u),
-        of_hit(met.v),
+        found.near,
+        found.far,
+        found.in_box,
+        found.met,
+        found.t,
+        found.u,
+        found.v,
+    ]
+}
+
+/// What each ray of a packet makes of a triangle and of its box.
+#[derive(Clone, Copy)]
+struct Found<B> {
+    near: B,
+    far: B,
+    in_box: B,
+    met: B,
+    t: B,
+    u: B,
+    v: B,
+}
+
+/// Each ray's answers for its own lane's triangle.
+#[inline(always)]
+fn rays<L: Lane>(ray: &Ray<L>, words: &[u32], index: u32) -> Found<L::Bits> {
+    let (none, one) = (ray.origin.x.bits_like(0), ray.origin.x.bits_like(1));
+    let mut found = Found { near: none, far: none, in_box: none, met: none, t: none, u: none, v: none };
+    let numbers = L::bits_from_fn(
+        ray.origin.x.token(),
+        #[inline(always)]
+        |lane| lane as u32,
+    );
+    let mut lane = 0;
+    while lane < L::WIDTH as u32 {
+        let at = index + lane;
+        let triangle = Triangle::new(corner(words, at + 6), corner(words, at + 9), corner(words, at + 12));
+        let (low, high) = triangle.bounds();
+        let around = Around::new(ray.origin, &low, &high);
+        let (near, far) = slab(ray, &around);
+        let in_box = meets(ray, &around, near.like(f32::MAX));
+        let hit = meet(ray, &triangle, &triangle.seen_from(ray.origin), near.like(f32::MAX));
+        let here = numbers.equal(none.like(lane));
+        let met = here & hit.mask;
+        found = Found {
+            near: here.select(bits(near), found.near),
+            far: here.select(bits(far), found.far),
+            in_box: (here & in_box).select(one, found.in_box),
+            met: met.select(one, found.met),
+            t: met.select(bits(hit.t), found.t),
+            u: met.select(bits(hit.u), found.u),
+            v: met.select(bits(hit.v), found.v),
+        };
+        lane += 1;
+    }
+    found
+}
+
+/// A word; after the last comes the first.
+#[inline(always)]
+fn word(words: &[u32], index: u32) -> u32 {
+    words[(index % words.len() as u32) as usize]
+}
+
+/// A point made of three words.
+#[inline(always)]
+fn corner(words: &[u32], index: u32) -> [f32; 3] {
+    [
+        coordinate(f32::from_bits(word(words, index))),
+        coordinate(f32::from_bits(word(words, index + 1))),
+        coordinate(f32::from_bits(word(words, index + 2))),
     ]
 }
 
 /// The number's bits; one word for every NaN.
 #[inline(always)]
-fn bits(value: f32) -> u32 {
+fn bits<L: Lane>(value: L) -> L::Bits {
     let bits = value.to_bits();
-    if bits & 0x7fff_ffff > 0x7f80_0000 { 0x7fc0_0000 } else { bits }
+    let size = value.abs().to_bits();
+    bits.like(0x7f80_0000).less_than(size).select(bits.like(0x7fc0_0000), bits)
 }
 
 /// A coordinate as a mesh may have it: 0 or of a magnitude within 2⁻⁶⁰ ..= 2³⁰; NaN is 0.
@@ -108,12 +179,15 @@ fn coordinate(value: f32) -> f32 {
 mod tests {
     use super::*;
 
+    fn answers(words: &[u32], index: u32) -> [u32; OUTPUTS] {
+        canary::<f32>((), words, index).map(|word| word.0)
+    }
+
     #[test]
     fn answers_whatever_the_words_are() {
-        assert_eq!(canary(&[], 3), [0; OUTPUTS]);
         let words = [f32::NAN, 0.0, f32::INFINITY, 1e-40, -3.5].map(f32::to_bits);
         for index in [0, 1, 4, 900] {
-            assert_ne!(canary(&words, index), [0; OUTPUTS]);
+            assert_ne!(answers(&words, index), [0; OUTPUTS]);
         }
     }
 
@@ -121,7 +195,7 @@ mod tests {
     fn a_triangle_ahead_is_met() {
         let ray_and_triangle =
             [0.2, 0.3, -2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0_f32];
-        let found = canary(&ray_and_triangle.map(f32::to_bits), 0);
+        let found = answers(&ray_and_triangle.map(f32::to_bits), 0);
         assert_eq!(found[13], 1);
         for (got, exact) in found[14..].iter().zip([2.0_f32, 0.2, 0.3]) {
             // Two roundings of the reciprocal and one of the product.

@@ -3,7 +3,8 @@
 //! The paper keeps linked lists. These are the same lists, laid out without gaps: count
 //! what each block holds, add up, then place every entry. Nothing is lost because a list
 //! was full, and any number of workers may place entries at once: sorting by
-//! `(key, object)` afterwards makes the order unique.
+//! `(key, object)` afterwards makes the order unique. One worker sorts a block's list where
+//! it is ([`sort`]); many find the [`rank`] of an entry each, and put it there.
 
 /// The lists as one run of words: where each block starts (one more than there are
 /// blocks), then two words an entry.
@@ -91,6 +92,49 @@ pub fn scan_starts(counts: &mut [u32], words: &mut [u32], first: u32, last: u32,
     words[block as usize] = next;
 }
 
+/// Whether `a` comes before `b`.
+#[inline(always)]
+fn precedes(a: Entry, b: Entry) -> bool {
+    a.key < b.key || (a.key == b.key && a.object < b.object)
+}
+
+/// The block that the entry with this index belongs to: the last that starts at it or before.
+#[inline(always)]
+fn block_of(starts: &[u32], blocks: u32, index: u32) -> u32 {
+    let (mut block, mut beyond) = (0, blocks);
+    while beyond - block > 1 {
+        let middle = block + (beyond - block) / 2;
+        if starts[middle as usize] <= index {
+            block = middle;
+        } else {
+            beyond = middle;
+        }
+    }
+    block
+}
+
+/// Copies entry `index` of `placed`, which has two words an entry and no starts, to where it
+/// belongs in the sorted list of its block in `words`, which has the starts: behind as many
+/// entries as precede it.
+///
+/// A worker an entry takes as many steps as the block has entries, whereas a worker that
+/// sorts the block's whole list takes more than some devices allow (see `NUMERICS.md`).
+#[inline(always)]
+pub fn rank(placed: &[u32], words: &mut [u32], blocks: u32, index: u32) {
+    let block = block_of(words, blocks, index);
+    let (first, last) = (words[block as usize], words[block as usize + 1]);
+    let entry = load(placed, 0, index);
+    let mut place = first;
+    let mut other = first;
+    while other < last {
+        if precedes(load(placed, 0, other), entry) {
+            place += 1;
+        }
+        other += 1;
+    }
+    store(words, Lists::header(blocks), place, entry);
+}
+
 /// Sorts the entries of a block by `(key, object)`.
 ///
 /// Shellsort with Ciura's gaps: in place, without recursion, near linear for the tens of
@@ -107,9 +151,7 @@ pub fn sort(words: &mut [u32], blocks: u32, block: u32) {
             let mut at = i;
             while at >= first + gap {
                 let other = load(words, header, at - gap);
-                let ordered =
-                    other.key < moving.key || (other.key == moving.key && other.object <= moving.object);
-                if ordered {
+                if !precedes(moving, other) {
                     break;
                 }
                 store(words, header, at, other);
@@ -189,6 +231,32 @@ mod tests {
             sort(&mut words, 1, 0);
             assert_eq!(read(&words), expected);
         }
+    }
+
+    #[test]
+    fn ranks_give_the_sorted_lists() {
+        let starts = [0, 0, 40, 41, 41, 640, 640];
+        let (blocks, entries) = (6, 640);
+        let mut state = 1_u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state >> 8
+        };
+        let mut placed = std::vec![0; 2 * entries as usize];
+        for i in 0..entries {
+            // An object is in a list once.
+            store(&mut placed, 0, i, Entry { key: next() % 50, object: (i * 769) % 1024 });
+        }
+        let mut sorted: Vec<u32> = starts.iter().chain(&placed).copied().collect();
+        for block in 0..blocks {
+            sort(&mut sorted, blocks, block);
+        }
+        let mut ranked = std::vec![u32::MAX; sorted.len()];
+        ranked[..starts.len()].copy_from_slice(&starts);
+        for index in 0..entries {
+            rank(&placed, &mut ranked, blocks, index);
+        }
+        assert_eq!(ranked, sorted);
     }
 
     #[test]

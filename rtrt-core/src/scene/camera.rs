@@ -2,7 +2,9 @@
 
 use crate::grid::{BLOCK, Grid};
 use crate::layout::{View, ViewKind};
+use crate::num::flush;
 use crate::scene::SetupError;
+use crate::scene::floor::floored;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
@@ -45,7 +47,7 @@ impl Camera {
     /// number is out of range.
     pub(crate) fn view(&self, grid: Grid) -> Result<View, SetupError> {
         let error = |why| SetupError::Camera { why };
-        let eye = self.eye.as_dvec3();
+        let eye = self.eye.map(floored).as_dvec3();
         if !(eye.is_finite() && self.look_at.is_finite() && self.up.is_finite()) {
             return Err(error("eye, target and up must be finite"));
         }
@@ -126,7 +128,7 @@ pub(super) fn unit(v: DVec3) -> Option<DVec3> {
     (length > 1e-30 && length.is_finite()).then(|| v / length)
 }
 
-/// Rounded to single precision.
+/// Rounded to single precision, without denormals.
 pub(super) fn single(v: DVec3) -> [f32; 3] {
-    [v.x as f32, v.y as f32, v.z as f32]
+    [v.x, v.y, v.z].map(|component| flush(component as f32))
 }

@@ -1,8 +1,10 @@
 //! Lights.
 
 use crate::layout::{Frame, View, ViewKind};
+use crate::num::flush;
 use crate::scene::SetupError;
 use crate::scene::camera::{single, unit};
+use crate::scene::floor::floored;
 use crate::scene::tree::Bounds;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
@@ -31,6 +33,10 @@ pub enum Light {
     },
 }
 
+/// A light reaches at least this far (2⁻⁴⁵): whether a surface is within the square of it is
+/// not decided by denormals.
+const LEAST_REACH: f32 = f32::from_bits((127 - 45) << 23);
+
 impl Light {
     /// The views of the light: six faces of a cube around a point, one parallel view and
     /// five that bin nothing for a sun. `cells` is the number of blocks along one side.
@@ -48,15 +54,15 @@ impl Light {
                         why: "position, color and reach must be finite and the reach positive",
                     });
                 }
-                let inv_reach = 1.0 / reach;
+                let reach = reach.max(LEAST_REACH);
                 let wider = reach * (1.0 + 1.0 / 65536.0);
                 let squared = wider * wider;
                 let light = View {
-                    center: position.to_array(),
+                    center: position.map(floored).to_array(),
                     kind: ViewKind::Point as u32,
-                    inv_reach,
+                    inv_reach: flush(1.0 / reach),
                     inverse_square: f32::from(u8::from(inverse_square)),
-                    color: color.to_array(),
+                    color: color.map(floored).to_array(),
                     reach_squared: if squared.is_finite() { squared } else { f32::MAX },
                     ..View::zeroed()
                 };
@@ -135,7 +141,7 @@ fn parallel(direction: DVec3, color: Vec3, bounds: &Bounds, cells: u32, first_bl
         start_x: single(u * step_u),
         start_y: single(v * step_v),
         along: single(direction),
-        color: color.to_array(),
+        color: color.map(floored).to_array(),
         reach_squared: f32::MAX,
         ..View::zeroed()
     }

@@ -1,15 +1,12 @@
 //! A mesh as it comes from outside, checked.
 
 use crate::layout::Attribute;
+use crate::scene::floor::floored;
 use alloc::vec::Vec;
 
 /// The largest coordinate that a mesh or a placed object may have, in magnitude: 2³⁰.
 /// The triangle test multiplies three of them, which must stay far from overflow.
 pub const COORDINATE_LIMIT: f32 = 1_073_741_824.0;
-
-/// Coordinates, normals and texture coordinates smaller than this in magnitude (2⁻⁶⁰) become
-/// 0, so that no difference of two is a denormal, which some devices flush and others keep.
-const COORDINATE_FLOOR: f32 = f32::from_bits((127 - 60) << 23);
 
 /// Why a mesh was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -100,9 +97,7 @@ impl Mesh {
                 if !value.is_finite() || value.abs() > COORDINATE_LIMIT {
                     return Err(MeshError::Coordinate { vertex, value: *value });
                 }
-                if value.abs() < COORDINATE_FLOOR {
-                    *value = 0.0;
-                }
+                *value = floored(*value);
             }
         }
         for (vertex, attribute) in attributes.iter_mut().enumerate() {
@@ -110,9 +105,7 @@ impl Mesh {
                 if !value.is_finite() {
                     return Err(MeshError::Attribute { vertex, value: *value });
                 }
-                if value.abs() < COORDINATE_FLOOR {
-                    *value = 0.0;
-                }
+                *value = floored(*value);
             }
         }
         let vertices = positions.len();

@@ -5,6 +5,7 @@
 //! what is built here.
 
 mod camera;
+mod floor;
 mod image;
 mod light;
 mod material;

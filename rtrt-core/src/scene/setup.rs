@@ -2,6 +2,7 @@
 
 use crate::grid::{BLOCK_RAYS, Grid};
 use crate::layout::{Frame, View};
+use crate::scene::floor::floored;
 use crate::scene::{Camera, Scene};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
@@ -117,7 +118,7 @@ impl Setup {
         let centers = self.views.iter().flat_map(|view| view.center);
         let magnitude = centers.fold(scene.magnitude(), |most, c| most.max(c.abs()));
         let ([ambient_r, ambient_g, ambient_b], [background_r, background_g, background_b]) =
-            (scene.ambient.to_array(), scene.background.to_array());
+            (scene.ambient.map(floored).to_array(), scene.background.map(floored).to_array());
         self.frame = Frame {
             width,
             height,
@@ -154,7 +155,62 @@ fn light_cells(objects: usize, lights: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Projection;
+    use crate::layout::Texture;
+    use crate::scene::{Light, Projection, phong};
+    use glam::Vec3;
+
+    /// What is neither 0 nor a number that every device keeps.
+    fn denormal<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Option<&'a f32> {
+        numbers.into_iter().find(|number| number.is_subnormal())
+    }
+
+    #[test]
+    fn nothing_that_kernels_read_is_denormal() {
+        let small = Vec3::new(1e-40, 1e-30, -1e-39);
+        let mut scene = Scene::new();
+        (scene.ambient, scene.background) = (small, small);
+        for reach in [None, Some(1e-40), Some(1e-30), Some(3e38)] {
+            scene.add_light(Light::Point { position: small, color: small, reach, inverse_square: true });
+        }
+        scene.add_light(Light::Sun { direction: Vec3::Y + small, color: small });
+        let mut material = phong([1e-40; 3], 0.0, 0.5, Texture::zeroed(), small.to_array());
+        material.shininess = 1e-40;
+        scene.add_material(material);
+        let camera = Camera {
+            eye: small,
+            look_at: small + Vec3::X,
+            up: Vec3::Y + small,
+            projection: Projection::Orthographic { height: 1.0 },
+        };
+        let mut setup = Setup::default();
+        setup.prepare(&scene, &camera, [32, 16], 1, true).unwrap();
+        for view in &setup.views {
+            let vectors = [
+                view.center,
+                view.x,
+                view.y,
+                view.w,
+                view.depth,
+                view.start,
+                view.start_x,
+                view.start_y,
+                view.along,
+                view.along_x,
+                view.along_y,
+                view.color,
+            ];
+            assert_eq!(denormal(vectors.as_flattened()), None, "{view:?}");
+            assert_eq!(denormal(&[view.inv_reach, view.reach_squared, view.pixel]), None, "{view:?}");
+        }
+        let Frame { ambient_r, ambient_g, ambient_b, .. } = setup.frame;
+        let Frame { background_r, background_g, background_b, magnitude, .. } = setup.frame;
+        assert_eq!([ambient_r, ambient_g, ambient_b], [0.0; 3]);
+        assert_eq!([background_r, background_g, background_b], [0.0; 3]);
+        assert_eq!(denormal(&[magnitude]), None);
+        let material = &scene.materials()[0];
+        let colors = [material.diffuse, material.specular, material.emission];
+        assert_eq!((denormal(colors.as_flattened()), material.shininess), (None, 0.0));
+    }
 
     #[test]
     fn refuses_more_rays_than_can_be_numbered() {

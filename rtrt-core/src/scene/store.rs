@@ -1,6 +1,9 @@
 //! The scene: everything a backend reads, in the arrays it reads them from.
 
 use crate::layout::{Attribute, Material, Node, Object, Texture, Wrap};
+use crate::num::flush;
+use crate::scene::camera::single;
+use crate::scene::floor::floored;
 use crate::scene::image::decode_words;
 use crate::scene::tree::Bounds;
 use crate::scene::{COORDINATE_LIMIT, Image, ImageError, Light, Mesh, MeshTree};
@@ -153,8 +156,12 @@ impl Scene {
         Ok(image.append(wrap, &mut self.texels)?)
     }
 
-    /// Adds a material.
-    pub fn add_material(&mut self, material: Material) -> MaterialIndex {
+    /// Adds a material. Colors too small to count are black.
+    pub fn add_material(&mut self, mut material: Material) -> MaterialIndex {
+        let Material { diffuse, shininess, specular, emission, .. } = &mut material;
+        for value in diffuse.iter_mut().chain(specular).chain(emission).chain([shininess]) {
+            *value = floored(*value);
+        }
         self.versions.materials += 1;
         self.materials.push(material);
         MaterialIndex(self.materials.len() as u32 - 1)
@@ -389,13 +396,11 @@ fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneEr
         let pick = |axis: usize| {
             f64::from(if corner >> axis & 1 == 0 { mesh.bounds.low[axis] } else { mesh.bounds.high[axis] })
         };
-        let p = m.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
-        let p = [p.x as f32, p.y as f32, p.z as f32];
+        let p = single(m.transform_point3(DVec3::new(pick(0), pick(1), pick(2))));
         corners = corners.union(&Bounds { low: p, high: p });
     }
     if mesh.triangles == 0 {
-        let p = m.w_axis.truncate();
-        let p = [p.x as f32, p.y as f32, p.z as f32];
+        let p = single(m.w_axis.truncate());
         corners = Bounds { low: p, high: p };
     }
     if let Some(&value) =
@@ -408,15 +413,19 @@ fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneEr
     let box_radius =
         (DVec3::from(corners.high.map(f64::from)) - DVec3::from(corners.low.map(f64::from))).length() * 0.5;
     let radius = (mesh.radius * libm::sqrt(stretch)).min(box_radius.max(0.0));
+    let (to_object, to_world_rows) = (rows(&inverse), rows(&m));
+    if !to_object.as_flattened().iter().chain(to_world_rows.as_flattened()).all(|v| v.is_finite()) {
+        return Err(SceneError::Transform);
+    }
     Ok(Object {
-        to_object: rows(&inverse),
-        to_world: rows(&m),
+        to_object,
+        to_world: to_world_rows,
         low: corners.low,
         root: mesh.root,
         high: corners.high,
         first_vertex: mesh.first_vertex,
-        center: [center.x as f32, center.y as f32, center.z as f32],
-        radius: radius as f32,
+        center: single(center),
+        radius: flush(radius as f32),
         first_index: mesh.first_index,
         triangles: mesh.triangles,
         material,
@@ -425,9 +434,9 @@ fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneEr
     })
 }
 
-/// The upper three rows.
+/// The upper three rows, without denormals.
 fn rows(m: &DMat4) -> [[f32; 4]; 3] {
-    core::array::from_fn(|row| m.row(row).to_array().map(|v| v as f32))
+    core::array::from_fn(|row| m.row(row).to_array().map(|v| flush(v as f32)))
 }
 
 /// How much errors grow on the way to object space and back: the largest row sum of

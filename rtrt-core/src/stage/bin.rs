@@ -1,4 +1,4 @@
-//! Bin: the lists of all blocks of all views. Count, add up, place, sort.
+//! Bin: the lists of all blocks of all views. Count, add up, place, order.
 
 use crate::kernel::cover::{Cover, sphere_in_block};
 use crate::kernel::lists::Entry;

@@ -12,6 +12,13 @@ use crate::stage::visibility::closest;
 /// Lights in one word of the shadow mask.
 pub const LIGHTS_PER_WORD: u32 = 32;
 
+/// Where the bit of `light` is in the shadow masks of rays that follow one another: the
+/// word, and the bit in it.
+#[inline(always)]
+pub fn place(frame: &Frame, ray: u32, light: u32) -> (u32, u32) {
+    (ray * frame.mask_words + light / LIGHTS_PER_WORD, light % LIGHTS_PER_WORD)
+}
+
 /// One word of the shadow mask for each group of surfaces: bit `i` is 1 in the lanes that
 /// light `word · 32 + i` reaches.
 #[inline(always)]

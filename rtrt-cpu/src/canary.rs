@@ -1,0 +1,33 @@
+//! The kernels on edge values, with several lanes.
+
+use crate::level::{Level, Work};
+use rtrt_core::kernel::canary::{OUTPUTS, canary};
+use rtrt_core::lane::{Bits, Lane};
+
+/// The answers of every instruction set that is here and has several lanes, by its name, to
+/// [`rtrt_core::kernel::canary::canary`] for every index of `words`.
+pub fn kernels(words: &[u32]) -> Vec<(&'static str, Vec<[u32; OUTPUTS]>)> {
+    Level::wide().into_iter().map(|level| (level.name(), level.run(Kernels { words }))).collect()
+}
+
+struct Kernels<'a> {
+    words: &'a [u32],
+}
+
+impl Work for Kernels<'_> {
+    type Output = Vec<[u32; OUTPUTS]>;
+
+    #[inline(always)]
+    fn run<L: Lane, const G: usize>(self, token: L::Token) -> Self::Output {
+        let mut answers = vec![[0; OUTPUTS]; self.words.len()];
+        for (packet, answers) in answers.chunks_mut(L::WIDTH).enumerate() {
+            let found = canary::<L>(token, self.words, (packet * L::WIDTH) as u32);
+            for (output, bits) in found.into_iter().enumerate() {
+                for (lane, answer) in answers.iter_mut().enumerate() {
+                    answer[output] = bits.lane(lane);
+                }
+            }
+        }
+        answers
+    }
+}
