@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use rtrt_core::backend::STAGES;
 use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
 use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::traverse::Geometry;
-use rtrt_core::lane::{Bits, Lane, groups};
+use rtrt_core::lane::{Bits, Lane, Row, groups};
 use rtrt_core::layout::{Attribute, Frame, Hit, Lit, Material, Surface, View};
 use rtrt_core::stage::light::{Arriving, light};
 use rtrt_core::stage::surface::{Surfaces, surface};
@@ -117,6 +118,7 @@ fn packet_colors<L: Lane, const G: usize>(
 ) {
     let Job { frame, views, lists, geometry, attributes, materials, texels } = job;
     let camera = &views[Frame::CAMERA as usize];
+    let maps = Maps { materials, texels };
     let mut start = Instant::now();
     let best = visibility::<L, G>(token, frame, views, lists, geometry, ray);
     clock.lap(2, &mut start);
@@ -149,10 +151,14 @@ fn packet_colors<L: Lane, const G: usize>(
     );
     clock.lap(5, &mut start);
     for g in 0..G {
-        let (surface, lit) = (surfaces[g].rows(), arriving[g].rows());
+        let start_of_group = first + g * L::WIDTH;
+        let shaded = shade(frame, &maps, &surfaces[g], &arriving[g]);
+        let [r, g, b, a] = groups(
+            #[inline(always)]
+            |channel| shaded[channel].row(),
+        );
         for lane in 0..L::WIDTH {
-            colors[first + g * L::WIDTH + lane] =
-                shade(frame, materials, texels, &surface.lane(lane), &lit.lane(lane));
+            colors[start_of_group + lane] = [r.at(lane), g.at(lane), b.at(lane), a.at(lane)];
         }
     }
     clock.lap(6, &mut start);

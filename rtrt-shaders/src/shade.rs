@@ -1,8 +1,11 @@
 //! Shade: one invocation a ray.
 
 use crate::index;
+use rtrt_core::kernel::texture::Maps;
 use rtrt_core::layout::{Frame, Lit, Material, Surface};
 use rtrt_core::stage;
+use rtrt_core::stage::light::Arriving;
+use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
@@ -19,7 +22,8 @@ pub fn shade(
 ) {
     let index = index(id);
     if index < frame.rays {
-        let (surface, lit) = (&surfaces[index as usize], &lit[index as usize]);
-        colors[index as usize] = stage::shade::shade(frame, materials, texels, surface, lit);
+        let surface = Surfaces::new(&surfaces[index as usize]);
+        let arriving = Arriving::new(&lit[index as usize]);
+        colors[index as usize] = stage::shade::shade(frame, &Maps { materials, texels }, &surface, &arriving);
     }
 }

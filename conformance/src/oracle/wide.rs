@@ -250,7 +250,9 @@ fn is_lit(
 ) -> Option<bool> {
     let (way, is_far, reach) = match *light {
         Light::Sun { direction, .. } => (-direction.as_dvec3().normalize(), true, None),
-        Light::Point { position, reach, .. } => (position.as_dvec3() - place, false, reach),
+        Light::Point { position, reach, .. } | Light::Spot { position, reach, .. } => {
+            (position.as_dvec3() - place, false, reach)
+        }
     };
     let cosine = |n: DVec3| n.dot(way) / (n.length() * way.length());
     let flat = own.ab.cross(own.ac);
@@ -262,6 +264,15 @@ fn is_lit(
             return Some(false);
         }
         if share > 1.0 - MARGIN {
+            return None;
+        }
+    }
+    if let Light::Spot { direction, outer, .. } = *light {
+        let off = direction.as_dvec3().angle_between(-way) - f64::from(outer);
+        if off > 1e-2 + closeness {
+            return Some(false);
+        }
+        if off > -1e-2 - closeness {
             return None;
         }
     }

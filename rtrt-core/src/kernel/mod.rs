@@ -1,6 +1,7 @@
 //! One idea a file: pure functions that stages are composed of.
 
 pub mod canary;
+pub mod cone;
 pub mod cover;
 pub mod falloff;
 pub mod interpolate;

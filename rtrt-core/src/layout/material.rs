@@ -16,11 +16,12 @@ pub enum Wrap {
     Mirror = 2,
 }
 
-/// Where a texture's mip chain lies in the scene's texels.
+/// Where a texture's mip chain lies in the scene's texels, and how it is laid on a surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Texture {
-    /// First texel of the finest level; the coarser ones follow without gaps.
+    /// The word that says where the finest level's texels start; those of the coarser levels
+    /// follow it.
     pub first: u32,
     /// Columns of the finest level.
     pub width: u32,
@@ -28,14 +29,37 @@ pub struct Texture {
     pub height: u32,
     /// Levels; 0 for no texture (white).
     pub levels: u32,
-    /// log₂ of the geometric mean of width and height.
+    /// log₂ of the geometric mean of width and height, each times what `turn` stretches it by.
     pub log_size: f32,
     /// [`Wrap`] of the columns.
     pub wrap_u: u32,
     /// [`Wrap`] of the rows.
     pub wrap_v: u32,
+    /// Which of the vertices' sets of texture coordinates is used: 0 or 1.
+    pub set: u32,
+    /// With `shift`, where a point's texture coordinates are in the texture:
+    /// `turn · (u, v) + shift`, two rows.
+    pub turn: [[f32; 2]; 2],
+    /// See `turn`.
+    pub shift: [f32; 2],
 }
-const _: () = assert!(size_of::<Texture>() == 28);
+const _: () = assert!(size_of::<Texture>() == 56 && offset_of!(Texture, turn) == 32);
+
+impl Texture {
+    /// No texture.
+    pub const NONE: Self = Self {
+        first: 0,
+        width: 0,
+        height: 0,
+        levels: 0,
+        log_size: 0.0,
+        wrap_u: 0,
+        wrap_v: 0,
+        set: 0,
+        turn: [[1.0, 0.0], [0.0, 1.0]],
+        shift: [0.0; 2],
+    };
+}
 
 /// How a surface answers light.
 #[repr(C)]
@@ -47,9 +71,14 @@ pub struct Material {
     pub shininess: f32,
     /// Linear RGB of the highlight.
     pub specular: [f32; 3],
-    /// The texture of the diffuse color.
-    pub texture: Texture,
     /// Light of its own, linear RGB.
     pub emission: [f32; 3],
+    /// [`Material::COLOR`] and so on.
+    pub textures: [Texture; 1],
 }
-const _: () = assert!(size_of::<Material>() == 68 && offset_of!(Material, texture) == 28);
+const _: () = assert!(size_of::<Material>() == 40 + 56 && offset_of!(Material, textures) == 40);
+
+impl Material {
+    /// The texture of the diffuse color, sRGB.
+    pub const COLOR: usize = 0;
+}

@@ -42,7 +42,7 @@ pub fn probe(
         attribute.normal[0].to_bits(),
         attribute.color,
         material.specular[0].to_bits(),
-        material.texture.first,
+        material.textures[0].first,
         material.emission[2].to_bits(),
         surface.material,
         surface.footprint.to_bits(),

@@ -74,9 +74,15 @@ pub struct View {
     pub color: [f32; 3],
     /// Light: the squared reach, widened by its rounding error; `f32::MAX` for no limit.
     pub reach_squared: f32,
+    /// Spot light: where its cone points, unit length.
+    pub axis: [f32; 3],
+    /// Spot light: how fast the cone fades, a unit of cosine; 0 for a light without a cone.
+    pub cone_scale: f32,
+    /// Spot light: the cone's share where the cosine is 0.
+    pub cone_offset: f32,
 }
-const _: () = assert!(size_of::<View>() == 192 && offset_of!(View, depth) == 64);
-const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, color) == 176);
+const _: () = assert!(size_of::<View>() == 212 && offset_of!(View, depth) == 64);
+const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, axis) == 192);
 
 /// The numbers of one frame. Scalars only, so that it may be a uniform block.
 #[repr(C)]

@@ -56,7 +56,7 @@ impl Image {
         Ok(())
     }
 
-    /// Appends the mip chain to `texels` and says where it lies.
+    /// Appends the mip chain to `texels`, where its levels start first, and says where it lies.
     ///
     /// Each level halves the one before, rounding down; a texel is the average of the
     /// texels it covers (two by two, or three where a size is odd), in linear light.
@@ -65,10 +65,13 @@ impl Image {
     /// The size or the number of bytes is wrong.
     pub(super) fn append(&self, wrap: [Wrap; 2], texels: &mut Vec<u32>) -> Result<Texture, ImageError> {
         self.check()?;
-        let first = texels.len() as u32;
+        let first = texels.len();
+        let levels = self.width.max(self.height).ilog2() as usize + 1;
+        texels.resize(first + levels, 0);
+        texels[first] = texels.len() as u32;
         texels.extend(self.rgba.chunks_exact(4).map(|p| u32::from_le_bytes([p[0], p[1], p[2], p[3]])));
-        let (mut size, mut start, mut levels) = ([self.width, self.height], first as usize, 1);
-        while size != [1, 1] {
+        let (mut size, mut start) = ([self.width, self.height], first + levels);
+        for level in 1..levels {
             let finer = size;
             size = size.map(half);
             let coarser: Vec<u32> = (0..size[1])
@@ -76,18 +79,19 @@ impl Image {
                 .map(|at| average(texels, start, finer, size, at))
                 .collect();
             start = texels.len();
+            texels[first + level] = start as u32;
             texels.extend(coarser);
-            levels += 1;
         }
         let log_size = libm::log2(f64::from(self.width) * f64::from(self.height)) * 0.5;
         Ok(Texture {
-            first,
+            first: first as u32,
             width: self.width,
             height: self.height,
-            levels,
+            levels: levels as u32,
             log_size: log_size as f32,
             wrap_u: wrap[0] as u32,
             wrap_v: wrap[1] as u32,
+            ..Texture::NONE
         })
     }
 }
@@ -135,16 +139,16 @@ mod tests {
     #[test]
     fn a_chain_ends_at_one_texel_of_the_average_light() {
         let (texture, texels) = chain(2, 1, vec![255, 255, 255, 255, 0, 0, 0, 255]);
-        assert_eq!((texture.levels, texels.len()), (2, DECODE_WORDS + 3));
+        assert_eq!((texture.levels, texels.len()), (2, DECODE_WORDS + 2 + 3));
         // Half the light of white is 188 in sRGB, not 128.
-        assert_eq!(texels[DECODE_WORDS + 2], 0xff_bc_bc_bc);
+        assert_eq!(texels[DECODE_WORDS + 2 + 2], 0xff_bc_bc_bc);
     }
 
     #[test]
     fn odd_sizes_lose_no_texel() {
         let (texture, texels) = chain(5, 3, [9, 9, 9, 9].repeat(15));
         assert_eq!(texture.levels, 3);
-        assert_eq!(texels[DECODE_WORDS..], [0x0909_0909; 15 + 2 + 1]);
+        assert_eq!(texels[DECODE_WORDS + 3..], [0x0909_0909; 15 + 2 + 1]);
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub fn phong(
         diffuse: base.map(|b| b * (1.0 - 0.5 * metallic)),
         shininess: (2.0 / (width * width).max(1e-6) - 2.0).clamp(1.0, 8192.0),
         specular: base.map(|b| (0.04 + (b - 0.04) * metallic) * (1.0 - 0.5 * roughness)),
-        texture,
         emission,
+        textures: [texture],
     }
 }

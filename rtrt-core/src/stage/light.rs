@@ -1,5 +1,6 @@
 //! Light: what arrives at a surface from all lights that reach it.
 
+use crate::kernel::cone::cone;
 use crate::kernel::falloff::falloff;
 use crate::kernel::ray::Ray;
 use crate::kernel::reflect::{blinn_phong, lambert};
@@ -16,6 +17,14 @@ pub struct Arriving<L> {
     pub diffuse: V3<L>,
     /// For the highlight.
     pub specular: V3<L>,
+}
+
+impl Arriving<f32> {
+    /// A lane of width 1 from its record.
+    #[inline(always)]
+    pub fn new(record: &Lit) -> Self {
+        Self { diffuse: V3::splat((), record.diffuse), specular: V3::splat((), record.specular) }
+    }
 }
 
 impl<L: Lane> Arriving<L> {
@@ -104,6 +113,7 @@ fn add<L: Lane>(
         },
     );
     let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
+    let strength = if view.cone_scale == 0.0 { strength } else { strength * cone(view, toward) };
     let strength = reached.select(strength, strength.like(0.0));
     let lobe = blinn_phong(surfaces.normal, toward, normalize(-ray.direction), shininess);
     // Off its peak a lobe is so small that some devices keep its products and others do not.

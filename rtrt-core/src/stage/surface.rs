@@ -8,7 +8,7 @@ use crate::kernel::texture::BYTE;
 use crate::kernel::traverse::{Best, BestRows, Geometry};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Attribute, NONE, Surface, View};
-use crate::num::{TINY, floor, flush, flush3, normalize, sqrt, to_integer};
+use crate::num::{TINY, floor, flush, flush3, from_integer, normalize, sqrt, to_integer};
 
 /// The surfaces that one group of rays has found; see [`Surface`].
 #[derive(Clone, Copy)]
@@ -332,6 +332,6 @@ fn color<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> 
 
 /// One channel (0 ..= 3) of a vertex color, 0 ..= 1.
 #[inline(always)]
-pub fn channel(color: u32, number: u32) -> f32 {
-    (color >> (8 * number) & 255) as f32 * BYTE
+pub fn channel<L: Lane>(color: L::Bits, number: u32) -> L {
+    from_integer::<L>((color >> (8 * number)) & color.like(255)) * BYTE
 }

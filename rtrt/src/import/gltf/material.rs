@@ -4,7 +4,6 @@ use super::buffer::{Buffers, fetch};
 use super::primitive::Coordinates;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, error::quoted, file, picture};
-use bytemuck::Zeroable;
 use gltf_json::material::AlphaMode;
 use gltf_json::texture::{Info, WrappingMode};
 use gltf_json::validation::Checked;
@@ -54,7 +53,7 @@ impl<'a> Materials<'a> {
         let pbr = &source.pbr_metallic_roughness;
         let (texture, coordinates) = match &pbr.base_color_texture {
             Some(info) => (self.texture(builder, info)?, coordinates(info)),
-            None => (Texture::zeroed(), Coordinates::default()),
+            None => (Texture::NONE, Coordinates::default()),
         };
         let (metallic, roughness) = match pbr.metallic_roughness_texture {
             Some(_) => (0.0, USUAL_ROUGHNESS),

@@ -8,7 +8,6 @@ use crate::import::builder::{Builder, Geometry};
 use crate::import::error::quoted;
 use crate::import::gltf::pack;
 use crate::import::{ImportError, NamedCamera, file, picture};
-use bytemuck::Zeroable;
 use glam::Mat4;
 use parse::{Corner, NONE, Obj, Polygon};
 use polygon::Splitter;
@@ -78,10 +77,10 @@ fn material<J: Join>(
     textures: &mut HashMap<String, Texture>,
 ) -> Result<MaterialIndex, ImportError> {
     let Some(source) = source else {
-        return Ok(builder.scene.add_material(phong([0.7; 3], 0.0, 0.8, Texture::zeroed(), [0.0; 3])));
+        return Ok(builder.scene.add_material(phong([0.7; 3], 0.0, 0.8, Texture::NONE, [0.0; 3])));
     };
     let texture = match &source.texture {
-        None => Texture::zeroed(),
+        None => Texture::NONE,
         Some(name) => match textures.get(name) {
             Some(&texture) => texture,
             None => {
@@ -99,8 +98,8 @@ fn material<J: Join>(
         diffuse: source.diffuse,
         shininess: source.shininess,
         specular: source.specular.map(|s| s * peak),
-        texture: Texture { wrap_u: wrap, wrap_v: wrap, ..texture },
         emission: source.emission,
+        textures: [Texture { wrap_u: wrap, wrap_v: wrap, ..texture }],
     }))
 }
 
