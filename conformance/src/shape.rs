@@ -186,8 +186,12 @@ impl Default for Build {
 impl Build {
     /// Adds a mesh.
     pub fn mesh(&mut self, shape: Shape) -> MeshIndex {
+        self.mesh_of(shape, |mesh| mesh)
+    }
+    /// Adds a mesh with what `more` adds to it.
+    pub fn mesh_of(&mut self, shape: Shape, more: impl Fn(Mesh) -> Mesh) -> MeshIndex {
         let Shape { positions, attributes, indices } = shape;
-        let mesh = Mesh::new(positions, attributes, indices).expect("a case's mesh");
+        let mesh = more(Mesh::new(positions, attributes, indices).expect("a case's mesh"));
         let tree = MeshTree::build(&mesh, &Sequential);
         self.scene.add_mesh(&mesh, &tree).expect("room")
     }

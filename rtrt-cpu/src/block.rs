@@ -9,8 +9,9 @@ use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::lane::{Bits, Lane, Row, groups};
 use rtrt_core::layout::{Attribute, Frame, Hit, Lit, Material, Surface, View};
+use rtrt_core::stage::detail::detail;
 use rtrt_core::stage::light::{Arriving, light};
-use rtrt_core::stage::surface::{Surfaces, surface};
+use rtrt_core::stage::surface::{Surfaces, Vertices, surface};
 use rtrt_core::stage::visibility::{hit, rays, visibility};
 use rtrt_core::stage::{occlusion, resolve::resolve, shade::shade};
 use std::time::{Duration, Instant};
@@ -127,6 +128,15 @@ fn packet_colors<L: Lane, const G: usize>(
         #[inline(always)]
         |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
     );
+    let surfaces = if frame.details == 0 {
+        surfaces
+    } else {
+        let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
+        groups(
+            #[inline(always)]
+            |g| detail(&maps, &vertices, &best[g], &surfaces[g]),
+        )
+    };
     clock.lap(3, &mut start);
     // The usual scene has one word of lights; more are kept in order.
     let words = frame.mask_words;
@@ -141,7 +151,7 @@ fn packet_colors<L: Lane, const G: usize>(
             light(
                 frame,
                 views,
-                materials,
+                &maps,
                 #[inline(always)]
                 |w| word(w)[g],
                 &rays[g],

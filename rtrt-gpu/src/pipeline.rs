@@ -57,8 +57,9 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: 1, entry: "sort", reads: &[Frame], writes: &[Lists], work: blocks },
         Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions], writes: &[Hits], work: rays },
         Pass { stage: 3, entry: "surface", reads: &[Frame, Views, Hits, Objects, Nodes, Words, Positions, Attributes], writes: &[Surfaces], work: rays },
+        Pass { stage: 3, entry: "detail", reads: &[Frame, Hits, Objects, Words, Attributes, Materials, Texels], writes: &[Surfaces], work: details },
         Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: rays },
-        Pass { stage: 5, entry: "light", reads: &[Frame, Views, Materials, Surfaces, Masks], writes: &[Lit], work: rays },
+        Pass { stage: 5, entry: "light", reads: &[Frame, Views, Materials, Texels, Surfaces, Masks], writes: &[Lit], work: rays },
         Pass { stage: 6, entry: "shade", reads: &[Frame, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
         Pass { stage: 7, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
     ]
@@ -78,6 +79,9 @@ fn blocks(frame: &Frame) -> u32 {
 }
 fn rays(frame: &Frame) -> u32 {
     frame.rays
+}
+fn details(frame: &Frame) -> u32 {
+    frame.rays * frame.details
 }
 fn pixels(frame: &Frame) -> u32 {
     frame.grid().pixels(RayIndex(frame.first_ray), frame.rays)[1]

@@ -3,6 +3,7 @@
 mod bin;
 mod camera;
 mod light;
+mod material;
 mod shadow;
 mod surface;
 mod texture;
@@ -18,6 +19,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         visibility::CASES,
         surface::CASES,
         texture::CASES,
+        material::CASES,
         shadow::CASES,
         light::CASES,
     ];

@@ -12,6 +12,7 @@ pub mod ray;
 pub mod reflect;
 pub mod slab;
 pub mod span;
+pub mod tangent;
 pub mod texture;
 pub mod traverse;
 pub mod triangle;

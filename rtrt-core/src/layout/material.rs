@@ -66,19 +66,40 @@ impl Texture {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Material {
     /// Linear RGB, multiplied with the texture and the vertex color.
-    pub diffuse: [f32; 3],
-    /// Blinn-Phong exponent, 1 ..= 8192.
+    pub base: [f32; 3],
+    /// Blinn-Phong exponent, 1 ..= 8192, for a material without a roughness texture.
     pub shininess: f32,
-    /// Linear RGB of the highlight.
+    /// Linear RGB of the highlight where the surface is no metal and not rough.
     pub specular: [f32; 3],
-    /// Light of its own, linear RGB.
+    /// How much of a metal it is, 0 ..= 1, multiplied with the roughness texture's blue.
+    pub metallic: f32,
+    /// Light of its own, linear RGB, multiplied with the emission texture.
     pub emission: [f32; 3],
+    /// 0 ..= 1, multiplied with the roughness texture's green.
+    pub roughness: f32,
+    /// How strongly the normal map turns normals; 1 for as it is.
+    pub bump: f32,
+    /// How much of the ambient light the occlusion texture may take, 0 ..= 1.
+    pub occlusion: f32,
+    /// 1 for a surface that shows its base color whatever the light, else 0.
+    pub unlit: u32,
     /// [`Material::COLOR`] and so on.
-    pub textures: [Texture; 1],
+    pub textures: [Texture; Material::TEXTURES],
 }
-const _: () = assert!(size_of::<Material>() == 40 + 56 && offset_of!(Material, textures) == 40);
+const _: () = assert!(size_of::<Material>() == 60 + 5 * 56 && offset_of!(Material, textures) == 60);
 
 impl Material {
-    /// The texture of the diffuse color, sRGB.
+    /// Textures of a material.
+    pub const TEXTURES: usize = 5;
+    /// The texture of the base color, sRGB.
     pub const COLOR: usize = 0;
+    /// The normal map: the normal's coordinates along tangent, bitangent and normal, −1 ..= 1
+    /// as 0 ..= 255.
+    pub const NORMAL: usize = 1;
+    /// The texture of roughness (green) and metalness (blue).
+    pub const ROUGHNESS: usize = 2;
+    /// The texture of how much ambient light arrives (red).
+    pub const OCCLUSION: usize = 3;
+    /// The texture of the emission, sRGB.
+    pub const EMISSION: usize = 4;
 }

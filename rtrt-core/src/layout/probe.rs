@@ -43,7 +43,7 @@ pub fn probe(
         attribute.color,
         material.specular[0].to_bits(),
         material.textures[0].first,
-        material.emission[2].to_bits(),
+        material.textures[4].shift[1].to_bits(),
         surface.material,
         surface.footprint.to_bits(),
         hit.t.to_bits(),

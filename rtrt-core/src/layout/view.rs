@@ -127,8 +127,8 @@ pub struct Frame {
     /// The largest coordinate of anything in the frame, in magnitude: objects, camera,
     /// lights. Rounding errors of culling are relative to it.
     pub magnitude: f32,
-    /// Rounds the size up to a multiple of 16 bytes.
-    pub padding: u32,
+    /// 1 where a material asks for normal maps or a second set of texture coordinates.
+    pub details: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 80 && offset_of!(Frame, ambient_r) == 48);
 

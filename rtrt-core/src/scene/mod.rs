@@ -11,10 +11,11 @@ mod material;
 mod mesh;
 mod setup;
 mod store;
+mod tangent;
 mod tree;
 
 pub use camera::{Camera, Projection};
-pub use image::{Image, ImageError};
+pub use image::{Content, Image, ImageError};
 pub use light::Light;
 pub use material::phong;
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};

@@ -136,6 +136,7 @@ impl Setup {
             background_g,
             background_b,
             magnitude,
+            details: u32::from(scene.has_details()),
             ..Frame::zeroed()
         };
         Ok(())

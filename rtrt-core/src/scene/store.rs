@@ -3,7 +3,7 @@
 use crate::layout::{Attribute, Material, Node, Object, Texture, Wrap};
 use crate::scene::image::decode_words;
 use crate::scene::tree::Bounds;
-use crate::scene::{COORDINATE_LIMIT, Image, ImageError, Light, Mesh, MeshTree};
+use crate::scene::{COORDINATE_LIMIT, Content, Image, ImageError, Light, Mesh, MeshTree};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -72,6 +72,8 @@ struct Stored {
     first_vertex: u32,
     first_index: u32,
     first_reference: u32,
+    first_tangent: u32,
+    first_second_uv: u32,
     triangles: u32,
     bounds: Bounds,
     center: DVec3,
@@ -134,16 +136,29 @@ impl Scene {
         }
     }
 
-    /// Adds a texture: its mip chain is built here.
+    /// Adds a texture of colors: its mip chain is built here.
     ///
     /// # Errors
     /// The image is not usable, or the scene is full.
     pub fn add_texture(&mut self, image: &Image, wrap: [Wrap; 2]) -> Result<Texture, SceneError> {
+        self.add_map(image, wrap, Content::Color)
+    }
+
+    /// Adds a texture of colors or of numbers.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_texture`].
+    pub fn add_map(
+        &mut self,
+        image: &Image,
+        wrap: [Wrap; 2],
+        content: Content,
+    ) -> Result<Texture, SceneError> {
         if self.texels.len() + image.rgba.len() / 2 > u32::MAX as usize {
             return Err(SceneError::TooLarge { what: "texels" });
         }
         self.versions.texels += 1;
-        Ok(image.append(wrap, &mut self.texels)?)
+        Ok(image.append(wrap, content, &mut self.texels)?)
     }
 
     /// Adds a material.
@@ -165,7 +180,8 @@ impl Scene {
                 Ok(have as u32)
             }
         };
-        let words = mesh.indices().len() + tree.references.len();
+        let extras = mesh.tangents().len() + 2 * mesh.second_uv().len();
+        let words = mesh.indices().len() + tree.references.len() + extras;
         let first_index = room(self.words.len(), words, "triangles")?;
         let root = tree.nodes.first().copied().ok_or(SceneError::TooLarge { what: "empty trees" })?;
         let low = DVec3::from(root.low.map(f64::from));
@@ -173,11 +189,16 @@ impl Scene {
         let center = (low + high) * 0.5;
         let squared =
             mesh.positions().iter().map(|p| (DVec3::from(p.map(f64::from)) - center).length_squared());
+        // Where `count` elements of some words each start, after `before`; nowhere if there are none.
+        let after = |before: usize, count: usize| if count == 0 { 0 } else { first_index + before as u32 };
+        let references_end = mesh.indices().len() + tree.references.len();
         let stored = Stored {
             root: room(self.nodes.len(), tree.nodes.len(), "nodes")?,
             first_vertex: room(self.positions.len(), mesh.positions().len(), "vertices")?,
             first_index,
             first_reference: first_index + mesh.indices().len() as u32,
+            first_tangent: after(references_end, mesh.tangents().len()),
+            first_second_uv: after(references_end + mesh.tangents().len(), mesh.second_uv().len()),
             triangles: mesh.triangles() as u32,
             bounds: Bounds { low: root.low, high: root.high },
             center,
@@ -186,6 +207,8 @@ impl Scene {
         self.nodes.extend_from_slice(&tree.nodes);
         self.words.extend_from_slice(mesh.indices());
         self.words.extend_from_slice(&tree.references);
+        self.words.extend_from_slice(mesh.tangents());
+        self.words.extend_from_slice(bytemuck::cast_slice(mesh.second_uv()));
         self.positions.extend_from_slice(mesh.positions());
         self.attributes.extend_from_slice(mesh.attributes());
         self.versions.geometry += 1;
@@ -269,7 +292,8 @@ impl Scene {
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
     }
-    /// Vertex indices and tree references of all meshes.
+    /// Of all meshes: vertex indices, tree references, and, where there are some, packed
+    /// tangents and second texture coordinates.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
@@ -302,6 +326,13 @@ impl Scene {
         const NOWHERE: Bounds = Bounds { low: [0.0; 3], high: [0.0; 3] };
         if self.objects.is_empty() { &NOWHERE } else { &self.bounds }
     }
+    /// Whether a material asks for what the stage `detail` finds.
+    pub(super) fn has_details(&self) -> bool {
+        let asks = |m: &Material| {
+            m.textures[Material::NORMAL].levels > 0 || m.textures.iter().any(|t| t.levels > 0 && t.set > 0)
+        };
+        self.materials.iter().any(asks)
+    }
     /// The largest coordinate of an object's bounds, in magnitude.
     pub(super) fn magnitude(&self) -> f32 {
         let bounds = self.bounds();
@@ -326,7 +357,7 @@ impl Scene {
             + size_of_val(&self.materials[..])
     }
     /// Bytes of vertices (position, normal, texture coordinates, color) and indices, as
-    /// they were added.
+    /// they were added. Tangents and second texture coordinates are not counted.
     pub fn source_bytes(&self) -> usize {
         let indices = 12 * self.triangles() as usize;
         size_of_val(&self.positions[..]) + size_of_val(&self.attributes[..]) + indices
@@ -379,6 +410,8 @@ fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneEr
         material,
         is_identity: u32::from(to_world == Mat4::IDENTITY),
         slack: (SLACK * condition(&m, &inverse)) as f32,
+        first_tangent: mesh.first_tangent,
+        first_second_uv: mesh.first_second_uv,
     })
 }
 

@@ -1,20 +1,25 @@
 //! Shade: the color that a ray brings back.
 
-use crate::kernel::texture::{Chosen, Maps, Pick, Places, sample};
-use crate::lane::{Bits, Lane, Mask, Select};
+use crate::kernel::texture::{Chosen, Maps, Pick, sample};
+use crate::lane::{Bits, Lane, Mask, V3};
 use crate::layout::{Frame, Material};
-use crate::num::flush;
+use crate::num::{flush, flush3};
 use crate::stage::light::Arriving;
 use crate::stage::surface::{Surfaces, channel};
 
 /// Linear RGB and alpha of what a group of rays has found:
 ///
 /// ```text
-/// base · (ambient + diffuse light) + specular · specular light + emission
-/// base = material · texture · vertex color
+/// diffuse · (ambient · occlusion + diffuse light) + highlight · specular light + emission
+///
+/// base      = material · texture · vertex color
+/// diffuse   = base · (1 − metallic / 2)
+/// highlight = (specular + (base − specular) · metallic) · (1 − roughness / 2)
 /// ```
 ///
-/// or the background where it found nothing. Alpha is 1: every surface is opaque.
+/// or the base color alone, of a material that is unlit, or the background where it found
+/// nothing. `metallic`, `roughness`, `occlusion` and `emission` are the material's times its
+/// textures. Alpha is 1: every surface is opaque.
 #[inline(always)]
 pub fn shade<L: Lane>(
     frame: &Frame,
@@ -24,36 +29,78 @@ pub fn shade<L: Lane>(
 ) -> [L; 4] {
     let token = surfaces.footprint.token();
     let one = surfaces.footprint.like(1.0);
-    let background =
-        [one.like(frame.background_r), one.like(frame.background_g), one.like(frame.background_b)];
+    let background = V3::splat(token, [frame.background_r, frame.background_g, frame.background_b]);
     let found = surfaces.material.like(0).less_than(surfaces.material);
     if !found.any() {
-        return [background[0], background[1], background[2], one];
+        return [background.x, background.y, background.z, one];
     }
-    let chosen = Chosen::new(surfaces.material);
-    let places =
-        Places { uv: [surfaces.uv, surfaces.uv], footprint: [surfaces.footprint, surfaces.footprint] };
-    let [dr, dg, db, sr, sg, sb, er, eg, eb] = chosen.numbers::<Colors, 9>(token, maps);
-    let texture = sample::<L, { Material::COLOR }, true>(maps, &chosen, &places);
-    let (diffuse, specular) = (&arriving.diffuse, &arriving.specular);
-    let color = |base: L, ambient: f32, diffuse: L, specular: L, specular_light: L, emission: L| {
-        let answer = flush(base * (diffuse.like(ambient) + diffuse));
-        flush(answer + flush(specular * specular_light) + emission)
-    };
-    let base = |number: u32, diffuse: L, texture: L| diffuse * texture * channel::<L>(surfaces.color, number);
-    let r = color(base(0, dr, texture[0]), frame.ambient_r, diffuse.x, sr, specular.x, er);
-    let g = color(base(1, dg, texture[1]), frame.ambient_g, diffuse.y, sg, specular.y, eg);
-    let b = color(base(2, db, texture[2]), frame.ambient_b, diffuse.z, sb, specular.z, eb);
-    [found.select(r, background[0]), found.select(g, background[1]), found.select(b, background[2]), one]
+    let looks = looks(maps, surfaces);
+    let ambient =
+        V3::splat(token, [frame.ambient_r, frame.ambient_g, frame.ambient_b]).scale(looks.occlusion);
+    let diffuse = flush3(times(looks.diffuse, ambient + arriving.diffuse));
+    let specular = flush3(times(looks.highlight, arriving.specular));
+    let lit = flush3(diffuse + specular + looks.emission);
+    let color = V3::select(found, V3::select(looks.unlit, flush3(looks.base), lit), background);
+    [color.x, color.y, color.z, one]
 }
 
-/// The colors of a material: diffuse, specular, emission.
-struct Colors;
+/// What a group of surfaces looks like, its textures included.
+struct Looks<L: Lane> {
+    base: V3<L>,
+    diffuse: V3<L>,
+    highlight: V3<L>,
+    emission: V3<L>,
+    /// The share of the ambient light that arrives.
+    occlusion: L,
+    unlit: L::Mask,
+}
 
-impl Pick<9> for Colors {
+#[inline(always)]
+fn looks<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>) -> Looks<L> {
+    let token = surfaces.footprint.token();
+    let one = surfaces.footprint.like(1.0);
+    let chosen = Chosen::new(surfaces.material);
+    let places = surfaces.places();
+    let [br, bg, bb, sr, sg, sb, er, eg, eb, metallic, roughness, strength, unlit] =
+        chosen.numbers::<Numbers, 13>(token, maps);
+    let texture = sample::<L, { Material::COLOR }, true>(maps, &chosen, &places);
+    let painted = |number: u32| channel::<L>(surfaces.color, number);
+    let base = V3 {
+        x: br * texture[0] * painted(0),
+        y: bg * texture[1] * painted(1),
+        z: bb * texture[2] * painted(2),
+    };
+    let [_, green, blue, _] = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, &places);
+    let (metallic, roughness) = (metallic * blue, roughness * green);
+    let [occluded, _, _, _] = sample::<L, { Material::OCCLUSION }, false>(maps, &chosen, &places);
+    let glow = sample::<L, { Material::EMISSION }, true>(maps, &chosen, &places);
+    let specular = V3 { x: sr, y: sg, z: sb };
+    let highlight = specular + (base - specular).scale(metallic);
+    Looks {
+        base,
+        diffuse: base.scale(one - metallic * 0.5),
+        highlight: highlight.scale(one - roughness * 0.5),
+        emission: V3 { x: flush(er * glow[0]), y: flush(eg * glow[1]), z: flush(eb * glow[2]) },
+        occlusion: one + (occluded - one) * strength,
+        unlit: one.less_equal(unlit),
+    }
+}
+
+/// The product of each component.
+#[inline(always)]
+fn times<L: Lane>(a: V3<L>, b: V3<L>) -> V3<L> {
+    V3 { x: a.x * b.x, y: a.y * b.y, z: a.z * b.z }
+}
+
+/// What a material says of its looks.
+struct Numbers;
+
+impl Pick<13> for Numbers {
     #[inline(always)]
-    fn pick(material: &Material) -> [f32; 9] {
-        let (d, s, e) = (&material.diffuse, &material.specular, &material.emission);
-        [d[0], d[1], d[2], s[0], s[1], s[2], e[0], e[1], e[2]]
+    fn pick(material: &Material) -> [f32; 13] {
+        let (b, s, e) = (&material.base, &material.specular, &material.emission);
+        let (metallic, roughness) = (material.metallic, material.roughness);
+        let (occlusion, unlit) = (material.occlusion, material.unlit as f32);
+        [b[0], b[1], b[2], s[0], s[1], s[2], e[0], e[1], e[2], metallic, roughness, occlusion, unlit]
     }
 }

@@ -94,12 +94,13 @@ fn material<J: Join>(
     };
     let wrap = if source.clamp { Wrap::Clamp } else { Wrap::Repeat } as u32;
     let peak = 8.0 / (source.shininess + 8.0);
+    // The inverse of what a roughness makes of highlights.
+    let roughness = libm::sqrtf(libm::sqrtf(2.0 / (source.shininess + 2.0)));
+    let texture = Texture { wrap_u: wrap, wrap_v: wrap, ..texture };
     Ok(builder.scene.add_material(Material {
-        diffuse: source.diffuse,
         shininess: source.shininess,
-        specular: source.specular.map(|s| s * peak),
-        emission: source.emission,
-        textures: [Texture { wrap_u: wrap, wrap_v: wrap, ..texture }],
+        specular: source.specular.map(|s| s * peak / (1.0 - 0.5 * roughness)),
+        ..phong(source.diffuse, 0.0, roughness, texture, source.emission)
     }))
 }
 
