@@ -162,7 +162,7 @@ fn packet_colors<L: Lane, const G: usize>(
     clock.lap(5, &mut start);
     for g in 0..G {
         let start_of_group = first + g * L::WIDTH;
-        let shaded = shade(frame, &maps, &surfaces[g], &arriving[g]);
+        let shaded = shade(frame, &maps, &rays[g], &surfaces[g], &arriving[g]);
         let [r, g, b, a] = groups(
             #[inline(always)]
             |channel| shaded[channel].row(),

@@ -60,7 +60,7 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: 3, entry: "detail", reads: &[Frame, Hits, Objects, Words, Attributes, Materials, Texels], writes: &[Surfaces], work: details },
         Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: rays },
         Pass { stage: 5, entry: "light", reads: &[Frame, Views, Materials, Texels, Surfaces, Masks], writes: &[Lit], work: rays },
-        Pass { stage: 6, entry: "shade", reads: &[Frame, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
+        Pass { stage: 6, entry: "shade", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
         Pass { stage: 7, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
     ]
 };

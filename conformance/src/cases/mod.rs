@@ -2,6 +2,7 @@
 
 mod bin;
 mod camera;
+mod environment;
 mod light;
 mod material;
 mod shadow;
@@ -22,6 +23,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         material::CASES,
         shadow::CASES,
         light::CASES,
+        environment::CASES,
     ];
     files.into_iter().flatten()
 }

@@ -129,8 +129,16 @@ pub struct Frame {
     pub magnitude: f32,
     /// 1 where a material asks for normal maps or a second set of texture coordinates.
     pub details: u32,
+    /// The environment, see [`Sky`](crate::kernel::environment::Sky): where it starts.
+    pub sky_first: u32,
+    /// Side of its sharpest square.
+    pub sky_side: u32,
+    /// How many squares there are for mirrors.
+    pub sky_levels: u32,
+    /// Rounds the size up to a multiple of 16 bytes.
+    pub padding: u32,
 }
-const _: () = assert!(size_of::<Frame>() == 80 && offset_of!(Frame, ambient_r) == 48);
+const _: () = assert!(size_of::<Frame>() == 96 && offset_of!(Frame, ambient_r) == 48);
 
 impl Frame {
     /// Views of one light: the six faces of a cube, of which parallel light uses one.
@@ -143,6 +151,15 @@ impl Frame {
     #[inline(always)]
     pub fn grid(&self) -> crate::grid::Grid {
         crate::grid::Grid { width: self.width, height: self.height, side: self.side }
+    }
+    /// The environment.
+    #[inline(always)]
+    pub fn sky(&self) -> crate::kernel::environment::Sky {
+        crate::kernel::environment::Sky {
+            first: self.sky_first,
+            side: self.sky_side,
+            levels: self.sky_levels,
+        }
     }
     /// The first view of a light.
     #[inline(always)]

@@ -5,6 +5,7 @@
 //! what is built here.
 
 mod camera;
+mod environment;
 mod image;
 mod light;
 mod material;
@@ -15,6 +16,7 @@ mod tangent;
 mod tree;
 
 pub use camera::{Camera, Projection};
+pub use environment::{Panorama, PanoramaError};
 pub use image::{Content, Image, ImageError};
 pub use light::Light;
 pub use material::phong;

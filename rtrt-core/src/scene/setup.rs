@@ -137,6 +137,9 @@ impl Setup {
             background_b,
             magnitude,
             details: u32::from(scene.has_details()),
+            sky_first: scene.sky().first,
+            sky_side: scene.sky().side,
+            sky_levels: scene.sky().levels,
             ..Frame::zeroed()
         };
         Ok(())

@@ -1,9 +1,12 @@
 //! The scene: everything a backend reads, in the arrays it reads them from.
 
+use crate::kernel::environment::Sky;
 use crate::layout::{Attribute, Material, Node, Object, Texture, Wrap};
 use crate::scene::image::decode_words;
 use crate::scene::tree::Bounds;
-use crate::scene::{COORDINATE_LIMIT, Content, Image, ImageError, Light, Mesh, MeshTree};
+use crate::scene::{
+    COORDINATE_LIMIT, Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError,
+};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -49,6 +52,9 @@ pub enum SceneError {
     /// The texture was refused.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// The environment was refused.
+    #[error(transparent)]
+    Panorama(#[from] PanoramaError),
 }
 
 /// Counts the changes of each part of a scene, so that a backend that keeps copies renews
@@ -95,10 +101,11 @@ pub struct Scene {
     object_meshes: Vec<u32>,
     meshes: Vec<Stored>,
     lights: Vec<Light>,
+    sky: Sky,
     bounds: Bounds,
-    /// Light from everywhere, linear RGB.
+    /// Light from everywhere, linear RGB; an environment takes its place.
     pub ambient: Vec3,
-    /// What a ray sees that hits nothing, linear RGB.
+    /// What a ray sees that hits nothing, linear RGB; an environment takes its place.
     pub background: Vec3,
 }
 
@@ -130,6 +137,7 @@ impl Scene {
             object_meshes: vec![],
             meshes: vec![],
             lights: vec![],
+            sky: Sky::default(),
             bounds: Bounds::EMPTY,
             ambient: Vec3::splat(0.1),
             background: Vec3::new(0.02, 0.025, 0.035),
@@ -159,6 +167,22 @@ impl Scene {
         }
         self.versions.texels += 1;
         Ok(image.append(wrap, content, &mut self.texels)?)
+    }
+
+    /// Surrounds the scene with an environment: rays that hit nothing see it, surfaces mirror
+    /// it, and it takes the place of the ambient light. One that was there before is seen no
+    /// more, but still takes memory.
+    ///
+    /// # Errors
+    /// The panorama is not usable, or the scene is full.
+    pub fn set_environment(&mut self, panorama: &Panorama) -> Result<(), SceneError> {
+        // A square of at most 1024 texels a side, and less than as many again for the others.
+        if self.texels.len() + (1 << 21) > u32::MAX as usize {
+            return Err(SceneError::TooLarge { what: "texels" });
+        }
+        self.sky = panorama.append(&mut self.texels)?;
+        self.versions.texels += 1;
+        Ok(())
     }
 
     /// Adds a material.
@@ -305,7 +329,8 @@ impl Scene {
     pub fn attributes(&self) -> &[Attribute] {
         &self.attributes
     }
-    /// The decoding words, then the mip chains of all textures.
+    /// The decoding words, then the mip chains of all textures and the squares of the
+    /// environment.
     pub fn texels(&self) -> &[u32] {
         &self.texels
     }
@@ -325,6 +350,10 @@ impl Scene {
     pub(super) fn bounds(&self) -> &Bounds {
         const NOWHERE: Bounds = Bounds { low: [0.0; 3], high: [0.0; 3] };
         if self.objects.is_empty() { &NOWHERE } else { &self.bounds }
+    }
+    /// Where the environment is in the texels.
+    pub(super) fn sky(&self) -> Sky {
+        self.sky
     }
     /// Whether a material asks for what the stage `detail` finds.
     pub(super) fn has_details(&self) -> bool {

@@ -1,9 +1,11 @@
 //! Shade: the color that a ray brings back.
 
+use crate::kernel::environment::{Sky, arriving as arriving_from, mirrored};
+use crate::kernel::ray::Ray;
 use crate::kernel::texture::{Chosen, Maps, Pick, sample};
 use crate::lane::{Bits, Lane, Mask, V3};
 use crate::layout::{Frame, Material};
-use crate::num::{flush, flush3};
+use crate::num::{clamp, flush, flush3, normalize};
 use crate::stage::light::Arriving;
 use crate::stage::surface::{Surfaces, channel};
 
@@ -14,40 +16,87 @@ use crate::stage::surface::{Surfaces, channel};
 ///
 /// base      = material · texture · vertex color
 /// diffuse   = base · (1 − metallic / 2)
-/// highlight = (specular + (base − specular) · metallic) · (1 − roughness / 2)
+/// mirror    = specular + (base − specular) · metallic
+/// highlight = mirror · (1 − roughness / 2)
 /// ```
 ///
 /// or the base color alone, of a material that is unlit, or the background where it found
 /// nothing. `metallic`, `roughness`, `occlusion` and `emission` are the material's times its
 /// textures. Alpha is 1: every surface is opaque.
+///
+/// An environment is the background. It takes the place of the ambient light, by the
+/// surface's normal. It is mirrored, more where the surface is seen at a grazing angle, by
+/// Schlick's approximation (1994), which a rough surface follows less (Lagarde 2011):
+///
+/// ```text
+/// + environment · (mirror + (max(1 − roughness, mirror) − mirror) · (1 − n · v)⁵)
+/// ```
+///
+/// and a metal then has no diffuse color: `base · (1 − metallic)`. Nothing occludes what is
+/// mirrored, as in the paper.
 #[inline(always)]
 pub fn shade<L: Lane>(
     frame: &Frame,
     maps: &Maps<'_>,
+    ray: &Ray<L>,
     surfaces: &Surfaces<L>,
     arriving: &Arriving<L>,
 ) -> [L; 4] {
     let token = surfaces.footprint.token();
     let one = surfaces.footprint.like(1.0);
-    let background = V3::splat(token, [frame.background_r, frame.background_g, frame.background_b]);
+    let sky = frame.sky();
     let found = surfaces.material.like(0).less_than(surfaces.material);
+    let background = if sky.first != 0 && (!found).any() {
+        flush3(mirrored(maps, sky, ray.direction, one.like(0.0)))
+    } else {
+        V3::splat(token, [frame.background_r, frame.background_g, frame.background_b])
+    };
     if !found.any() {
         return [background.x, background.y, background.z, one];
     }
-    let looks = looks(maps, surfaces);
-    let ambient =
-        V3::splat(token, [frame.ambient_r, frame.ambient_g, frame.ambient_b]).scale(looks.occlusion);
-    let diffuse = flush3(times(looks.diffuse, ambient + arriving.diffuse));
+    let looks = looks(maps, surfaces, if sky.first == 0 { 0.5 } else { 1.0 });
+    let ambient = if sky.first == 0 {
+        V3::splat(token, [frame.ambient_r, frame.ambient_g, frame.ambient_b])
+    } else {
+        flush3(arriving_from(maps, sky, surfaces.normal))
+    };
+    let diffuse = flush3(times(looks.diffuse, ambient.scale(looks.occlusion) + arriving.diffuse));
     let specular = flush3(times(looks.highlight, arriving.specular));
     let lit = flush3(diffuse + specular + looks.emission);
+    let lit = if sky.first == 0 { lit } else { flush3(lit + reflection(maps, sky, ray, surfaces, &looks)) };
     let color = V3::select(found, V3::select(looks.unlit, flush3(looks.base), lit), background);
     [color.x, color.y, color.z, one]
+}
+
+/// What the surfaces mirror of the environment.
+#[inline(always)]
+fn reflection<L: Lane>(
+    maps: &Maps<'_>,
+    sky: Sky,
+    ray: &Ray<L>,
+    surfaces: &Surfaces<L>,
+    looks: &Looks<L>,
+) -> V3<L> {
+    let toward = normalize(-ray.direction);
+    let normal = surfaces.normal;
+    let cosine = normal.dot(toward);
+    let (zero, one) = (cosine.like(0.0), cosine.like(1.0));
+    let light = mirrored(maps, sky, normal.scale(cosine * 2.0) - toward, looks.roughness);
+    let grazing = one - clamp(cosine, 0.0, 1.0);
+    let square = grazing * grazing;
+    let grazing = flush(square * square * grazing);
+    let smooth = (one - looks.roughness).max(zero);
+    let share = |mirror: L| mirror + (smooth.max(mirror) - mirror) * grazing;
+    let mirror = looks.mirror;
+    flush3(times(light, V3 { x: share(mirror.x), y: share(mirror.y), z: share(mirror.z) }))
 }
 
 /// What a group of surfaces looks like, its textures included.
 struct Looks<L: Lane> {
     base: V3<L>,
     diffuse: V3<L>,
+    mirror: V3<L>,
+    roughness: L,
     highlight: V3<L>,
     emission: V3<L>,
     /// The share of the ambient light that arrives.
@@ -55,8 +104,9 @@ struct Looks<L: Lane> {
     unlit: L::Mask,
 }
 
+/// The looks; a metal loses this share of its diffuse color.
 #[inline(always)]
-fn looks<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>) -> Looks<L> {
+fn looks<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32) -> Looks<L> {
     let token = surfaces.footprint.token();
     let one = surfaces.footprint.like(1.0);
     let chosen = Chosen::new(surfaces.material);
@@ -75,11 +125,13 @@ fn looks<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>) -> Looks<L> {
     let [occluded, _, _, _] = sample::<L, { Material::OCCLUSION }, false>(maps, &chosen, &places);
     let glow = sample::<L, { Material::EMISSION }, true>(maps, &chosen, &places);
     let specular = V3 { x: sr, y: sg, z: sb };
-    let highlight = specular + (base - specular).scale(metallic);
+    let mirror = specular + (base - specular).scale(metallic);
     Looks {
         base,
-        diffuse: base.scale(one - metallic * 0.5),
-        highlight: highlight.scale(one - roughness * 0.5),
+        diffuse: base.scale(one - metallic * metal),
+        mirror,
+        roughness,
+        highlight: mirror.scale(one - roughness * 0.5),
         emission: V3 { x: flush(er * glow[0]), y: flush(eg * glow[1]), z: flush(eb * glow[2]) },
         occlusion: one + (occluded - one) * strength,
         unlit: one.less_equal(unlit),

@@ -61,6 +61,10 @@ pub struct Common {
     /// infinitely far away in that direction
     #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]
     pub lights: Vec<Light>,
+    /// Surround the scene with this panorama, a Radiance .hdr file: it is the background, is
+    /// mirrored, and lights in place of the ambient light. A scene without lights gets none
+    #[arg(long, value_name = "FILE")]
+    pub environment: Option<PathBuf>,
     /// Print the results as one JSON object
     #[arg(long)]
     pub json: bool,
