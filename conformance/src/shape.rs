@@ -7,8 +7,7 @@ use rtrt_core::scene::{
 };
 
 /// No texture.
-pub const PLAIN: Texture =
-    Texture { first: 0, width: 0, height: 0, levels: 0, log_size: 0.0, wrap_u: 0, wrap_v: 0 };
+pub const PLAIN: Texture = Texture::NONE;
 
 /// Numbers that look random; the same for the same seed.
 #[derive(Debug, Clone)]
@@ -187,8 +186,12 @@ impl Default for Build {
 impl Build {
     /// Adds a mesh.
     pub fn mesh(&mut self, shape: Shape) -> MeshIndex {
+        self.mesh_of(shape, |mesh| mesh)
+    }
+    /// Adds a mesh with what `more` adds to it.
+    pub fn mesh_of(&mut self, shape: Shape, more: impl Fn(Mesh) -> Mesh) -> MeshIndex {
         let Shape { positions, attributes, indices } = shape;
-        let mesh = Mesh::new(positions, attributes, indices).expect("a case's mesh");
+        let mesh = more(Mesh::new(positions, attributes, indices).expect("a case's mesh"));
         let tree = MeshTree::build(&mesh, &Sequential);
         self.scene.add_mesh(&mesh, &tree).expect("room")
     }
@@ -224,6 +227,20 @@ pub fn bulb(position: [f32; 3]) -> Light {
 /// A white light that fades linearly toward its reach.
 pub fn lamp(position: [f32; 3], reach: f32) -> Light {
     Light::Point { position: position.into(), color: Vec3::ONE, reach: Some(reach), inverse_square: false }
+}
+
+/// A white spot light that does not fade with distance, and fades from the middle of its
+/// cone on; the angle is in radians.
+pub fn spot(position: [f32; 3], direction: [f32; 3], outer: f32) -> Light {
+    Light::Spot {
+        position: position.into(),
+        direction: direction.into(),
+        inner: 0.0,
+        outer,
+        color: Vec3::ONE,
+        reach: None,
+        inverse_square: false,
+    }
 }
 
 /// White light that goes in this direction.

@@ -53,7 +53,14 @@ fn light(random: &mut Random) -> Light {
         return Light::Sun { direction: random.vector(1.0) + Vec3::splat(1e-3), color };
     }
     let reach = (random.below(2) == 0).then(|| any_size(random, -0.5, 1.5));
-    Light::Point { position: random.vector(4.0), color, reach, inverse_square: random.below(2) == 0 }
+    let (position, inverse_square) = (random.vector(4.0), random.below(2) == 0);
+    if random.below(3) == 0 {
+        let outer = random.within(0.05, 1.55);
+        let inner = outer * random.within(0.0, 1.0);
+        let direction = -position + random.vector(1.0);
+        return Light::Spot { position, direction, inner, outer, color, reach, inverse_square };
+    }
+    Light::Point { position, color, reach, inverse_square }
 }
 
 /// A thousand small objects: many that end where a block ends.

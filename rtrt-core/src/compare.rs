@@ -97,6 +97,9 @@ const SURFACE: &[&str] = &[
     "uv.u",
     "uv.v",
     "footprint",
+    "second_uv.u",
+    "second_uv.v",
+    "second_footprint",
 ];
 const LIT: &[&str] = &["diffuse.r", "diffuse.g", "diffuse.b", "specular.r", "specular.g", "specular.b"];
 const COLOR: &[&str] = &["r", "g", "b", "a"];

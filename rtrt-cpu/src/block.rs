@@ -6,11 +6,13 @@ use rayon::prelude::*;
 use rtrt_core::backend::STAGES;
 use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
 use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::traverse::Geometry;
-use rtrt_core::lane::{Bits, Lane, groups};
+use rtrt_core::lane::{Bits, Lane, Row, groups};
 use rtrt_core::layout::{Attribute, Frame, Hit, Lit, Material, Surface, View};
+use rtrt_core::stage::detail::detail;
 use rtrt_core::stage::light::{Arriving, light};
-use rtrt_core::stage::surface::{Surfaces, surface};
+use rtrt_core::stage::surface::{Surfaces, Vertices, surface};
 use rtrt_core::stage::visibility::{hit, rays, visibility};
 use rtrt_core::stage::{occlusion, resolve::resolve, shade::shade};
 use std::time::{Duration, Instant};
@@ -124,6 +126,7 @@ fn packet_colors<L: Lane, const G: usize>(
 ) {
     let Job { frame, views, lists, geometry, attributes, materials, texels } = job;
     let camera = &views[Frame::CAMERA as usize];
+    let maps = Maps { materials, texels };
     let mut start = Instant::now();
     let best = visibility::<L, G>(token, frame, views, lists, geometry, ray);
     clock.lap(2, &mut start);
@@ -132,6 +135,15 @@ fn packet_colors<L: Lane, const G: usize>(
         #[inline(always)]
         |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
     );
+    let surfaces = if frame.details == 0 {
+        surfaces
+    } else {
+        let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
+        groups(
+            #[inline(always)]
+            |g| detail(&maps, &vertices, &best[g], &surfaces[g]),
+        )
+    };
     clock.lap(3, &mut start);
     // The usual scene has one word of lights; more are kept in order.
     let words = frame.mask_words;
@@ -146,7 +158,7 @@ fn packet_colors<L: Lane, const G: usize>(
             light(
                 frame,
                 views,
-                materials,
+                &maps,
                 #[inline(always)]
                 |w| word(w)[g],
                 &rays[g],
@@ -156,10 +168,14 @@ fn packet_colors<L: Lane, const G: usize>(
     );
     clock.lap(5, &mut start);
     for g in 0..G {
-        let (surface, lit) = (surfaces[g].rows(), arriving[g].rows());
+        let start_of_group = first + g * L::WIDTH;
+        let shaded = shade(frame, &maps, &rays[g], &surfaces[g], &arriving[g]);
+        let [r, g, b, a] = groups(
+            #[inline(always)]
+            |channel| shaded[channel].row(),
+        );
         for lane in 0..L::WIDTH {
-            colors[first + g * L::WIDTH + lane] =
-                shade(frame, materials, texels, &surface.lane(lane), &lit.lane(lane));
+            colors[start_of_group + lane] = [r.at(lane), g.at(lane), b.at(lane), a.at(lane)];
         }
     }
     clock.lap(6, &mut start);

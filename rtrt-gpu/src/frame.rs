@@ -226,7 +226,7 @@ mod tests {
         let split = |bytes| bands(&frame, bytes).map(|band| (band.first_ray, band.rays)).collect::<Vec<_>>();
         assert_eq!(split(u64::MAX), [(0, 6 * row)]);
         assert_eq!(split(0).len(), 6);
-        assert_eq!(split(44 * 4 * u64::from(row) + 43), [(0, 4 * row), (4 * row, 2 * row)]);
+        assert_eq!(split(56 * 4 * u64::from(row) + 55), [(0, 4 * row), (4 * row, 2 * row)]);
     }
 
     #[test]

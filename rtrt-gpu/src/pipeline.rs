@@ -76,9 +76,10 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: 1, entry: "rank", reads: &[Frame, Placed], writes: &[Lists], work: entries },
         Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions], writes: &[Hits], work: rays },
         Pass { stage: 3, entry: "surface", reads: &[Frame, Views, Hits, Objects, Nodes, Words, Positions, Attributes], writes: &[Surfaces], work: rays },
+        Pass { stage: 3, entry: "detail", reads: &[Frame, Hits, Objects, Words, Attributes, Materials, Texels], writes: &[Surfaces], work: details },
         Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: lights },
-        Pass { stage: 5, entry: "light", reads: &[Frame, Views, Materials, Surfaces, Masks], writes: &[Lit], work: rays },
-        Pass { stage: 6, entry: "shade", reads: &[Frame, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
+        Pass { stage: 5, entry: "light", reads: &[Frame, Views, Materials, Texels, Surfaces, Masks], writes: &[Lit], work: rays },
+        Pass { stage: 6, entry: "shade", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
         Pass { stage: 7, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
     ]
 };
@@ -98,6 +99,9 @@ fn entries(frame: &Frame) -> Work {
 }
 fn rays(frame: &Frame) -> Work {
     frame.rays.into()
+}
+fn details(frame: &Frame) -> Work {
+    (frame.rays * frame.details).into()
 }
 /// A layer a light: an invocation that asked for all of them would take more loop turns than
 /// some devices allow.

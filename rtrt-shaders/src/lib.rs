@@ -14,6 +14,7 @@
 
 pub mod bin;
 pub mod canary;
+pub mod detail;
 pub mod light;
 pub mod occlusion;
 pub mod prepare;

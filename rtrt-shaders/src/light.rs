@@ -2,6 +2,7 @@
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::texture::Maps;
 use rtrt_core::lane::Word;
 use rtrt_core::layout::{Frame, Lit, Material, Surface, View};
 use rtrt_core::stage;
@@ -16,9 +17,10 @@ pub fn light(
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] materials: &[Material],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] surfaces: &[Surface],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] masks: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] lit: &mut [Lit],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] texels: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] surfaces: &[Surface],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] masks: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lit: &mut [Lit],
 ) {
     let index = index(id);
     if index < frame.rays {
@@ -27,7 +29,8 @@ pub fn light(
         let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let mask = |word: u32| Word(masks[(index * frame.mask_words + word) as usize]);
-        let arriving = stage::light::light(frame, views, materials, mask, &rays[0], &surface);
+        let arriving =
+            stage::light::light(frame, views, &Maps { materials, texels }, mask, &rays[0], &surface);
         lit[index as usize] = arriving.lane(0);
     }
 }

@@ -1,8 +1,12 @@
 //! Shade: one invocation a ray.
 
 use crate::index;
-use rtrt_core::layout::{Frame, Lit, Material, Surface};
+use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::texture::Maps;
+use rtrt_core::layout::{Frame, Lit, Material, Surface, View};
 use rtrt_core::stage;
+use rtrt_core::stage::light::Arriving;
+use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
@@ -11,15 +15,21 @@ use spirv_std::spirv;
 pub fn shade(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] materials: &[Material],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] texels: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] surfaces: &[Surface],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] lit: &[Lit],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] colors: &mut [[f32; 4]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] materials: &[Material],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] texels: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] surfaces: &[Surface],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] lit: &[Lit],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] colors: &mut [[f32; 4]],
 ) {
     let index = index(id);
     if index < frame.rays {
-        let (surface, lit) = (&surfaces[index as usize], &lit[index as usize]);
-        colors[index as usize] = stage::shade::shade(frame, materials, texels, surface, lit);
+        let ray = RayIndex(frame.first_ray + index);
+        let camera = &views[Frame::CAMERA as usize];
+        let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
+        let surface = Surfaces::new(&surfaces[index as usize]);
+        let arriving = Arriving::new(&lit[index as usize]);
+        colors[index as usize] =
+            stage::shade::shade(frame, &Maps { materials, texels }, &rays[0], &surface, &arriving);
     }
 }

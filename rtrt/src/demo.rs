@@ -6,7 +6,6 @@ mod shape;
 
 use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded, NamedCamera};
-use bytemuck::Zeroable;
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::Texture;
 use rtrt_core::scene::{Camera, Image, Join, Light, MaterialIndex, MeshIndex, Projection, phong};
@@ -78,7 +77,7 @@ impl<J: Join> Stage<'_, J> {
         self.builder.scene.add_material(phong(color, 0.0, roughness, texture, [0.0; 3]))
     }
     fn painted(&mut self, color: [f32; 3], roughness: f32) -> MaterialIndex {
-        self.material(color, roughness, Texture::zeroed())
+        self.material(color, roughness, Texture::NONE)
     }
     fn mesh(&mut self, shape: Shape) -> Result<MeshIndex, ImportError> {
         self.builder.add_mesh(MATCHBOX, shape.0)
@@ -185,7 +184,7 @@ impl<J: Join> Stage<'_, J> {
     fn lamp(&mut self) -> Result<(), ImportError> {
         let enamel = self.painted([0.05, 0.16, 0.13], 0.2);
         let lining = self.painted([0.9, 0.88, 0.8], 0.6);
-        let glow = phong([0.0; 3], 0.0, 1.0, Texture::zeroed(), [1.0, 0.86, 0.6]);
+        let glow = phong([0.0; 3], 0.0, 1.0, Texture::NONE, [1.0, 0.86, 0.6]);
         let glow = self.builder.scene.add_material(glow);
         let outside = [[0.02, 0.32], [0.1, 0.28], [0.16, 0.18], [0.42, -0.06]];
         let inside = outside.map(|[radius, height]| [radius - 0.008, height - 0.008]);

@@ -243,7 +243,7 @@ fn a_missing_texture_is_drawn_and_said() {
         "{:?}",
         loaded.warnings
     );
-    assert!(loaded.scene.materials()[0].texture.levels > 1);
+    assert!(loaded.scene.materials()[0].textures[0].levels > 1);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What arrives from lights: how they fade, how many there are, how surfaces answer.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Random, Shape, bulb, lamp, sun};
+use crate::shape::{Build, PLAIN, Random, Shape, bulb, lamp, spot, sun};
 use glam::{Mat4, Vec3};
 use rtrt_core::scene::{Light, Scene, phong};
 
@@ -56,6 +56,44 @@ pub(super) const CASES: &[Case] = &[
         name: "light/very_near",
         claim: "A light a millionth of a unit above a surface is as bright everywhere.",
         scene: || lit([square([0.3, -1.0 + 1e-6, 0.9], None), bulb([-0.6, -1.0 + 1e-3, 0.4])]),
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/spot",
+        claim: "A spot light casts shadows within its cone, and ends at its edge.",
+        scene: || lit([spot([1.0, 1.5, 0.5], [-1.0, -2.0, -0.5], 0.5)]),
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/spot_with_a_hard_edge",
+        claim: "The inner angle of a cone may be the outer one.",
+        scene: || {
+            let Light::Spot { position, direction, outer, color, .. } =
+                spot([0.2, 0.9, 0.1], [0.1, -1.0, 0.1], 0.7)
+            else {
+                unreachable!()
+            };
+            let (inner, reach) = (outer, Some(2.3));
+            lit([Light::Spot { position, direction, inner, outer, color, reach, inverse_square: true }])
+        },
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/spots_through_edges_and_corners",
+        claim: "A cone may cross edges and corners of the cube around its light, or be half of space.",
+        scene: || {
+            lit([
+                spot([0.0, 0.6, 0.0], [1.0, -1.0, 0.0], 0.3),
+                spot([0.0, 0.6, 0.0], [-1.0, -1.0, 1.0], 0.2),
+                spot([0.0, 0.6, 0.0], [-1.0, 0.01, -1.0], core::f32::consts::FRAC_PI_2),
+            ])
+        },
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "light/spot_through_the_last_face",
+        claim: "A spot light's cone may miss the first face of its cube.",
+        scene: || lit([spot([0.2, -0.4, 3.0], [0.0, 0.0, -1.0], 0.2)]),
         ..FROM_ABOVE
     },
     Case {

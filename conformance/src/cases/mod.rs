@@ -2,7 +2,9 @@
 
 mod bin;
 mod camera;
+mod environment;
 mod light;
+mod material;
 mod shadow;
 mod surface;
 mod texture;
@@ -18,8 +20,10 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         visibility::CASES,
         surface::CASES,
         texture::CASES,
+        material::CASES,
         shadow::CASES,
         light::CASES,
+        environment::CASES,
     ];
     files.into_iter().flatten()
 }

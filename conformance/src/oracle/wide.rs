@@ -251,7 +251,9 @@ fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Re
     for (light, _) in scene.lights().iter().zip(0..).filter(|(_, which)| reaches(masks, *which)) {
         let (way, color) = match *light {
             Light::Sun { direction, color } => (-direction.as_dvec3(), color),
-            Light::Point { position, color, .. } => (position.as_dvec3() - place, color),
+            Light::Point { position, color, .. } | Light::Spot { position, color, .. } => {
+                (position.as_dvec3() - place, color)
+            }
         };
         let distance = way.length();
         // Of a difference of two coordinates little is left where they are almost equal.
@@ -259,22 +261,36 @@ fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Re
             return Ok(());
         }
         let (full, share) = match *light {
-            Light::Point { reach, inverse_square: true, .. } => {
+            Light::Point { reach, inverse_square: true, .. }
+            | Light::Spot { reach, inverse_square: true, .. } => {
                 let spent = reach.map_or(0.0, |reach| distance / f64::from(reach));
                 (distance.powi(-2), (1.0 - spent * spent).powi(2))
             }
-            Light::Point { reach: Some(reach), .. } => (1.0, 1.0 - distance / f64::from(reach)),
+            Light::Point { reach: Some(reach), .. } | Light::Spot { reach: Some(reach), .. } => {
+                (1.0, 1.0 - distance / f64::from(reach))
+            }
             _ => (1.0, 1.0),
         };
+        let (cone, steepness) = cone(light, way);
         let color = color.as_dvec3() * full;
-        sum += color * share * (normal.dot(way) / distance).max(0.0);
-        doubt += color.abs() * 1e-5;
+        sum += color * share * cone * (normal.dot(way) / distance).max(0.0);
+        doubt += color.abs() * 1e-5 * steepness;
     }
     let found = DVec3::from(lit.diffuse.map(f64::from));
     if (found - sum).abs().cmple(doubt + sum.abs() * 1e-4).all() {
         return Ok(());
     }
     Err(format!("{found} of light arrives, not {sum}"))
+}
+
+/// The share of a light that its cone lets through on the way to it, and how much the cone
+/// magnifies errors.
+fn cone(light: &Light, way: DVec3) -> (f64, f64) {
+    let Light::Spot { direction, inner, outer, .. } = *light else { return (1.0, 1.0) };
+    let [inner, outer] = [inner, outer].map(|angle| f64::from(angle).cos());
+    let steepness = 1.0 / (inner - outer).max(1e-3);
+    let cosine = direction.as_dvec3().normalize().dot(-way.normalize());
+    (((cosine - outer) * steepness).clamp(0.0, 1.0).powi(2), 1.0 + steepness)
 }
 
 /// Whether light reaches a place on the triangle `own`, if that can be told. `doubt` is how
@@ -292,7 +308,9 @@ fn is_lit(
 ) -> Option<bool> {
     let (way, is_far, reach) = match *light {
         Light::Sun { direction, .. } => (-direction.as_dvec3().normalize(), true, None),
-        Light::Point { position, reach, .. } => (position.as_dvec3() - place, false, reach),
+        Light::Point { position, reach, .. } | Light::Spot { position, reach, .. } => {
+            (position.as_dvec3() - place, false, reach)
+        }
     };
     let cosine = |n: DVec3| n.dot(way) / (n.length() * way.length());
     let flat = own.ab.cross(own.ac);
@@ -304,6 +322,15 @@ fn is_lit(
             return Some(false);
         }
         if share > 1.0 - MARGIN {
+            return None;
+        }
+    }
+    if let Light::Spot { direction, outer, .. } = *light {
+        let off = direction.as_dvec3().angle_between(-way) - f64::from(outer);
+        if off > 1e-2 + closeness {
+            return Some(false);
+        }
+        if off > -1e-2 - closeness {
             return None;
         }
     }

@@ -21,30 +21,28 @@ pub fn footprint<L: Lane>(world_footprint: L, uv_area: L, world_area: L) -> L {
 
 /// Two neighboring levels and the share of the coarser one; the finer has the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Levels {
+pub struct Levels<L> {
     /// The finer level, 0 for the full size.
-    pub fine: u32,
+    pub fine: L,
     /// The coarser level: the next one, or the same at the end of the chain.
-    pub coarse: u32,
+    pub coarse: L,
     /// Share of the coarser level, 0 ..= 1.
-    pub share: f32,
+    pub share: L,
 }
 
 /// The levels whose texels are nearest in size to the footprint: `log₂(footprint · size)`
 /// lies between them and divides them (the paper's weights, which sum to 1).
 ///
-/// `log_size` is log₂ of the texture's size, `count` the number of levels, at least 1.
-/// A footprint of 0 or NaN takes the finest level.
+/// `log_size` is log₂ of the texture's size, `count` the number of levels, at least 1; it
+/// and the levels are whole numbers. A footprint of 0 or NaN takes the finest level.
 #[inline(always)]
-pub fn levels(footprint: f32, log_size: f32, count: u32) -> Levels {
-    let last = (count - 1) as f32;
-    let wanted = if footprint > FLOOR { log2(footprint) + log_size } else { 0.0 };
-    let wanted = if wanted > 0.0 { wanted } else { 0.0 };
-    let wanted = if wanted < last { wanted } else { last };
-    let below = floor(wanted);
-    let fine = crate::num::to_integer(below).0;
-    let coarse = if fine + 1 < count { fine + 1 } else { fine };
-    Levels { fine, coarse, share: wanted - below }
+pub fn levels<L: Lane>(footprint: L, log_size: L, count: L) -> Levels<L> {
+    let zero = footprint.like(0.0);
+    let last = count - 1.0;
+    let is_seen = footprint.like(FLOOR).less_than(footprint);
+    let wanted = is_seen.select(log2(footprint) + log_size, zero).max(zero).min(last);
+    let fine = floor(wanted);
+    Levels { fine, coarse: (fine + 1.0).min(last), share: wanted - fine }
 }
 
 #[cfg(test)]
@@ -53,19 +51,19 @@ mod tests {
 
     #[test]
     fn a_footprint_of_one_texel_is_level_0_and_of_two_is_level_1() {
-        let at = |texels: f32| levels(texels / 256.0, 8.0, 9);
-        assert_eq!(at(1.0), Levels { fine: 0, coarse: 1, share: 0.0 });
-        assert_eq!(at(2.0), Levels { fine: 1, coarse: 2, share: 0.0 });
+        let at = |texels: f32| levels(texels / 256.0, 8.0, 9.0);
+        assert_eq!(at(1.0), Levels { fine: 0.0, coarse: 1.0, share: 0.0 });
+        assert_eq!(at(2.0), Levels { fine: 1.0, coarse: 2.0, share: 0.0 });
         let between = at(2.9);
-        assert_eq!((between.fine, between.coarse), (1, 2));
+        assert_eq!((between.fine, between.coarse), (1.0, 2.0));
         assert!((between.share - 0.536).abs() < 1e-3);
     }
 
     #[test]
     fn ends_of_the_chain_hold() {
-        assert_eq!(levels(0.0, 8.0, 9).fine, 0);
-        assert_eq!(levels(f32::NAN, 8.0, 9).fine, 0);
-        assert_eq!(levels(1e9, 8.0, 9), Levels { fine: 8, coarse: 8, share: 0.0 });
-        assert_eq!(levels(0.5, 0.0, 1), Levels { fine: 0, coarse: 0, share: 0.0 });
+        assert_eq!(levels(0.0_f32, 8.0, 9.0).fine, 0.0);
+        assert_eq!(levels(f32::NAN, 8.0, 9.0).fine, 0.0);
+        assert_eq!(levels(1e9_f32, 8.0, 9.0), Levels { fine: 8.0, coarse: 8.0, share: 0.0 });
+        assert_eq!(levels(0.5_f32, 0.0, 1.0), Levels { fine: 0.0, coarse: 0.0, share: 0.0 });
     }
 }

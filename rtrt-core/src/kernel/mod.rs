@@ -1,7 +1,9 @@
 //! One idea a file: pure functions that stages are composed of.
 
 pub mod canary;
+pub mod cone;
 pub mod cover;
+pub mod environment;
 pub mod falloff;
 pub mod interpolate;
 pub mod lists;
@@ -10,6 +12,7 @@ pub mod offset;
 pub mod ray;
 pub mod reflect;
 pub mod slab;
+pub mod tangent;
 pub mod texture;
 pub mod tiles;
 pub mod traverse;

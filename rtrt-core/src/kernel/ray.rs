@@ -48,7 +48,7 @@ pub fn point<L: Lane + Mul<M, Output = L> + Add<M, Output = L>, M: Copy>(m: &[[M
 
 /// `m · (v, 0)`, each row summed from left to right.
 #[inline(always)]
-pub fn vector<L: Lane>(m: &[[f32; 4]; 3], v: V3<L>) -> V3<L> {
+pub fn vector<L: Lane + Mul<M, Output = L>, M: Copy>(m: &[[M; 4]; 3], v: V3<L>) -> V3<L> {
     V3 {
         x: v.x * m[0][0] + v.y * m[0][1] + v.z * m[0][2],
         y: v.x * m[1][0] + v.y * m[1][1] + v.z * m[1][2],

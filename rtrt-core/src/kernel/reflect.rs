@@ -1,7 +1,7 @@
 //! How a surface answers a light: Lambert's cosine and the Blinn-Phong lobe.
 
 use crate::lane::{Lane, V3};
-use crate::num::{flush, normalize, pow};
+use crate::num::{clamp, flush, normalize, pow, recip};
 
 /// Lambert's cosine between unit vectors; 0 for a light behind the surface, and where it is
 /// too small to count on every device (see [`flush`]).
@@ -26,6 +26,18 @@ pub fn blinn_phong<L: Lane>(normal: V3<L>, to_light: V3<L>, to_viewer: V3<L>, sh
     pow(lambert(normal, half), shininess) * ((shininess + 8.0) * 0.125)
 }
 
+/// The exponent of the lobe of a surface with this roughness, 0 ..= 1; `scene::phong` says
+/// where it comes from.
+///
+/// ```text
+/// 2 / roughness⁴ − 2, within 1 ..= 8192
+/// ```
+#[inline(always)]
+pub fn shininess<L: Lane>(roughness: L) -> L {
+    let width = roughness * roughness;
+    clamp(recip(width * width) * 2.0 - 2.0, 1.0, 8192.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,6 +52,12 @@ mod tests {
         let at = |v| blinn_phong(n, l, unit(v), 32.0);
         assert!(at([-1.0, 1.0, 0.0]) > at([-1.0, 1.5, 0.0]) && at([-1.0, 1.0, 0.0]) > at([-1.0, 0.7, 0.0]));
         assert!((at([-1.0, 1.0, 0.0]) - 5.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_rougher_the_duller() {
+        assert_eq!([shininess(0.0_f32), shininess(1.0)], [8192.0, 1.0]);
+        assert!((shininess(0.5_f32) - 30.0).abs() < 1e-4);
     }
 
     #[test]

@@ -1,44 +1,227 @@
 //! The color of a texture at a point.
 
 use crate::kernel::mip::{Levels, levels};
-use crate::lane::Lane;
-use crate::layout::{Texture, Wrap};
+use crate::lane::{Bits, Lane, Mask, Row, Select, groups};
+use crate::layout::{Material, Wrap};
 use crate::num::{clamp, floor, to_integer};
 
 /// Words at the start of the scene's texels: for each byte of an sRGB color, the bits of
 /// the linear light that it stands for.
 pub const DECODE_WORDS: usize = 256;
 
-/// Linear RGB of the texture at `uv`, and alpha: bilinear in the two levels that fit the
-/// footprint, then a linear mix of the two. White without a texture.
-///
-/// Sums run in the order in which they are written: rows within a level, levels last. The
-/// size of the texture does not change what this costs.
-#[inline(always)]
-pub fn sample(texels: &[u32], texture: &Texture, uv: [f32; 2], footprint: f32) -> [f32; 4] {
-    if texture.levels == 0 {
-        return [1.0; 4];
-    }
-    let Levels { fine, coarse, share } = levels(footprint, texture.log_size, texture.levels);
-    let sharp = bilinear(texels, texture, uv, fine);
-    if coarse == fine {
-        return sharp;
-    }
-    lerp(sharp, bilinear(texels, texture, uv, coarse), share)
+/// 1/255.
+pub const BYTE: f32 = 1.0 / 255.0;
+
+/// The materials of a scene, and the texels that they are read from.
+#[derive(Clone, Copy)]
+pub struct Maps<'a> {
+    /// The materials.
+    pub materials: &'a [Material],
+    /// The decoding words, then textures.
+    pub texels: &'a [u32],
 }
 
-/// Where a level starts in the texels, and its size.
-#[inline(always)]
-fn level(texture: &Texture, level: u32) -> (u32, [u32; 2]) {
-    let mut first = texture.first;
-    let mut size = [texture.width, texture.height];
-    let mut i = 0;
-    while i < level {
-        first += size[0] * size[1];
-        size = [half(size[0]), half(size[1])];
-        i += 1;
+/// The materials of a group of surfaces. (Apart from [`Maps`]: rust-gpu takes slices out of
+/// a structure only where nothing in it is indexed.)
+#[derive(Clone, Copy)]
+pub struct Chosen<L: Lane> {
+    /// The material in each lane; the first one where nothing was hit.
+    indices: <L::Bits as Bits>::Row,
+    /// Whether that is the same one in all lanes.
+    same: bool,
+}
+
+impl<L: Lane> Chosen<L> {
+    /// The materials numbered `material`, from 1 on; there must be one.
+    #[inline(always)]
+    pub fn new(material: L::Bits) -> Self {
+        let (none, one) = (material.like(0), material.like(1));
+        let indices = none.less_than(material).select(material - one, none);
+        let row = indices.row();
+        Self { indices: row, same: !(!indices.equal(none.like(row.at(0)))).any() }
     }
-    (first, size)
+
+    /// Numbers of each lane's material.
+    #[inline(always)]
+    pub fn numbers<P: Pick<N>, const N: usize>(&self, token: L::Token, maps: &Maps<'_>) -> [L; N] {
+        if L::WIDTH > 1 && self.same {
+            let numbers = P::pick(&maps.materials[self.indices.at(0) as usize]);
+            return groups(
+                #[inline(always)]
+                |i| L::splat(token, numbers[i]),
+            );
+        }
+        L::gather(
+            token,
+            #[inline(always)]
+            |lane| P::pick(&maps.materials[self.indices.at(lane) as usize]),
+        )
+    }
+}
+
+/// Which numbers of a material are wanted. (Not a closure: one that captures another is
+/// beyond rust-gpu.)
+pub trait Pick<const N: usize> {
+    /// The numbers.
+    fn pick(material: &Material) -> [f32; N];
+}
+
+/// How the texture `MAP` is laid out.
+struct Layout<const MAP: usize>;
+
+impl<const MAP: usize> Pick<13> for Layout<MAP> {
+    #[inline(always)]
+    fn pick(material: &Material) -> [f32; 13] {
+        let map = &material.textures[MAP];
+        [
+            map.levels as f32,
+            map.width as f32,
+            map.height as f32,
+            map.log_size,
+            map.wrap_u as f32,
+            map.wrap_v as f32,
+            map.set as f32,
+            map.turn[0][0],
+            map.turn[0][1],
+            map.turn[1][0],
+            map.turn[1][1],
+            map.shift[0],
+            map.shift[1],
+        ]
+    }
+}
+
+/// Where a group of surfaces is in its textures: for each set of texture coordinates, the
+/// coordinates and the side of the ray's footprint in them.
+#[derive(Clone, Copy)]
+pub struct Places<L> {
+    /// `u` and `v` in each set.
+    pub uv: [[L; 2]; 2],
+    /// In each set.
+    pub footprint: [L; 2],
+}
+
+/// Linear RGB of the texture `MAP` of each lane's material, and alpha: bilinear in the two
+/// levels that fit the footprint, then a linear mix of the two. White without a texture.
+/// With `COLOR`, texels are sRGB; else they are numbers within 0 ..= 1.
+///
+/// Sums run in the order in which they are written: rows within a level, levels last. The
+/// size of the texture does not change what this costs. Where to look is found for all
+/// lanes at once, texels are read lane by lane.
+#[inline(always)]
+pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
+    maps: &Maps<'_>,
+    chosen: &Chosen<L>,
+    places: &Places<L>,
+) -> [L; 4] {
+    let token = places.footprint[0].token();
+    let [count, width, height, log_size, wrap_u, wrap_v, set, a, b, c, d, e, f] =
+        chosen.numbers::<Layout<MAP>, 13>(token, maps);
+    let (zero, one) = (count.like(0.0), count.like(1.0));
+    if !zero.less_than(count).any() {
+        return [one; 4];
+    }
+    let second = zero.less_than(set);
+    let [u, v] =
+        [second.select(places.uv[1][0], places.uv[0][0]), second.select(places.uv[1][1], places.uv[0][1])];
+    let footprint = second.select(places.footprint[1], places.footprint[0]);
+    let uv = [u * a + v * b + e, u * c + v * d + f];
+    let Levels { fine, coarse, share } = levels(footprint, log_size, count.max(one));
+    let at = |level: L| Site::new(uv, [width, height], [wrap_u, wrap_v], level);
+    let sites = Sites { indices: chosen.indices, fine: at(fine), coarse: at(coarse), share: share.row() };
+    L::gather(
+        token,
+        #[inline(always)]
+        |lane| sites.fetch::<MAP, COLOR>(maps, lane),
+    )
+}
+
+/// The two levels that are looked up.
+struct Sites<L: Lane> {
+    /// The materials.
+    indices: <L::Bits as Bits>::Row,
+    fine: Site<L>,
+    coarse: Site<L>,
+    /// Of the coarser level.
+    share: L::Row,
+}
+
+impl<L: Lane> Sites<L> {
+    /// The color in one lane.
+    #[inline(always)]
+    fn fetch<const MAP: usize, const COLOR: bool>(&self, maps: &Maps<'_>, lane: usize) -> [f32; 4] {
+        let material = self.indices.at(lane);
+        let share = self.share.at(lane);
+        let sharp = self.fine.fetch::<MAP, COLOR>(maps, material, lane);
+        // Without a share the coarser level would change nothing.
+        if share == 0.0 {
+            return sharp;
+        }
+        lerp(sharp, self.coarse.fetch::<MAP, COLOR>(maps, material, lane), share)
+    }
+}
+
+/// The four texels around a point in one level, and how near their centers are.
+struct Site<L: Lane> {
+    level: <L::Bits as Bits>::Row,
+    /// The two columns, and the share of the second.
+    x: [<L::Bits as Bits>::Row; 2],
+    share_x: L::Row,
+    /// The two rows.
+    y: [<L::Bits as Bits>::Row; 2],
+    share_y: L::Row,
+}
+
+impl<L: Lane> Site<L> {
+    /// The texels around `uv` in a level of textures whose finest have this size.
+    #[inline(always)]
+    fn new(uv: [L; 2], size: [L; 2], wrap: [L; 2], level: L) -> Self {
+        let halvings = to_integer(level);
+        // 2 to the power of -level: sizes are below 2^15, so the product and its floor are exact.
+        let shrunk = L::from_bits(halvings.like(127 << 23) - (halvings << 23));
+        let (x, share_x) = neighbors(uv[0], floor(size[0] * shrunk), wrap[0]);
+        let (y, share_y) = neighbors(uv[1], floor(size[1] * shrunk), wrap[1]);
+        Self {
+            level: halvings.row(),
+            x: [x[0].row(), x[1].row()],
+            share_x: share_x.row(),
+            y: [y[0].row(), y[1].row()],
+            share_y: share_y.row(),
+        }
+    }
+
+    /// The mixed texels in one lane.
+    #[inline(always)]
+    fn fetch<const MAP: usize, const COLOR: bool>(
+        &self,
+        maps: &Maps<'_>,
+        material: u32,
+        lane: usize,
+    ) -> [f32; 4] {
+        let texels = maps.texels;
+        let map = &maps.materials[material as usize].textures[MAP];
+        if map.levels == 0 {
+            return [1.0; 4];
+        }
+        let level = self.level.at(lane);
+        let first = texels[(map.first + level) as usize];
+        let width = map.width >> level;
+        let width = if width > 1 { width } else { 1 };
+        let (x, next_x) = (self.x[0].at(lane), self.x[1].at(lane));
+        let (row, next_row) = (first + self.y[0].at(lane) * width, first + self.y[1].at(lane) * width);
+        let share = self.share_x.at(lane);
+        let upper = lerp(
+            decode::<COLOR>(texels, texels[(row + x) as usize]),
+            decode::<COLOR>(texels, texels[(row + next_x) as usize]),
+            share,
+        );
+        let lower = lerp(
+            decode::<COLOR>(texels, texels[(next_row + x) as usize]),
+            decode::<COLOR>(texels, texels[(next_row + next_x) as usize]),
+            share,
+        );
+        lerp(upper, lower, self.share_y.at(lane))
+    }
 }
 
 /// The size of the next level.
@@ -47,55 +230,44 @@ pub fn half(size: u32) -> u32 {
     if size > 1 { size / 2 } else { 1 }
 }
 
-/// The four texels around `uv` in one level, weighted by how near their centers are.
+/// The two columns (or rows) around a coordinate, and the share of the second. The size is
+/// a whole number; below 1 it counts as 1. `wrap` is a [`Wrap`].
 #[inline(always)]
-fn bilinear(texels: &[u32], texture: &Texture, uv: [f32; 2], number: u32) -> [f32; 4] {
-    let (first, size) = level(texture, number);
-    let (x0, x1, fx) = neighbors(uv[0], size[0], texture.wrap_u);
-    let (y0, y1, fy) = neighbors(uv[1], size[1], texture.wrap_v);
-    let at = |x: u32, y: u32| decode(texels, texels[(first + y * size[0] + x) as usize]);
-    lerp(lerp(at(x0, y0), at(x1, y0), fx), lerp(at(x0, y1), at(x1, y1), fx), fy)
-}
-
-/// The two columns (or rows) around a coordinate, and the share of the second.
-#[inline(always)]
-fn neighbors(coordinate: f32, size: u32, wrap: u32) -> (u32, u32, f32) {
-    // Beyond 2²⁰ a coordinate has no fraction worth having; NaN becomes 0.
-    let c = if Lane::abs(coordinate) < 1_048_576.0 { coordinate } else { 0.0 };
+fn neighbors<L: Lane>(coordinate: L, size: L, wrap: L) -> ([L::Bits; 2], L) {
+    let (zero, one) = (size.like(0.0), size.like(1.0));
+    let repeats = wrap.less_equal(size.like(Wrap::Repeat as u32 as f32));
+    let mirrors = size.like(Wrap::Mirror as u32 as f32).less_equal(wrap);
+    // Beyond 2^20 a coordinate has no fraction worth having; NaN becomes 0.
+    let c = Lane::abs(coordinate).less_than(size.like(1_048_576.0)).select(coordinate, zero);
     // Folding into one period first keeps the texel number small.
-    let c = if wrap == Wrap::Repeat as u32 {
-        c - floor(c)
-    } else if wrap == Wrap::Mirror as u32 {
-        let pair = c * 0.5;
-        let c = (pair - floor(pair)) * 2.0;
-        if c > 1.0 { 2.0 - c } else { c }
-    } else {
-        clamp(c, 0.0, 1.0)
-    };
-    let position = c * size as f32 - 0.5;
+    let half = c * 0.5;
+    let pair = (half - floor(half)) * 2.0;
+    let mirrored = one.less_than(pair).select(pair.like(2.0) - pair, pair);
+    let c = repeats.select(c - floor(c), mirrors.select(mirrored, clamp(c, 0.0, 1.0)));
+    let size = size.max(one);
+    let position = c * size - 0.5;
     let before = floor(position);
-    let x = to_integer(before).0;
     let share = position - before;
-    let last = size - 1;
+    let last = size - 1.0;
     // -1 and `size` are the neighbors across the edge.
-    if x == u32::MAX {
-        (if wrap == Wrap::Repeat as u32 { last } else { 0 }, 0, share)
-    } else if x >= last {
-        (last, if wrap == Wrap::Repeat as u32 { 0 } else { last }, share)
-    } else {
-        (x, x + 1, share)
-    }
+    let outside = before.less_than(zero);
+    let at_end = last.less_equal(before);
+    let x = outside.select(repeats.select(last, zero), before.min(last));
+    let next = outside.select(zero, at_end.select(repeats.select(zero, last), before + 1.0));
+    ([to_integer(x), to_integer(next)], share)
 }
 
-/// Linear RGB and alpha of a texel: sRGB, 8 bits each, red lowest.
+/// Linear RGB and alpha of a texel, 8 bits each, red lowest.
 #[inline(always)]
-fn decode(texels: &[u32], texel: u32) -> [f32; 4] {
-    let linear = |shift: u32| f32::from_bits(texels[(texel >> shift & 255) as usize]);
-    [linear(0), linear(8), linear(16), (texel >> 24) as f32 * BYTE]
+fn decode<const COLOR: bool>(texels: &[u32], texel: u32) -> [f32; 4] {
+    let (r, g, b) = (texel & 255, texel >> 8 & 255, texel >> 16 & 255);
+    let alpha = (texel >> 24) as f32 * BYTE;
+    if COLOR {
+        let linear = [texels[r as usize], texels[g as usize], texels[b as usize]];
+        return [f32::from_bits(linear[0]), f32::from_bits(linear[1]), f32::from_bits(linear[2]), alpha];
+    }
+    [r as f32 * BYTE, g as f32 * BYTE, b as f32 * BYTE, alpha]
 }
-
-/// 1/255.
-pub const BYTE: f32 = 1.0 / 255.0;
 
 /// `a + (b − a) · share`, component by component.
 #[inline(always)]
@@ -114,10 +286,8 @@ mod tests {
 
     #[test]
     fn neighbors_wrap_as_asked() {
-        let at = |c, wrap: Wrap| {
-            let (a, b, _) = neighbors(c, 4, wrap as u32);
-            [a, b]
-        };
+        let of = |c: f32, size: f32, wrap: Wrap| neighbors(c, size, wrap as u32 as f32).0.map(|x| x.0);
+        let at = |c, wrap| of(c, 4.0, wrap);
         assert_eq!(at(0.5, Wrap::Repeat), [1, 2]);
         assert_eq!(at(0.0, Wrap::Repeat), [3, 0]);
         assert_eq!(at(-0.4, Wrap::Repeat), [1, 2]);
@@ -127,6 +297,7 @@ mod tests {
         assert_eq!(at(1.4, Wrap::Mirror), [1, 2]);
         assert_eq!(at(-0.05, Wrap::Mirror), [0, 0]);
         assert_eq!(at(f32::NAN, Wrap::Repeat), [3, 0]);
-        assert_eq!(neighbors(0.3, 1, Wrap::Repeat as u32).0, 0);
+        assert_eq!(of(0.3, 1.0, Wrap::Repeat), [0, 0]);
+        assert_eq!(of(0.3, 0.0, Wrap::Repeat), [0, 0]);
     }
 }

@@ -4,7 +4,7 @@
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::STRETCH;
 use crate::kernel::traverse::Best;
-use crate::lane::{Lane, Mask, Select, V3};
+use crate::lane::{Lane, Mask, V3};
 
 /// Rays in a tile: 16 neighbors in number, 4 × 4 of the grid.
 pub const TILE: usize = 16;

@@ -33,9 +33,7 @@ impl Geometry<'_> {
     /// The corners of a triangle of the object's mesh.
     #[inline(always)]
     pub fn corners(&self, object: &Object, triangle: u32) -> [u32; 3] {
-        let first = (object.first_index + 3 * triangle) as usize;
-        let base = object.first_vertex;
-        [base + self.words[first], base + self.words[first + 1], base + self.words[first + 2]]
+        object.corners(self.words, triangle)
     }
 
     /// A triangle of the object's mesh, object space.

@@ -58,7 +58,8 @@ pub fn camera_ray<L: Lane>(view: &View, x: L, y: L) -> Ray<L> {
 pub fn light_block<L: Lane>(light: &View, point: V3<L>) -> L::Bits {
     let token = point.x.token();
     let offset = point - V3::splat(token, light.center);
-    let (column, row, face) = if light.kind == ViewKind::Point as u32 {
+    // Not `== Point`: the first face of a spot light's cube may be off.
+    let (column, row, face) = if light.kind != ViewKind::Sun as u32 {
         let (x, y, z) = (offset.x, offset.y, offset.z);
         let in_x = y.abs().less_equal(x.abs()) & z.abs().less_equal(x.abs());
         let in_y = z.abs().less_equal(y.abs());

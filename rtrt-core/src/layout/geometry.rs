@@ -77,12 +77,25 @@ pub struct Object {
     /// Rounding error of whatever culls with the bounds, relative to the frame's
     /// magnitude.
     pub slack: f32,
+    /// Where the mesh's packed tangents, one a vertex, start in the scene's words; 0 for none.
+    pub first_tangent: u32,
+    /// Where the mesh's second texture coordinates, two words a vertex, start in the scene's
+    /// words; 0 for none.
+    pub first_second_uv: u32,
 }
-const _: () = assert!(size_of::<Object>() == 164 && offset_of!(Object, slack) == 160);
+const _: () = assert!(size_of::<Object>() == 172 && offset_of!(Object, slack) == 160);
 const _: () = assert!(offset_of!(Object, low) == 96 && offset_of!(Object, center) == 128);
 const _: () = assert!(offset_of!(Object, first_index) == 144);
 
 impl Object {
+    /// The vertices at the corners of a triangle of the object's mesh; `words` are the
+    /// scene's.
+    #[inline(always)]
+    pub fn corners(&self, words: &[u32], triangle: u32) -> [u32; 3] {
+        let first = (self.first_index + 3 * triangle) as usize;
+        let base = self.first_vertex;
+        [base + words[first], base + words[first + 1], base + words[first + 2]]
+    }
     /// The bounds, widened by the rounding error of a frame of this magnitude: a ray that
     /// meets the object in its own space meets these in world space.
     #[inline(always)]

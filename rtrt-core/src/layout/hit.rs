@@ -45,8 +45,12 @@ pub struct Surface {
     pub uv: [f32; 2],
     /// Side of a ray's footprint on the surface, in texture coordinates.
     pub footprint: f32,
+    /// The second set of texture coordinates, where the mesh has one.
+    pub second_uv: [f32; 2],
+    /// Side of the footprint in them.
+    pub second_footprint: f32,
 }
-const _: () = assert!(size_of::<Surface>() == 44 && offset_of!(Surface, footprint) == 40);
+const _: () = assert!(size_of::<Surface>() == 56 && offset_of!(Surface, footprint) == 40);
 
 /// The light that arrives at a surface, before its material colors it.
 #[repr(C)]

@@ -16,11 +16,12 @@ pub enum Wrap {
     Mirror = 2,
 }
 
-/// Where a texture's mip chain lies in the scene's texels.
+/// Where a texture's mip chain lies in the scene's texels, and how it is laid on a surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Texture {
-    /// First texel of the finest level; the coarser ones follow without gaps.
+    /// The word that says where the finest level's texels start; those of the coarser levels
+    /// follow it.
     pub first: u32,
     /// Columns of the finest level.
     pub width: u32,
@@ -28,28 +29,77 @@ pub struct Texture {
     pub height: u32,
     /// Levels; 0 for no texture (white).
     pub levels: u32,
-    /// log₂ of the geometric mean of width and height.
+    /// log₂ of the geometric mean of width and height, each times what `turn` stretches it by.
     pub log_size: f32,
     /// [`Wrap`] of the columns.
     pub wrap_u: u32,
     /// [`Wrap`] of the rows.
     pub wrap_v: u32,
+    /// Which of the vertices' sets of texture coordinates is used: 0 or 1.
+    pub set: u32,
+    /// With `shift`, where a point's texture coordinates are in the texture:
+    /// `turn · (u, v) + shift`, two rows.
+    pub turn: [[f32; 2]; 2],
+    /// See `turn`.
+    pub shift: [f32; 2],
 }
-const _: () = assert!(size_of::<Texture>() == 28);
+const _: () = assert!(size_of::<Texture>() == 56 && offset_of!(Texture, turn) == 32);
+
+impl Texture {
+    /// No texture.
+    pub const NONE: Self = Self {
+        first: 0,
+        width: 0,
+        height: 0,
+        levels: 0,
+        log_size: 0.0,
+        wrap_u: 0,
+        wrap_v: 0,
+        set: 0,
+        turn: [[1.0, 0.0], [0.0, 1.0]],
+        shift: [0.0; 2],
+    };
+}
 
 /// How a surface answers light.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Material {
     /// Linear RGB, multiplied with the texture and the vertex color.
-    pub diffuse: [f32; 3],
-    /// Blinn-Phong exponent, 1 ..= 8192.
+    pub base: [f32; 3],
+    /// Blinn-Phong exponent, 1 ..= 8192, for a material without a roughness texture.
     pub shininess: f32,
-    /// Linear RGB of the highlight.
+    /// Linear RGB of the highlight where the surface is no metal and not rough.
     pub specular: [f32; 3],
-    /// The texture of the diffuse color.
-    pub texture: Texture,
-    /// Light of its own, linear RGB.
+    /// How much of a metal it is, 0 ..= 1, multiplied with the roughness texture's blue.
+    pub metallic: f32,
+    /// Light of its own, linear RGB, multiplied with the emission texture.
     pub emission: [f32; 3],
+    /// 0 ..= 1, multiplied with the roughness texture's green.
+    pub roughness: f32,
+    /// How strongly the normal map turns normals; 1 for as it is.
+    pub bump: f32,
+    /// How much of the ambient light the occlusion texture may take, 0 ..= 1.
+    pub occlusion: f32,
+    /// 1 for a surface that shows its base color whatever the light, else 0.
+    pub unlit: u32,
+    /// [`Material::COLOR`] and so on.
+    pub textures: [Texture; Material::TEXTURES],
 }
-const _: () = assert!(size_of::<Material>() == 68 && offset_of!(Material, texture) == 28);
+const _: () = assert!(size_of::<Material>() == 60 + 5 * 56 && offset_of!(Material, textures) == 60);
+
+impl Material {
+    /// Textures of a material.
+    pub const TEXTURES: usize = 5;
+    /// The texture of the base color, sRGB.
+    pub const COLOR: usize = 0;
+    /// The normal map: the normal's coordinates along tangent, bitangent and normal, −1 ..= 1
+    /// as 0 ..= 255.
+    pub const NORMAL: usize = 1;
+    /// The texture of roughness (green) and metalness (blue).
+    pub const ROUGHNESS: usize = 2;
+    /// The texture of how much ambient light arrives (red).
+    pub const OCCLUSION: usize = 3;
+    /// The texture of the emission, sRGB.
+    pub const EMISSION: usize = 4;
+}

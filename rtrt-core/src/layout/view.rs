@@ -74,9 +74,15 @@ pub struct View {
     pub color: [f32; 3],
     /// Light: the squared reach, widened by its rounding error; `f32::MAX` for no limit.
     pub reach_squared: f32,
+    /// Spot light: where its cone points, unit length.
+    pub axis: [f32; 3],
+    /// Spot light: how fast the cone fades, a unit of cosine; 0 for a light without a cone.
+    pub cone_scale: f32,
+    /// Spot light: the cone's share where the cosine is 0.
+    pub cone_offset: f32,
 }
-const _: () = assert!(size_of::<View>() == 192 && offset_of!(View, depth) == 64);
-const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, color) == 176);
+const _: () = assert!(size_of::<View>() == 212 && offset_of!(View, depth) == 64);
+const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, axis) == 192);
 
 /// The numbers of one frame. Scalars only, so that it may be a uniform block.
 #[repr(C)]
@@ -121,10 +127,18 @@ pub struct Frame {
     /// The largest coordinate of anything in the frame, in magnitude: objects, camera,
     /// lights. Rounding errors of culling are relative to it.
     pub magnitude: f32,
+    /// 1 where a material asks for normal maps or a second set of texture coordinates.
+    pub details: u32,
+    /// The environment, see [`Sky`](crate::kernel::environment::Sky): where it starts.
+    pub sky_first: u32,
+    /// Side of its sharpest square.
+    pub sky_side: u32,
+    /// How many squares there are for mirrors.
+    pub sky_levels: u32,
     /// Rounds the size up to a multiple of 16 bytes.
     pub padding: u32,
 }
-const _: () = assert!(size_of::<Frame>() == 80 && offset_of!(Frame, ambient_r) == 48);
+const _: () = assert!(size_of::<Frame>() == 96 && offset_of!(Frame, ambient_r) == 48);
 
 impl Frame {
     /// Views of one light: the six faces of a cube, of which parallel light uses one.
@@ -137,6 +151,15 @@ impl Frame {
     #[inline(always)]
     pub fn grid(&self) -> crate::grid::Grid {
         crate::grid::Grid { width: self.width, height: self.height, side: self.side }
+    }
+    /// The environment.
+    #[inline(always)]
+    pub fn sky(&self) -> crate::kernel::environment::Sky {
+        crate::kernel::environment::Sky {
+            first: self.sky_first,
+            side: self.sky_side,
+            levels: self.sky_levels,
+        }
     }
     /// The first view of a light.
     #[inline(always)]

@@ -5,7 +5,16 @@ use crate::layout::{Texture, Wrap};
 use crate::num::{floor, srgb_decode, srgb_encode};
 use alloc::vec::Vec;
 
-/// A picture: sRGB with alpha, 8 bits a channel.
+/// What the bytes of an image stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Content {
+    /// sRGB, and alpha.
+    Color,
+    /// Numbers from 0 to 1, of 255 steps.
+    Numbers,
+}
+
+/// A picture with alpha, 8 bits a channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     /// Columns.
@@ -56,44 +65,62 @@ impl Image {
         Ok(())
     }
 
-    /// Appends the mip chain to `texels` and says where it lies.
+    /// Appends the mip chain to `texels`, where its levels start first, and says where it lies.
     ///
     /// Each level halves the one before, rounding down; a texel is the average of the
-    /// texels it covers (two by two, or three where a size is odd), in linear light.
+    /// texels it covers (two by two, or three where a size is odd), in linear light if they
+    /// are colors.
     ///
     /// # Errors
     /// The size or the number of bytes is wrong.
-    pub(super) fn append(&self, wrap: [Wrap; 2], texels: &mut Vec<u32>) -> Result<Texture, ImageError> {
+    pub(super) fn append(
+        &self,
+        wrap: [Wrap; 2],
+        content: Content,
+        texels: &mut Vec<u32>,
+    ) -> Result<Texture, ImageError> {
         self.check()?;
-        let first = texels.len() as u32;
+        let first = texels.len();
+        let levels = self.width.max(self.height).ilog2() as usize + 1;
+        texels.resize(first + levels, 0);
+        texels[first] = texels.len() as u32;
         texels.extend(self.rgba.chunks_exact(4).map(|p| u32::from_le_bytes([p[0], p[1], p[2], p[3]])));
-        let (mut size, mut start, mut levels) = ([self.width, self.height], first as usize, 1);
-        while size != [1, 1] {
+        let (mut size, mut start) = ([self.width, self.height], first + levels);
+        for level in 1..levels {
             let finer = size;
             size = size.map(half);
             let coarser: Vec<u32> = (0..size[1])
                 .flat_map(|y| (0..size[0]).map(move |x| [x, y]))
-                .map(|at| average(texels, start, finer, size, at))
+                .map(|at| average(texels, content, start, finer, size, at))
                 .collect();
             start = texels.len();
+            texels[first + level] = start as u32;
             texels.extend(coarser);
-            levels += 1;
         }
         let log_size = libm::log2(f64::from(self.width) * f64::from(self.height)) * 0.5;
         Ok(Texture {
-            first,
+            first: first as u32,
             width: self.width,
             height: self.height,
-            levels,
+            levels: levels as u32,
             log_size: log_size as f32,
             wrap_u: wrap[0] as u32,
             wrap_v: wrap[1] as u32,
+            ..Texture::NONE
         })
     }
 }
 
 /// The average of the texels of the finer level that one texel of the coarser covers.
-fn average(texels: &[u32], start: usize, finer: [u32; 2], coarser: [u32; 2], at: [u32; 2]) -> u32 {
+fn average(
+    texels: &[u32],
+    content: Content,
+    start: usize,
+    finer: [u32; 2],
+    coarser: [u32; 2],
+    at: [u32; 2],
+) -> u32 {
+    let is_light = |channel: usize| channel < 3 && content == Content::Color;
     let range = |axis: usize| {
         let end = if at[axis] + 1 == coarser[axis] { finer[axis] } else { 2 * at[axis] + 2 };
         2 * at[axis]..end.min(finer[axis]).max(2 * at[axis] + 1)
@@ -104,14 +131,14 @@ fn average(texels: &[u32], start: usize, finer: [u32; 2], coarser: [u32; 2], at:
             let texel = texels[start + (y * finer[0] + x) as usize];
             for (channel, sum) in sum.iter_mut().enumerate() {
                 let byte = (texel >> (8 * channel) & 255) as usize;
-                *sum += if channel < 3 { f32::from_bits(texels[byte]) } else { byte as f32 / 255.0 };
+                *sum += if is_light(channel) { f32::from_bits(texels[byte]) } else { byte as f32 / 255.0 };
             }
             count += 1.0;
         }
     }
     (0..4).fold(0, |texel, channel| {
         let mean = sum[channel] / count;
-        let encoded = if channel < 3 { srgb_encode(mean) } else { mean };
+        let encoded = if is_light(channel) { srgb_encode(mean) } else { mean };
         texel | (floor(encoded * 255.0 + 0.5) as u32) << (8 * channel)
     })
 }
@@ -129,32 +156,29 @@ mod tests {
     fn chain(width: u32, height: u32, rgba: Vec<u8>) -> (Texture, Vec<u32>) {
         let mut texels = decode_words();
         let image = Image { width, height, rgba };
-        (image.append([Wrap::Repeat; 2], &mut texels).unwrap(), texels)
+        (image.append([Wrap::Repeat; 2], Content::Color, &mut texels).unwrap(), texels)
     }
 
     #[test]
     fn a_chain_ends_at_one_texel_of_the_average_light() {
         let (texture, texels) = chain(2, 1, vec![255, 255, 255, 255, 0, 0, 0, 255]);
-        assert_eq!((texture.levels, texels.len()), (2, DECODE_WORDS + 3));
+        assert_eq!((texture.levels, texels.len()), (2, DECODE_WORDS + 2 + 3));
         // Half the light of white is 188 in sRGB, not 128.
-        assert_eq!(texels[DECODE_WORDS + 2], 0xff_bc_bc_bc);
+        assert_eq!(texels[DECODE_WORDS + 2 + 2], 0xff_bc_bc_bc);
     }
 
     #[test]
     fn odd_sizes_lose_no_texel() {
         let (texture, texels) = chain(5, 3, [9, 9, 9, 9].repeat(15));
         assert_eq!(texture.levels, 3);
-        assert_eq!(texels[DECODE_WORDS..], [0x0909_0909; 15 + 2 + 1]);
+        assert_eq!(texels[DECODE_WORDS + 3..], [0x0909_0909; 15 + 2 + 1]);
     }
 
     #[test]
     fn refuses_wrong_sizes() {
         let image = |width, height, bytes| Image { width, height, rgba: vec![0; bytes] };
-        let mut texels = decode_words();
-        assert!(matches!(image(0, 4, 0).append([Wrap::Clamp; 2], &mut texels), Err(ImageError::Size { .. })));
-        assert!(matches!(
-            image(2, 2, 15).append([Wrap::Clamp; 2], &mut texels),
-            Err(ImageError::Bytes { .. })
-        ));
+        let append = |image: Image| image.append([Wrap::Clamp; 2], Content::Numbers, &mut decode_words());
+        assert!(matches!(append(image(0, 4, 0)), Err(ImageError::Size { .. })));
+        assert!(matches!(append(image(2, 2, 15)), Err(ImageError::Bytes { .. })));
     }
 }

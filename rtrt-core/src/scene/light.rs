@@ -24,6 +24,24 @@ pub enum Light {
         /// `reach`, or not at all without one.
         inverse_square: bool,
     },
+    /// Shines from a point within a cone.
+    Spot {
+        /// World space.
+        position: Vec3,
+        /// Where the middle of the cone goes; any length but 0.
+        direction: Vec3,
+        /// The angle off the middle at which the light begins to fade, radians.
+        inner: f32,
+        /// The angle off the middle at which it is 0: more than 0, not less than `inner`, at
+        /// most π/2, radians.
+        outer: f32,
+        /// Linear RGB, as that of a point light.
+        color: Vec3,
+        /// As that of a point light.
+        reach: Option<f32>,
+        /// As that of a point light.
+        inverse_square: bool,
+    },
     /// Shines from infinitely far away.
     Sun {
         /// Where the light goes; any length but 0.
@@ -38,8 +56,9 @@ pub enum Light {
 const LEAST_REACH: f32 = f32::from_bits((127 - 45) << 23);
 
 impl Light {
-    /// The views of the light: six faces of a cube around a point, one parallel view and
-    /// five that bin nothing for a sun. `cells` is the number of blocks along one side.
+    /// The views of the light: six faces of a cube around a point (those that a spot light
+    /// does not shine through bin nothing), one parallel view and five that bin nothing for a
+    /// sun. `cells` is the number of blocks along one side.
     pub(super) fn views(
         &self,
         bounds: &Bounds,
@@ -48,28 +67,19 @@ impl Light {
     ) -> Result<[View; Frame::VIEWS_PER_LIGHT as usize], SetupError> {
         match *self {
             Self::Point { position, color, reach, inverse_square } => {
-                let reach = reach.unwrap_or(f32::INFINITY);
-                if !position.is_finite() || !color.is_finite() || reach.is_nan() || reach <= 0.0 {
-                    return Err(SetupError::Light {
-                        why: "position, color and reach must be finite and the reach positive",
-                    });
+                let light = bulb(position, color, reach, inverse_square)?;
+                Ok(cube(&light, cells, first_block))
+            }
+            Self::Spot { position, direction, inner, outer, color, reach, inverse_square } => {
+                let light = bulb(position, color, reach, inverse_square)?;
+                let (axis, light) = with_cone(light, direction, inner, outer)?;
+                let mut faces = cube(&light, cells, first_block);
+                for (face, view) in faces.iter_mut().enumerate() {
+                    if libm::acos(axis.dot(forward(face))) > f64::from(outer) + FACE {
+                        view.kind = ViewKind::Off as u32;
+                    }
                 }
-                let reach = reach.max(LEAST_REACH);
-                let wider = reach * (1.0 + 1.0 / 65536.0);
-                let squared = wider * wider;
-                let light = View {
-                    center: position.map(floored).to_array(),
-                    kind: ViewKind::Point as u32,
-                    inv_reach: flush(1.0 / reach),
-                    inverse_square: f32::from(u8::from(inverse_square)),
-                    color: color.map(floored).to_array(),
-                    reach_squared: if squared.is_finite() { squared } else { f32::MAX },
-                    ..View::zeroed()
-                };
-                let blocks = cells * cells;
-                Ok(core::array::from_fn(|face| {
-                    cube_face(&light, face, cells, first_block + face as u32 * blocks)
-                }))
+                Ok(faces)
             }
             Self::Sun { direction, color } => {
                 let direction =
@@ -84,12 +94,64 @@ impl Light {
     }
 }
 
+/// What the faces around a point light have in common.
+fn bulb(position: Vec3, color: Vec3, reach: Option<f32>, inverse_square: bool) -> Result<View, SetupError> {
+    let reach = reach.unwrap_or(f32::INFINITY);
+    if !position.is_finite() || !color.is_finite() || reach.is_nan() || reach <= 0.0 {
+        return Err(SetupError::Light {
+            why: "position, color and reach must be finite and the reach positive",
+        });
+    }
+    let reach = reach.max(LEAST_REACH);
+    let wider = reach * (1.0 + 1.0 / 65536.0);
+    let squared = wider * wider;
+    Ok(View {
+        center: position.map(floored).to_array(),
+        kind: ViewKind::Point as u32,
+        inv_reach: flush(1.0 / reach),
+        inverse_square: f32::from(u8::from(inverse_square)),
+        color: color.map(floored).to_array(),
+        reach_squared: if squared.is_finite() { squared } else { f32::MAX },
+        ..View::zeroed()
+    })
+}
+
+/// The light with a cone, whose axis comes first; see [`crate::kernel::cone::cone`].
+fn with_cone(light: View, direction: Vec3, inner: f32, outer: f32) -> Result<(DVec3, View), SetupError> {
+    let axis = unit(direction.as_dvec3())
+        .ok_or(SetupError::Light { why: "the direction of a spot light must not be zero" })?;
+    if !(outer > 0.0 && outer <= core::f32::consts::FRAC_PI_2 && inner >= 0.0 && inner <= outer) {
+        return Err(SetupError::Light {
+            why: "a spot light's angles must be within 0 and 90 degrees, the inner one not above the outer",
+        });
+    }
+    let [inner, outer] = [inner, outer].map(|angle| libm::cos(f64::from(angle)));
+    let scale = 1.0 / (inner - outer).max(1e-3);
+    let cone_offset = flush((-outer * scale) as f32);
+    Ok((axis, View { axis: single(axis), cone_scale: scale as f32, cone_offset, ..light }))
+}
+
+/// How far the directions of a face are off its middle, at most: at the corners, where the
+/// cosine is 1/√3. Radians, with room for the roundings of a cone's edge.
+const FACE: f64 = 0.9554 + 1e-3;
+
+/// The middle of a face of the cube around a point light.
+fn forward(face: usize) -> DVec3 {
+    [DVec3::X, DVec3::Y, DVec3::Z][face / 2] * if face.is_multiple_of(2) { 1.0 } else { -1.0 }
+}
+
+/// The faces of the cube around a point light.
+fn cube(light: &View, cells: u32, first_block: u32) -> [View; Frame::VIEWS_PER_LIGHT as usize] {
+    let blocks = cells * cells;
+    core::array::from_fn(|face| cube_face(light, face, cells, first_block + face as u32 * blocks))
+}
+
 /// One face of the cube around a point light, in the order and with the axes of
 /// [`crate::kernel::view::light_block`].
 fn cube_face(light: &View, face: usize, cells: u32, first_block: u32) -> View {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let [u, v] = [[1, 2], [0, 2], [0, 1]][face / 2].map(|axis: usize| axes[axis]);
-    let forward = axes[face / 2] * if face.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let forward = forward(face);
     let half = f64::from(cells) * 0.5;
     View {
         x: single((u + forward) * half),

@@ -2,6 +2,7 @@
 
 use crate::layout::Attribute;
 use crate::scene::floor::floored;
+use crate::scene::tangent;
 use alloc::vec::Vec;
 
 /// The largest coordinate that a mesh or a placed object may have, in magnitude: 2³⁰.
@@ -66,6 +67,8 @@ pub struct Mesh {
     positions: Vec<[f32; 3]>,
     attributes: Vec<Attribute>,
     indices: Vec<u32>,
+    tangents: Vec<u32>,
+    second_uv: Vec<[f32; 2]>,
 }
 
 impl Mesh {
@@ -111,8 +114,64 @@ impl Mesh {
         let vertices = positions.len();
         match indices.iter().position(|&i| i as usize >= vertices) {
             Some(index) => Err(MeshError::Index { index, value: indices[index], vertices }),
-            None => Ok(Self { positions, attributes, indices }),
+            None => Ok(Self { positions, attributes, indices, tangents: Vec::new(), second_uv: Vec::new() }),
         }
+    }
+
+    /// The mesh with a second set of texture coordinates, one a vertex.
+    ///
+    /// # Errors
+    /// A coordinate is not finite, or there are more or fewer than vertices.
+    pub fn with_second_uv(mut self, mut uv: Vec<[f32; 2]>) -> Result<Self, MeshError> {
+        self.check_length(uv.len())?;
+        for (vertex, value) in
+            uv.iter_mut().enumerate().flat_map(|(i, uv)| uv.iter_mut().map(move |c| (i, c)))
+        {
+            if !value.is_finite() {
+                return Err(MeshError::Attribute { vertex, value: *value });
+            }
+            *value = floored(*value);
+        }
+        self.second_uv = uv;
+        Ok(self)
+    }
+
+    /// The mesh with tangents for normal maps, one a vertex: a direction, and the sign of the
+    /// bitangent, which is `normal × tangent` times that sign (as glTF has them).
+    ///
+    /// # Errors
+    /// A number is not finite, or there are more or fewer than vertices.
+    pub fn with_tangents(mut self, tangents: &[[f32; 4]]) -> Result<Self, MeshError> {
+        self.check_length(tangents.len())?;
+        let mut numbers = tangents.iter().enumerate().flat_map(|(i, t)| t.map(|c| (i, c)));
+        if let Some((vertex, value)) = numbers.find(|(_, c)| !c.is_finite()) {
+            return Err(MeshError::Attribute { vertex, value });
+        }
+        self.tangents = tangents.iter().map(|&t| tangent::pack(t)).collect();
+        Ok(self)
+    }
+
+    /// The mesh with tangents made from its texture coordinates, those of the second set if
+    /// `second`. Vertices may be duplicated, where a texture is mirrored.
+    pub fn with_made_tangents(mut self, second: bool) -> Self {
+        let uv = |i: usize| {
+            if second { self.second_uv.get(i).copied().unwrap_or_default() } else { self.attributes[i].uv }
+        };
+        let made = tangent::make(&self.positions, &self.attributes, uv, &mut self.indices);
+        for &(copied, _) in &made[self.positions.len()..] {
+            self.positions.push(self.positions[copied as usize]);
+            self.attributes.push(self.attributes[copied as usize]);
+            if let Some(&uv) = self.second_uv.get(copied as usize) {
+                self.second_uv.push(uv);
+            }
+        }
+        self.tangents = made.into_iter().map(|(_, tangent)| tangent).collect();
+        self
+    }
+
+    fn check_length(&self, attributes: usize) -> Result<(), MeshError> {
+        let positions = self.positions.len();
+        if attributes == positions { Ok(()) } else { Err(MeshError::Lengths { positions, attributes }) }
     }
 
     /// Vertex positions, object space.
@@ -122,6 +181,14 @@ impl Mesh {
     /// What is interpolated, one a vertex.
     pub fn attributes(&self) -> &[Attribute] {
         &self.attributes
+    }
+    /// Tangents, packed, one a vertex; empty for none.
+    pub(super) fn tangents(&self) -> &[u32] {
+        &self.tangents
+    }
+    /// The second set of texture coordinates, one a vertex; empty for none.
+    pub fn second_uv(&self) -> &[[f32; 2]] {
+        &self.second_uv
     }
     /// Vertex indices, three a triangle.
     pub fn indices(&self) -> &[u32] {

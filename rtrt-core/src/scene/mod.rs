@@ -5,6 +5,7 @@
 //! what is built here.
 
 mod camera;
+mod environment;
 mod floor;
 mod image;
 mod light;
@@ -12,10 +13,12 @@ mod material;
 mod mesh;
 mod setup;
 mod store;
+mod tangent;
 mod tree;
 
 pub use camera::{Camera, Projection};
-pub use image::{Image, ImageError};
+pub use environment::{Panorama, PanoramaError};
+pub use image::{Content, Image, ImageError};
 pub use light::Light;
 pub use material::phong;
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};

@@ -137,6 +137,10 @@ impl Setup {
             background_g,
             background_b,
             magnitude,
+            details: u32::from(scene.has_details()),
+            sky_first: scene.sky().first,
+            sky_side: scene.sky().side,
+            sky_levels: scene.sky().levels,
             ..Frame::zeroed()
         };
         Ok(())
@@ -208,7 +212,7 @@ mod tests {
         assert_eq!([background_r, background_g, background_b], [0.0; 3]);
         assert_eq!(denormal(&[magnitude]), None);
         let material = &scene.materials()[0];
-        let colors = [material.diffuse, material.specular, material.emission];
+        let colors = [material.base, material.specular, material.emission];
         assert_eq!((denormal(colors.as_flattened()), material.shininess), (None, 0.0));
     }
 

@@ -1,12 +1,15 @@
 //! The scene: everything a backend reads, in the arrays it reads them from.
 
+use crate::kernel::environment::Sky;
 use crate::layout::{Attribute, Material, Node, Object, Texture, Wrap};
 use crate::num::flush;
 use crate::scene::camera::single;
 use crate::scene::floor::floored;
 use crate::scene::image::decode_words;
 use crate::scene::tree::Bounds;
-use crate::scene::{COORDINATE_LIMIT, Image, ImageError, Light, Mesh, MeshTree};
+use crate::scene::{
+    COORDINATE_LIMIT, Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError,
+};
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
@@ -53,6 +56,9 @@ pub enum SceneError {
     /// The texture was refused.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// The environment was refused.
+    #[error(transparent)]
+    Panorama(#[from] PanoramaError),
 }
 
 /// Counts the changes of each part of a scene, so that a backend that keeps copies renews
@@ -75,6 +81,9 @@ struct Stored {
     root: u32,
     first_vertex: u32,
     first_index: u32,
+    first_tangent: u32,
+    first_second_uv: u32,
+    first_source: usize,
     triangles: u32,
     bounds: Bounds,
     center: DVec3,
@@ -102,10 +111,11 @@ pub struct Scene {
     object_meshes: Vec<u32>,
     meshes: Vec<Stored>,
     lights: Vec<Light>,
+    sky: Sky,
     bounds: Bounds,
-    /// Light from everywhere, linear RGB.
+    /// Light from everywhere, linear RGB; an environment takes its place.
     pub ambient: Vec3,
-    /// What a ray sees that hits nothing, linear RGB.
+    /// What a ray sees that hits nothing, linear RGB; an environment takes its place.
     pub background: Vec3,
 }
 
@@ -138,28 +148,60 @@ impl Scene {
             object_meshes: vec![],
             meshes: vec![],
             lights: vec![],
+            sky: Sky::default(),
             bounds: Bounds::EMPTY,
             ambient: Vec3::splat(0.1),
             background: Vec3::new(0.02, 0.025, 0.035),
         }
     }
 
-    /// Adds a texture: its mip chain is built here.
+    /// Adds a texture of colors: its mip chain is built here.
     ///
     /// # Errors
     /// The image is not usable, or the scene is full.
     pub fn add_texture(&mut self, image: &Image, wrap: [Wrap; 2]) -> Result<Texture, SceneError> {
+        self.add_map(image, wrap, Content::Color)
+    }
+
+    /// Adds a texture of colors or of numbers.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_texture`].
+    pub fn add_map(
+        &mut self,
+        image: &Image,
+        wrap: [Wrap; 2],
+        content: Content,
+    ) -> Result<Texture, SceneError> {
         if self.texels.len() + image.rgba.len() / 2 > u32::MAX as usize {
             return Err(SceneError::TooLarge { what: "texels" });
         }
         self.versions.texels += 1;
-        Ok(image.append(wrap, &mut self.texels)?)
+        Ok(image.append(wrap, content, &mut self.texels)?)
+    }
+
+    /// Surrounds the scene with an environment: rays that hit nothing see it, surfaces mirror
+    /// it, and it takes the place of the ambient light. One that was there before is seen no
+    /// more, but still takes memory.
+    ///
+    /// # Errors
+    /// The panorama is not usable, or the scene is full.
+    pub fn set_environment(&mut self, panorama: &Panorama) -> Result<(), SceneError> {
+        // A square of at most 1024 texels a side, and less than as many again for the others.
+        if self.texels.len() + (1 << 21) > u32::MAX as usize {
+            return Err(SceneError::TooLarge { what: "texels" });
+        }
+        self.sky = panorama.append(&mut self.texels)?;
+        self.versions.texels += 1;
+        Ok(())
     }
 
     /// Adds a material. Colors too small to count are black.
     pub fn add_material(&mut self, mut material: Material) -> MaterialIndex {
-        let Material { diffuse, shininess, specular, emission, .. } = &mut material;
-        for value in diffuse.iter_mut().chain(specular).chain(emission).chain([shininess]) {
+        let Material { base, specular, emission, shininess, metallic, roughness, bump, occlusion, .. } =
+            &mut material;
+        let numbers = [shininess, metallic, roughness, bump, occlusion];
+        for value in base.iter_mut().chain(specular).chain(emission).chain(numbers) {
             *value = floored(*value);
         }
         self.versions.materials += 1;
@@ -179,17 +221,33 @@ impl Scene {
                 Ok(have as u32)
             }
         };
-        let first_index = room(self.words.len(), mesh.indices().len(), "triangles")?;
+        // Vertices in the order in which the leaves use them; those that none uses are dropped.
+        let mut order = Order::new(mesh.positions().len());
+        let mut indices = Vec::with_capacity(mesh.indices().len());
+        for &triangle in &tree.triangles {
+            let corners = &mesh.indices()[3 * triangle as usize..][..3];
+            indices.extend(corners.iter().map(|&vertex| order.place(vertex)));
+        }
+        let vertices = || order.vertices.iter().map(|&vertex| vertex as usize);
+        let used = |all: usize| if all == 0 { 0 } else { order.vertices.len() };
+        let (tangents, second_uv) = (used(mesh.tangents().len()), used(mesh.second_uv().len()));
+        let words = indices.len() + tangents + 2 * second_uv;
+        let first_index = room(self.words.len(), words, "triangles")?;
         let root = tree.nodes.first().copied().ok_or(SceneError::TooLarge { what: "empty trees" })?;
         let low = DVec3::from(root.low.map(f64::from));
         let high = DVec3::from(root.high.map(f64::from));
         let center = (low + high) * 0.5;
         let squared =
             mesh.positions().iter().map(|p| (DVec3::from(p.map(f64::from)) - center).length_squared());
+        // Where `count` elements of some words each start, after `before`; nowhere if there are none.
+        let after = |before: usize, count: usize| if count == 0 { 0 } else { first_index + before as u32 };
         let stored = Stored {
             root: 1 + room(2 * self.nodes.len(), 1 + tree.nodes.len(), "nodes")?,
-            first_vertex: room(self.positions.len(), mesh.positions().len(), "vertices")?,
+            first_vertex: room(self.positions.len(), order.vertices.len(), "vertices")?,
             first_index,
+            first_tangent: after(indices.len(), tangents),
+            first_second_uv: after(indices.len() + tangents, second_uv),
+            first_source: self.sources.len(),
             triangles: mesh.triangles() as u32,
             bounds: Bounds { low: root.low, high: root.high },
             center,
@@ -197,13 +255,13 @@ impl Scene {
         };
         self.nodes.push(Pair([Node::zeroed(), root]));
         self.nodes.extend(tree.nodes[1..].chunks_exact(2).map(|pair| Pair([pair[0], pair[1]])));
-        // Vertices in the order in which the leaves use them; those that none uses are dropped.
-        let mut order = Order::new(mesh.positions().len());
-        for &triangle in &tree.triangles {
-            let corners = &mesh.indices()[3 * triangle as usize..][..3];
-            self.words.extend(corners.iter().map(|&vertex| order.place(vertex)));
+        self.words.extend_from_slice(&indices);
+        if tangents > 0 {
+            self.words.extend(vertices().map(|vertex| mesh.tangents()[vertex]));
         }
-        let vertices = || order.vertices.iter().map(|&vertex| vertex as usize);
+        if second_uv > 0 {
+            self.words.extend(vertices().flat_map(|vertex| mesh.second_uv()[vertex].map(f32::to_bits)));
+        }
         self.positions.extend(vertices().map(|vertex| mesh.positions()[vertex]));
         self.attributes.extend(vertices().map(|vertex| mesh.attributes()[vertex]));
         self.sources.extend_from_slice(&tree.triangles);
@@ -288,7 +346,8 @@ impl Scene {
     pub fn nodes(&self) -> &[Node] {
         bytemuck::cast_slice(&self.nodes)
     }
-    /// Vertex indices of all meshes, three a triangle, in the order of their trees' leaves.
+    /// Of all meshes: vertex indices, three a triangle, in the order of their trees' leaves, and,
+    /// where there are some, packed tangents and second texture coordinates.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
@@ -300,7 +359,8 @@ impl Scene {
     pub fn attributes(&self) -> &[Attribute] {
         &self.attributes
     }
-    /// The decoding words, then the mip chains of all textures.
+    /// The decoding words, then the mip chains of all textures and the squares of the
+    /// environment.
     pub fn texels(&self) -> &[u32] {
         &self.texels
     }
@@ -321,6 +381,17 @@ impl Scene {
         const NOWHERE: Bounds = Bounds { low: [0.0; 3], high: [0.0; 3] };
         if self.objects.is_empty() { &NOWHERE } else { &self.bounds }
     }
+    /// Where the environment is in the texels.
+    pub(super) fn sky(&self) -> Sky {
+        self.sky
+    }
+    /// Whether a material asks for what the stage `detail` finds.
+    pub(super) fn has_details(&self) -> bool {
+        let asks = |m: &Material| {
+            m.textures[Material::NORMAL].levels > 0 || m.textures.iter().any(|t| t.levels > 0 && t.set > 0)
+        };
+        self.materials.iter().any(asks)
+    }
     /// The largest coordinate of an object's bounds, in magnitude.
     pub(super) fn magnitude(&self) -> f32 {
         let bounds = self.bounds();
@@ -329,8 +400,9 @@ impl Scene {
     /// The number that a triangle of an object had in the [`Mesh`]: a scene numbers the
     /// triangles of a mesh in the order of its tree's leaves. `None` where there is none.
     pub fn source_triangle(&self, object: ObjectIndex, triangle: u32) -> Option<u32> {
-        let object = self.objects.get(object.0 as usize).filter(|object| triangle < object.triangles)?;
-        self.sources.get((object.first_index / 3 + triangle) as usize).copied()
+        let mesh = &self.meshes[*self.object_meshes.get(object.0 as usize)? as usize];
+        let sources = &self.sources[mesh.first_source..][..mesh.triangles as usize];
+        sources.get(triangle as usize).copied()
     }
     /// Triangles stored.
     pub fn triangles(&self) -> u64 {
@@ -352,7 +424,7 @@ impl Scene {
             + size_of_val(&self.materials[..])
     }
     /// Bytes of vertices (position, normal, texture coordinates, color) and indices, as
-    /// they were added.
+    /// they were added. Tangents and second texture coordinates are not counted.
     pub fn source_bytes(&self) -> usize {
         let indices = 12 * self.triangles() as usize;
         size_of_val(&self.positions[..]) + size_of_val(&self.attributes[..]) + indices
@@ -431,6 +503,8 @@ fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneEr
         material,
         is_identity: u32::from(to_world == Mat4::IDENTITY),
         slack: (SLACK * condition(&m, &inverse)) as f32,
+        first_tangent: mesh.first_tangent,
+        first_second_uv: mesh.first_second_uv,
     })
 }
 

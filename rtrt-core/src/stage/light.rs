@@ -1,9 +1,11 @@
 //! Light: what arrives at a surface from all lights that reach it.
 
+use crate::kernel::cone::cone;
 use crate::kernel::falloff::falloff;
 use crate::kernel::ray::Ray;
-use crate::kernel::reflect::{blinn_phong, lambert};
-use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
+use crate::kernel::reflect::{blinn_phong, lambert, shininess};
+use crate::kernel::texture::{Chosen, Maps, Pick, sample};
+use crate::lane::{Bits, Lane, Mask, Select, V3};
 use crate::layout::{Frame, Lit, Material, View};
 use crate::num::{flush3, normalize, sqrt};
 use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
@@ -16,6 +18,14 @@ pub struct Arriving<L> {
     pub diffuse: V3<L>,
     /// For the highlight.
     pub specular: V3<L>,
+}
+
+impl Arriving<f32> {
+    /// A lane of width 1 from its record.
+    #[inline(always)]
+    pub fn new(record: &Lit) -> Self {
+        Self { diffuse: V3::splat((), record.diffuse), specular: V3::splat((), record.specular) }
+    }
 }
 
 impl<L: Lane> Arriving<L> {
@@ -57,19 +67,51 @@ impl<L: Lane> ArrivingRows<L> {
 pub fn light<L: Lane>(
     frame: &Frame,
     views: &[View],
-    materials: &[Material],
+    maps: &Maps<'_>,
     mask: impl Fn(u32) -> L::Bits,
     ray: &Ray<L>,
     surfaces: &Surfaces<L>,
 ) -> Arriving<L> {
     let mut sum = Arriving::dark(surfaces.footprint.token());
+    if frame.lights == 0 {
+        return sum;
+    }
+    let shininess = exponent(maps, surfaces);
     let mut light = 0;
     while light < frame.lights {
         let lit = mask(light / LIGHTS_PER_WORD);
-        sum = add(frame, views, materials, light, lit, ray, surfaces, &sum);
+        sum = add(frame, views, light, lit, ray, surfaces, shininess, &sum);
         light += 1;
     }
     sum
+}
+
+/// The exponents of a group of surfaces' highlights; any number where nothing was hit.
+#[inline(always)]
+fn exponent<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>) -> L {
+    let token = surfaces.footprint.token();
+    if !surfaces.material.like(0).less_than(surfaces.material).any() {
+        return L::splat(token, 1.0);
+    }
+    let chosen = Chosen::new(surfaces.material);
+    let [exponent, roughness, levels]: [L; 3] = chosen.numbers::<Gloss, 3>(token, maps);
+    let textured = levels.like(0.0).less_than(levels);
+    if !textured.any() {
+        return exponent;
+    }
+    let texture = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, &surfaces.places());
+    textured.select(shininess(roughness * texture[1]), exponent)
+}
+
+/// What the highlight of a material depends on.
+struct Gloss;
+
+impl Pick<3> for Gloss {
+    #[inline(always)]
+    fn pick(material: &Material) -> [f32; 3] {
+        let levels = material.textures[Material::ROUGHNESS].levels as f32;
+        [material.shininess, material.roughness, levels]
+    }
 }
 
 /// `sum` and what the light adds to it, in the lanes where `lit` has the light's bit.
@@ -78,11 +120,11 @@ pub fn light<L: Lane>(
 fn add<L: Lane>(
     frame: &Frame,
     views: &[View],
-    materials: &[Material],
     light: u32,
     lit: L::Bits,
     ray: &Ray<L>,
     surfaces: &Surfaces<L>,
+    shininess: L,
     sum: &Arriving<L>,
 ) -> Arriving<L> {
     let token = surfaces.footprint.token();
@@ -94,16 +136,8 @@ fn add<L: Lane>(
     let view = &views[frame.light_view(light) as usize];
     let (way, _) = to_light(view, surfaces.origin);
     let toward = normalize(way);
-    let indices = surfaces.material.row();
-    let shininess = L::from_fn(
-        token,
-        #[inline(always)]
-        |lane| {
-            let material = indices.at(lane);
-            if material == 0 { 1.0 } else { materials[material as usize - 1].shininess }
-        },
-    );
     let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
+    let strength = if view.cone_scale == 0.0 { strength } else { strength * cone(view, toward) };
     let strength = reached.select(strength, strength.like(0.0));
     let lobe = blinn_phong(surfaces.normal, toward, normalize(-ray.direction), shininess);
     // Off its peak a lobe is so small that some devices keep its products and others do not.

@@ -2,6 +2,7 @@
 //! kernels that backends only dispatch.
 
 pub mod bin;
+pub mod detail;
 pub mod light;
 pub mod occlusion;
 pub mod prepare;

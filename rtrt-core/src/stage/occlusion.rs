@@ -1,11 +1,13 @@
 //! Occlusion: which lights reach a surface.
 
+use crate::kernel::cone::cone;
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
 use crate::kernel::traverse::{Best, Geometry};
 use crate::kernel::view::light_block;
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
 use crate::layout::{Frame, View, ViewKind};
+use crate::num::normalize;
 use crate::stage::surface::Surfaces;
 use crate::stage::visibility::closest;
 
@@ -50,7 +52,7 @@ pub fn word<L: Lane, const G: usize>(
 }
 
 /// For each group of surfaces, 1 in the lanes that the light reaches, else 0: the surface
-/// faces the light, is within its reach, and nothing stands between them.
+/// faces the light, is within its reach and cone, and nothing stands between them.
 ///
 /// The shadow rays of a packet are sorted by the block of the light that they end in, and
 /// each block's list, which holds every object that the light sees there, is asked once
@@ -124,7 +126,7 @@ pub fn occlusion<L: Lane, const G: usize>(
 }
 
 /// How far each surface's shadow ray goes; −1 where the light cannot reach anyway: nothing
-/// was hit, the surface faces away, or the light is beyond its reach.
+/// was hit, the surface faces away, or is beyond the light's reach or outside of its cone.
 #[inline(always)]
 pub fn limit<L: Lane>(light: &View, surfaces: &Surfaces<L>) -> L {
     let (to_light, limit) = to_light(light, surfaces.origin);
@@ -132,8 +134,12 @@ pub fn limit<L: Lane>(light: &View, surfaces: &Surfaces<L>) -> L {
     let faces = zero.less_than(surfaces.normal.dot(to_light));
     let reach = if light.kind == ViewKind::Sun as u32 { f32::MAX } else { light.reach_squared };
     let within = to_light.dot(to_light).less_than(zero.like(reach));
-    let hit = surfaces.material.like(0).less_than(surfaces.material);
-    (hit & faces & within).select(limit, zero.like(-1.0))
+    let mut reached = surfaces.material.like(0).less_than(surfaces.material) & faces & within;
+    if light.cone_scale != 0.0 {
+        // As the light stage computes it, so that no light arrives without having been asked for.
+        reached = reached & zero.less_than(cone(light, normalize(to_light)));
+    }
+    reached.select(limit, zero.like(-1.0))
 }
 
 /// The vector to the light, and the `t` at which a ray along it has arrived.

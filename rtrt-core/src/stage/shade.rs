@@ -1,36 +1,158 @@
 //! Shade: the color that a ray brings back.
 
-use crate::kernel::texture::sample;
-use crate::layout::{Frame, Lit, Material, Surface};
-use crate::num::flush;
-use crate::stage::surface::channel;
+use crate::kernel::environment::{Sky, arriving as arriving_from, mirrored};
+use crate::kernel::ray::Ray;
+use crate::kernel::texture::{Chosen, Maps, Pick, sample};
+use crate::lane::{Bits, Lane, Mask, V3};
+use crate::layout::{Frame, Material};
+use crate::num::{clamp, flush, flush3, normalize};
+use crate::stage::light::Arriving;
+use crate::stage::surface::{Surfaces, channel};
 
-/// Linear RGB and alpha of what a ray has found:
+/// Linear RGB and alpha of what a group of rays has found:
 ///
 /// ```text
-/// base · (ambient + diffuse light) + specular · specular light + emission
-/// base = material · texture · vertex color
+/// diffuse · (ambient · occlusion + diffuse light) + highlight · specular light + emission
+///
+/// base      = material · texture · vertex color
+/// diffuse   = base · (1 − metallic / 2)
+/// mirror    = specular + (base − specular) · metallic
+/// highlight = mirror · (1 − roughness / 2)
 /// ```
 ///
-/// or the background where it found nothing. Alpha is 1: every surface is opaque.
+/// or the base color alone, of a material that is unlit, or the background where it found
+/// nothing. `metallic`, `roughness`, `occlusion` and `emission` are the material's times its
+/// textures. Alpha is 1: every surface is opaque.
+///
+/// An environment is the background. It takes the place of the ambient light, by the
+/// surface's normal. It is mirrored, more where the surface is seen at a grazing angle, by
+/// Schlick's approximation (1994), which a rough surface follows less (Lagarde 2011):
+///
+/// ```text
+/// + environment · (mirror + (max(1 − roughness, mirror) − mirror) · (1 − n · v)⁵)
+/// ```
+///
+/// and a metal then has no diffuse color: `base · (1 − metallic)`. Nothing occludes what is
+/// mirrored, as in the paper.
 #[inline(always)]
-pub fn shade(
+pub fn shade<L: Lane>(
     frame: &Frame,
-    materials: &[Material],
-    texels: &[u32],
-    surface: &Surface,
-    lit: &Lit,
-) -> [f32; 4] {
-    if surface.material == 0 {
-        return [frame.background_r, frame.background_g, frame.background_b, 1.0];
-    }
-    let material = &materials[surface.material as usize - 1];
-    let texture = sample(texels, &material.texture, surface.uv, surface.footprint);
-    let ambient = [frame.ambient_r, frame.ambient_g, frame.ambient_b];
-    let color = |i: usize| {
-        let base = material.diffuse[i] * texture[i] * channel(surface.color, i as u32);
-        let diffuse = flush(base * (ambient[i] + lit.diffuse[i]));
-        flush(diffuse + flush(material.specular[i] * lit.specular[i]) + material.emission[i])
+    maps: &Maps<'_>,
+    ray: &Ray<L>,
+    surfaces: &Surfaces<L>,
+    arriving: &Arriving<L>,
+) -> [L; 4] {
+    let token = surfaces.footprint.token();
+    let one = surfaces.footprint.like(1.0);
+    let sky = frame.sky();
+    let found = surfaces.material.like(0).less_than(surfaces.material);
+    let background = if sky.first != 0 && (!found).any() {
+        flush3(mirrored(maps, sky, ray.direction, one.like(0.0)))
+    } else {
+        V3::splat(token, [frame.background_r, frame.background_g, frame.background_b])
     };
-    [color(0), color(1), color(2), 1.0]
+    if !found.any() {
+        return [background.x, background.y, background.z, one];
+    }
+    let looks = looks(maps, surfaces, if sky.first == 0 { 0.5 } else { 1.0 });
+    let ambient = if sky.first == 0 {
+        V3::splat(token, [frame.ambient_r, frame.ambient_g, frame.ambient_b])
+    } else {
+        flush3(arriving_from(maps, sky, surfaces.normal))
+    };
+    let diffuse = flush3(times(looks.diffuse, ambient.scale(looks.occlusion) + arriving.diffuse));
+    let specular = flush3(times(looks.highlight, arriving.specular));
+    let lit = flush3(diffuse + specular + looks.emission);
+    let lit = if sky.first == 0 { lit } else { flush3(lit + reflection(maps, sky, ray, surfaces, &looks)) };
+    let color = V3::select(found, V3::select(looks.unlit, flush3(looks.base), lit), background);
+    [color.x, color.y, color.z, one]
+}
+
+/// What the surfaces mirror of the environment.
+#[inline(always)]
+fn reflection<L: Lane>(
+    maps: &Maps<'_>,
+    sky: Sky,
+    ray: &Ray<L>,
+    surfaces: &Surfaces<L>,
+    looks: &Looks<L>,
+) -> V3<L> {
+    let toward = normalize(-ray.direction);
+    let normal = surfaces.normal;
+    let cosine = normal.dot(toward);
+    let (zero, one) = (cosine.like(0.0), cosine.like(1.0));
+    let light = mirrored(maps, sky, normal.scale(cosine * 2.0) - toward, looks.roughness);
+    let grazing = one - clamp(cosine, 0.0, 1.0);
+    let square = grazing * grazing;
+    let grazing = flush(square * square * grazing);
+    let smooth = (one - looks.roughness).max(zero);
+    let share = |mirror: L| mirror + (smooth.max(mirror) - mirror) * grazing;
+    let mirror = looks.mirror;
+    flush3(times(light, V3 { x: share(mirror.x), y: share(mirror.y), z: share(mirror.z) }))
+}
+
+/// What a group of surfaces looks like, its textures included.
+struct Looks<L: Lane> {
+    base: V3<L>,
+    diffuse: V3<L>,
+    mirror: V3<L>,
+    roughness: L,
+    highlight: V3<L>,
+    emission: V3<L>,
+    /// The share of the ambient light that arrives.
+    occlusion: L,
+    unlit: L::Mask,
+}
+
+/// The looks; a metal loses this share of its diffuse color.
+#[inline(always)]
+fn looks<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32) -> Looks<L> {
+    let token = surfaces.footprint.token();
+    let one = surfaces.footprint.like(1.0);
+    let chosen = Chosen::new(surfaces.material);
+    let places = surfaces.places();
+    let [br, bg, bb, sr, sg, sb, er, eg, eb, metallic, roughness, strength, unlit] =
+        chosen.numbers::<Numbers, 13>(token, maps);
+    let texture = sample::<L, { Material::COLOR }, true>(maps, &chosen, &places);
+    let painted = |number: u32| channel::<L>(surfaces.color, number);
+    let base = V3 {
+        x: br * texture[0] * painted(0),
+        y: bg * texture[1] * painted(1),
+        z: bb * texture[2] * painted(2),
+    };
+    let [_, green, blue, _] = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, &places);
+    let (metallic, roughness) = (metallic * blue, roughness * green);
+    let [occluded, _, _, _] = sample::<L, { Material::OCCLUSION }, false>(maps, &chosen, &places);
+    let glow = sample::<L, { Material::EMISSION }, true>(maps, &chosen, &places);
+    let specular = V3 { x: sr, y: sg, z: sb };
+    let mirror = specular + (base - specular).scale(metallic);
+    Looks {
+        base,
+        diffuse: base.scale(one - metallic * metal),
+        mirror,
+        roughness,
+        highlight: mirror.scale(one - roughness * 0.5),
+        emission: V3 { x: flush(er * glow[0]), y: flush(eg * glow[1]), z: flush(eb * glow[2]) },
+        occlusion: one + (occluded - one) * strength,
+        unlit: one.less_equal(unlit),
+    }
+}
+
+/// The product of each component.
+#[inline(always)]
+fn times<L: Lane>(a: V3<L>, b: V3<L>) -> V3<L> {
+    V3 { x: a.x * b.x, y: a.y * b.y, z: a.z * b.z }
+}
+
+/// What a material says of its looks.
+struct Numbers;
+
+impl Pick<13> for Numbers {
+    #[inline(always)]
+    fn pick(material: &Material) -> [f32; 13] {
+        let (b, s, e) = (&material.base, &material.specular, &material.emission);
+        let (metallic, roughness) = (material.metallic, material.roughness);
+        let (occlusion, unlit) = (material.occlusion, material.unlit as f32);
+        [b[0], b[1], b[2], s[0], s[1], s[2], e[0], e[1], e[2], metallic, roughness, occlusion, unlit]
+    }
 }

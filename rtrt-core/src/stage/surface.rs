@@ -3,12 +3,12 @@
 use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::footprint;
 use crate::kernel::offset::offset;
-use crate::kernel::ray::{Ray, normal, point};
-use crate::kernel::texture::BYTE;
+use crate::kernel::ray::{Ray, normal, point, vector};
+use crate::kernel::texture::{BYTE, Places};
 use crate::kernel::traverse::{Best, BestRows, Geometry};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
-use crate::layout::{Attribute, NONE, Surface, View};
-use crate::num::{TINY, floor, flush, flush3, normalize, sqrt, to_integer};
+use crate::layout::{Attribute, NONE, Object, Surface, View};
+use crate::num::{TINY, floor, flush, flush3, from_integer, normalize, sqrt, to_integer};
 
 /// The surfaces that one group of rays has found; see [`Surface`].
 #[derive(Clone, Copy)]
@@ -25,6 +25,10 @@ pub struct Surfaces<L: Lane> {
     pub uv: [L; 2],
     /// Side of the ray's footprint, in texture coordinates.
     pub footprint: L,
+    /// Second texture coordinates, where `detail` has found them.
+    pub second_uv: [L; 2],
+    /// Side of the ray's footprint, in them.
+    pub second_footprint: L,
 }
 
 /// [`Surfaces`] whose lanes are in memory, one after another.
@@ -36,9 +40,16 @@ pub struct SurfaceRows<L: Lane> {
     color: <L::Bits as Bits>::Row,
     uv: [L::Row; 2],
     footprint: L::Row,
+    second_uv: [L::Row; 2],
+    second_footprint: L::Row,
 }
 
 impl<L: Lane> Surfaces<L> {
+    /// Where they are in their textures.
+    #[inline(always)]
+    pub fn places(&self) -> Places<L> {
+        Places { uv: [self.uv, self.second_uv], footprint: [self.footprint, self.second_footprint] }
+    }
     /// The record of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Surface {
@@ -54,6 +65,8 @@ impl<L: Lane> Surfaces<L> {
             color: self.color.row(),
             uv: [self.uv[0].row(), self.uv[1].row()],
             footprint: self.footprint.row(),
+            second_uv: [self.second_uv[0].row(), self.second_uv[1].row()],
+            second_footprint: self.second_footprint.row(),
         }
     }
 }
@@ -69,6 +82,8 @@ impl<L: Lane> SurfaceRows<L> {
             color: self.color.at(lane),
             uv: [self.uv[0].at(lane), self.uv[1].at(lane)],
             footprint: self.footprint.at(lane),
+            second_uv: [self.second_uv[0].at(lane), self.second_uv[1].at(lane)],
+            second_footprint: self.second_footprint.at(lane),
         }
     }
 }
@@ -84,15 +99,31 @@ impl Surfaces<f32> {
             color: crate::lane::Word(record.color),
             uv: record.uv,
             footprint: record.footprint,
+            second_uv: record.second_uv,
+            second_footprint: record.second_footprint,
         }
     }
 }
 
-/// All that is known of a scene's vertices. (One value to capture: rust-gpu keeps a closure
+/// All that is known of a scene's vertices but their positions. (One value to capture: rust-gpu keeps a closure
 /// of more than two words in memory, pointers and all, which no device takes.)
-struct Vertices<'a> {
-    geometry: Geometry<'a>,
-    attributes: &'a [Attribute],
+#[derive(Clone, Copy)]
+pub struct Vertices<'a> {
+    /// The scene's objects.
+    pub objects: &'a [Object],
+    /// The scene's words.
+    pub words: &'a [u32],
+    /// The scene's attributes.
+    pub attributes: &'a [Attribute],
+}
+
+impl Vertices<'_> {
+    /// Where the object in one lane has its second texture coordinates; 0 for nowhere.
+    #[inline(always)]
+    pub fn second_uv<L: Lane>(&self, found: &BestRows<L>, lane: usize) -> u32 {
+        let index = found.object(lane);
+        if index == NONE { 0 } else { self.objects[index as usize].first_second_uv }
+    }
 }
 
 /// The surfaces at the best hits of a group of rays; all zero in a lane without a hit.
@@ -122,9 +153,11 @@ pub fn surface<L: Lane>(
             color: none,
             uv: [zero; 2],
             footprint: zero,
+            second_uv: [zero; 2],
+            second_footprint: zero,
         };
     }
-    let vertices = Vertices { geometry: *geometry, attributes };
+    let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
     let found = best.rows();
     let [ax, ay, az, bx, by, bz, cx, cy, cz] = L::gather(
         token,
@@ -136,7 +169,7 @@ pub fn surface<L: Lane>(
         #[inline(always)]
         |lane| shared(&vertices, &found, lane),
     );
-    let space = Space::of(geometry, best.t, &found, missed);
+    let space = Space::of(&vertices, best.t, &found, missed);
     let a = space.point(V3 { x: ax, y: ay, z: az });
     let b = space.point(V3 { x: bx, y: by, z: bz });
     let c = space.point(V3 { x: cx, y: cy, z: cz });
@@ -165,7 +198,7 @@ pub fn surface<L: Lane>(
             L::bits_from_fn(
                 token,
                 #[inline(always)]
-                |lane| material(geometry, &found, lane),
+                |lane| material(&vertices, &found, lane),
             ),
         ),
         color: missed.select(
@@ -181,6 +214,8 @@ pub fn surface<L: Lane>(
             missed.select(zero, flush(weights.mix(ta, tb, tc))),
         ],
         footprint: missed.select(zero, flush(footprint(pixel, uv_area, area))),
+        second_uv: [zero; 2],
+        second_footprint: zero,
     }
 }
 
@@ -193,7 +228,7 @@ fn facing<L: Lane>(v: V3<L>, toward: V3<L>) -> V3<L> {
 
 /// The way from object to world space, of each lane's own object.
 #[derive(Clone, Copy)]
-struct Space<L: Lane> {
+pub(super) struct Space<L: Lane> {
     /// The lanes whose object and world space are the same.
     same: L::Mask,
     /// Whether that is all of them.
@@ -206,14 +241,14 @@ impl<L: Lane> Space<L> {
     /// The spaces of the hit objects. Matrices are read lane by lane only where the lanes
     /// have hit different objects.
     #[inline(always)]
-    fn of(geometry: &Geometry<'_>, like: L, found: &BestRows<L>, missed: L::Mask) -> Self {
+    pub(super) fn of(vertices: &Vertices<'_>, like: L, found: &BestRows<L>, missed: L::Mask) -> Self {
         let token = like.token();
         let identity = L::bits_from_fn(
             token,
             #[inline(always)]
             |lane| {
                 let index = found.object(lane);
-                if index == NONE { 1 } else { geometry.objects[index as usize].is_identity }
+                if index == NONE { 1 } else { vertices.objects[index as usize].is_identity }
             },
         );
         let same = identity.equal(identity.like(1)) | missed;
@@ -228,7 +263,7 @@ impl<L: Lane> Space<L> {
             #[inline(always)]
             |lane| {
                 let index = found.object(lane);
-                if index == NONE { [0.0; 12] } else { flat(&geometry.objects[index as usize].to_world) }
+                if index == NONE { [0.0; 12] } else { flat(&vertices.objects[index as usize].to_world) }
             },
         ));
         space.to_object = rows(L::gather(
@@ -236,7 +271,7 @@ impl<L: Lane> Space<L> {
             #[inline(always)]
             |lane| {
                 let index = found.object(lane);
-                if index == NONE { [0.0; 12] } else { flat(&geometry.objects[index as usize].to_object) }
+                if index == NONE { [0.0; 12] } else { flat(&vertices.objects[index as usize].to_object) }
             },
         ));
         space
@@ -248,9 +283,15 @@ impl<L: Lane> Space<L> {
         if self.all_same { p } else { V3::select(self.same, p, point(&self.to_world, p)) }
     }
 
+    /// A direction in world space.
+    #[inline(always)]
+    pub(super) fn vector(&self, v: V3<L>) -> V3<L> {
+        if self.all_same { v } else { V3::select(self.same, v, vector(&self.to_world, v)) }
+    }
+
     /// A normal in world space, any length.
     #[inline(always)]
-    fn normal(&self, n: V3<L>) -> V3<L> {
+    pub(super) fn normal(&self, n: V3<L>) -> V3<L> {
         if self.all_same { n } else { V3::select(self.same, n, normal(&self.to_object, n)) }
     }
 }
@@ -284,12 +325,12 @@ fn places<L: Lane>(geometry: &Geometry<'_>, found: &BestRows<L>, lane: usize) ->
 /// The normals, then the texture coordinates, of the corners of one lane's triangle.
 #[inline(always)]
 fn shared<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [f32; 15] {
-    let Vertices { geometry, attributes } = vertices;
+    let Vertices { objects, words, attributes } = vertices;
     let index = found.object(lane);
     if index == NONE {
         return [0.0; 15];
     }
-    let [a, b, c] = geometry.corners(&geometry.objects[index as usize], found.triangle(lane));
+    let [a, b, c] = objects[index as usize].corners(words, found.triangle(lane));
     let (a, b, c) = (&attributes[a as usize], &attributes[b as usize], &attributes[c as usize]);
     let (n, m, o) = (&a.normal, &b.normal, &c.normal);
     [
@@ -300,21 +341,20 @@ fn shared<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) ->
 
 /// 1 + the material in one lane, or 0.
 #[inline(always)]
-fn material<L: Lane>(geometry: &Geometry<'_>, found: &BestRows<L>, lane: usize) -> u32 {
+fn material<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> u32 {
     let index = found.object(lane);
-    if index == NONE { 0 } else { geometry.objects[index as usize].material + 1 }
+    if index == NONE { 0 } else { vertices.objects[index as usize].material + 1 }
 }
 
 /// The vertex color at the hit in one lane.
 #[inline(always)]
 fn color<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> u32 {
-    let Vertices { geometry, attributes } = vertices;
+    let Vertices { objects, words, attributes } = vertices;
     let index = found.object(lane);
     if index == NONE {
         return 0;
     }
-    let object = &geometry.objects[index as usize];
-    let [a, b, c] = geometry.corners(object, found.triangle(lane));
+    let [a, b, c] = objects[index as usize].corners(words, found.triangle(lane));
     let (a, b, c) =
         (attributes[a as usize].color, attributes[b as usize].color, attributes[c as usize].color);
     if a == b && b == c {
@@ -332,6 +372,6 @@ fn color<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> 
 
 /// One channel (0 ..= 3) of a vertex color, 0 ..= 1.
 #[inline(always)]
-pub fn channel(color: u32, number: u32) -> f32 {
-    (color >> (8 * number) & 255) as f32 * BYTE
+pub fn channel<L: Lane>(color: L::Bits, number: u32) -> L {
+    from_integer::<L>((color >> (8 * number)) & color.like(255)) * BYTE
 }

@@ -6,7 +6,7 @@ use crate::kernel::ray::Ray;
 use crate::kernel::tiles::{TILES, Tiles};
 use crate::kernel::traverse::{Best, Geometry, met_by_rays, traverse};
 use crate::kernel::view::{camera_ray, central_ray};
-use crate::lane::{Lane, Mask, groups};
+use crate::lane::{Lane, groups};
 use crate::layout::{Frame, Hit, NONE, View};
 use core::ops::Mul;
 

@@ -53,8 +53,13 @@ impl<'a> Job<'a> {
         let mut scene = loaded.scene;
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
+        } else if loaded.lit_by_default && common.environment.is_some() {
+            scene.lights_mut().clear();
         } else if loaded.lit_by_default {
             import::light_by_default(&mut scene, &camera);
+        }
+        if let Some(path) = &common.environment {
+            import::surround(&mut scene, path)?;
         }
         Ok(Self {
             scene,

@@ -56,9 +56,15 @@ pub struct Common {
     #[arg(long)]
     pub no_shadows: bool,
     /// Add a white light; the scene's own lights are then off. point:x,y,z shines from there
-    /// without limit; sun:x,y,z stands infinitely far away in that direction
+    /// without limit; spot:x,y,z:dx,dy,dz:degrees shines from there in the direction dx,dy,dz,
+    /// brightest in the middle and up to that angle off it (within 0 and 90); sun:x,y,z stands
+    /// infinitely far away in that direction
     #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]
     pub lights: Vec<Light>,
+    /// Surround the scene with this panorama, a Radiance .hdr file: it is the background, is
+    /// mirrored, and lights in place of the ambient light. A scene without lights gets none
+    #[arg(long, value_name = "FILE")]
+    pub environment: Option<PathBuf>,
     /// Print the results as one JSON object
     #[arg(long)]
     pub json: bool,
@@ -167,16 +173,43 @@ fn angle(text: &str) -> Result<f32, String> {
         .ok_or("not a number within 0 and 180".into())
 }
 
-/// `point:0,14,0` or `sun:1,2,2`.
+/// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`.
 fn light(text: &str) -> Result<Light, String> {
-    let (kind, place) = text.split_once(':').ok_or("not point:X,Y,Z or sun:X,Y,Z")?;
+    const FORMS: &str = "not point:X,Y,Z, spot:X,Y,Z:X,Y,Z:DEGREES or sun:X,Y,Z";
+    let (kind, place) = text.split_once(':').ok_or(FORMS)?;
+    if kind == "spot" {
+        return spot(place.split(':').collect::<Vec<_>>().as_slice().try_into().map_err(|_| FORMS)?);
+    }
     let place = vector(place)?;
     match kind {
         "point" => Ok(Light::Point { position: place, color: Vec3::ONE, reach: None, inverse_square: false }),
         "sun" if place.abs().max_element() < 1e-18 => Err("the sun has no direction".into()),
         "sun" => Ok(Light::Sun { direction: -place, color: Vec3::ONE }),
-        _ => Err("not point:X,Y,Z or sun:X,Y,Z".into()),
+        _ => Err(FORMS.into()),
     }
+}
+
+/// Position, direction and outer angle of a spot light. It fades from the middle on, as
+/// glTF's does if nothing else is said.
+fn spot([position, direction, outer]: [&str; 3]) -> Result<Light, String> {
+    let direction = vector(direction)?;
+    let outer = angle(outer)?;
+    if direction.abs().max_element() < 1e-18 {
+        return Err("the spot light has no direction".into());
+    }
+    if outer > core::f32::consts::FRAC_PI_2 {
+        return Err("the spot light's angle is above 90".into());
+    }
+    let position = vector(position)?;
+    Ok(Light::Spot {
+        position,
+        direction,
+        inner: 0.0,
+        outer,
+        color: Vec3::ONE,
+        reach: None,
+        inverse_square: false,
+    })
 }
 
 /// The path of a PNG file.
@@ -213,6 +246,10 @@ mod tests {
     fn the_sun_shines_from_where_it_stands() {
         let Ok(Light::Sun { direction, .. }) = light("sun:1,2,2") else { panic!("no sun") };
         assert_eq!(direction, Vec3::new(-1.0, -2.0, -2.0));
+        assert!(light("spot:0,1,0:0,-1,0:90").is_ok());
+        for bad in ["spot:0,1,0", "spot:0,1,0:0,0,0:30", "spot:0,1,0:0,-1,0:91", "spot:0,1,0:0,-1,0:30:1"] {
+            assert!(light(bad).is_err(), "{bad}");
+        }
         for bad in ["sun:0,0,0", "sun:0,-0,1e-38", "moon:1,2,3", "1,2,3", "point:1,2", "point:"] {
             assert!(light(bad).is_err(), "{bad}");
         }

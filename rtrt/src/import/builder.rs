@@ -2,7 +2,9 @@
 
 use super::{ImportError, picture};
 use rtrt_core::layout::{Attribute, Texture, Wrap};
-use rtrt_core::scene::{Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, Scene, SceneError};
+use rtrt_core::scene::{
+    Content, Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, Scene, SceneError,
+};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -22,6 +24,23 @@ pub(crate) struct Geometry {
     pub positions: Vec<[f32; 3]>,
     pub attributes: Vec<Attribute>,
     pub indices: Vec<u32>,
+    pub second_uv: Option<Vec<[f32; 2]>>,
+    pub tangents: Tangents,
+}
+
+/// The tangents of a mesh's vertices, which normal maps need.
+#[derive(Debug, Default)]
+pub(crate) enum Tangents {
+    /// Nothing needs them.
+    #[default]
+    None,
+    /// As the file has them.
+    Given(Vec<[f32; 4]>),
+    /// Made from texture coordinates.
+    Made {
+        /// Those of the second set.
+        second: bool,
+    },
 }
 
 /// A scene in the making.
@@ -74,8 +93,16 @@ impl<'a, J: Join> Builder<'a, J> {
     pub fn add_mesh(&mut self, name: &str, geometry: Geometry) -> Result<MeshIndex, ImportError> {
         let refused =
             |source: MeshError| ImportError::Mesh { path: self.path.clone(), mesh: name.into(), source };
-        let Geometry { positions, attributes, indices } = geometry;
-        let mesh = Mesh::new(positions, attributes, indices).map_err(refused)?;
+        let Geometry { positions, attributes, indices, second_uv, tangents } = geometry;
+        let mut mesh = Mesh::new(positions, attributes, indices).map_err(refused)?;
+        if let Some(uv) = second_uv {
+            mesh = mesh.with_second_uv(uv).map_err(refused)?;
+        }
+        mesh = match tangents {
+            Tangents::None => mesh,
+            Tangents::Given(tangents) => mesh.with_tangents(&tangents).map_err(refused)?,
+            Tangents::Made { second } => mesh.with_made_tangents(second),
+        };
         if self.scene.triangles() + mesh.triangles() as u64 > TRIANGLES {
             return Err(self.limit("triangles", TRIANGLES));
         }
@@ -111,6 +138,16 @@ impl<'a, J: Join> Builder<'a, J> {
     /// Adds a texture. One that could not be read becomes a checker of magenta and black,
     /// with a warning. `name` is for messages.
     pub fn add_texture(&mut self, name: &str, image: Result<Image, String>) -> Result<Texture, ImportError> {
+        self.add_map(name, image, Content::Color)
+    }
+
+    /// The same for a texture of colors or of numbers.
+    pub fn add_map(
+        &mut self,
+        name: &str,
+        image: Result<Image, String>,
+        content: Content,
+    ) -> Result<Texture, ImportError> {
         let image = image.unwrap_or_else(|why| {
             self.warn(format!("texture {name} is drawn as a magenta checker: {why}"));
             picture::placeholder()
@@ -121,7 +158,7 @@ impl<'a, J: Join> Builder<'a, J> {
         }
         let path = &self.path;
         self.scene
-            .add_texture(&image, [Wrap::Repeat; 2])
+            .add_map(&image, [Wrap::Repeat; 2], content)
             .map_err(|source| ImportError::Scene { path: path.clone(), source })
     }
 }

@@ -68,6 +68,14 @@ pub enum ImportError {
         /// The most there may be.
         limit: u64,
     },
+    /// The environment is no picture that can be read.
+    #[error("environment refused: {}: {why}", path.display())]
+    Environment {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
     /// The scene cannot hold what the file has.
     #[error("scene refused: {}: {source}", path.display())]
     Scene {

@@ -16,6 +16,7 @@
 //! seen as by [`framing`], and what no surface covers is dark blue.
 
 pub(crate) mod builder;
+mod environment;
 mod error;
 mod file;
 mod framing;
@@ -23,6 +24,7 @@ mod gltf;
 mod obj;
 mod picture;
 
+pub use environment::surround;
 pub use error::ImportError;
 pub use framing::{framing, light_by_default};
 

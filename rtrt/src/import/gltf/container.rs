@@ -2,6 +2,7 @@
 
 use crate::import::ImportError;
 use crate::import::builder::Builder;
+use crate::import::error::quoted;
 use gltf_json::mesh::Semantic;
 use gltf_json::validation::{self, Checked, Validate};
 use gltf_json::{Root, Value};
@@ -9,11 +10,12 @@ use gltf_json::{Root, Value};
 /// The first bytes of a binary file.
 pub(super) const MAGIC: &[u8] = b"glTF";
 
-/// What is drawn of the extensions that a file may require.
+/// The extensions that are drawn.
 const EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
@@ -23,10 +25,11 @@ const EXTENSIONS: &[&str] = &[
 /// # Errors
 /// It is not glTF 2.0, or requires an extension that is not implemented.
 pub(super) fn open<'a, J: rtrt_core::scene::Join>(
-    builder: &Builder<'_, J>,
+    builder: &mut Builder<'_, J>,
     bytes: &'a [u8],
 ) -> Result<(Root, Option<&'a [u8]>), ImportError> {
-    let invalid = |why| builder.invalid(why);
+    let path = builder.path.clone();
+    let invalid = |why| ImportError::Invalid { path: path.clone(), why };
     let (json, binary) = if bytes.starts_with(MAGIC) {
         chunks(bytes).map_err(|why| invalid(why.into()))?
     } else {
@@ -41,10 +44,13 @@ pub(super) fn open<'a, J: rtrt_core::scene::Join>(
         let extension = name.escape_debug().to_string();
         return Err(ImportError::Extension { path: builder.path.clone(), extension });
     }
-    match dangling(&root) {
-        Some(place) => Err(invalid(format!("{} is not there", place.escape_debug()))),
-        None => Ok((root, binary)),
+    if let Some(place) = dangling(&root) {
+        return Err(invalid(format!("{} is not there", place.escape_debug())));
     }
+    for name in root.extensions_used.iter().filter(|name| !EXTENSIONS.contains(&name.as_str())) {
+        builder.warn(format!("the extension {} is not supported", quoted(name)));
+    }
+    Ok((root, binary))
 }
 
 /// Where the file refers to something that it does not have, be it drawn or not. Its other

@@ -5,10 +5,10 @@ use glam::{DMat4, DVec3, Vec3};
 use gltf_json::extensions::scene::khr_lights_punctual::{Light as Source, Type};
 use gltf_json::validation::Checked;
 use rtrt_core::scene::{Join, Light, Scene, Setup};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// A light of the file at its node's place: in candela (point) or lux (sun), not yet exposed.
-///
-/// A spot light is drawn as a point light.
+/// A light of the file at its node's place: in candela (point, spot) or lux (sun), not yet
+/// exposed.
 pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_world: &DMat4) {
     let color = Vec3::from(source.color) * source.intensity;
     let position = to_world.w_axis.truncate().as_vec3();
@@ -20,14 +20,19 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
     }
     let light = match source.type_ {
         Checked::Valid(Type::Directional) => Light::Sun { direction, color },
-        Checked::Valid(Type::Point | Type::Spot) => {
-            Light::Point { position, color, reach, inverse_square: true }
+        Checked::Valid(Type::Point) => Light::Point { position, color, reach, inverse_square: true },
+        Checked::Valid(Type::Spot) => {
+            let (inner, outer) = source
+                .spot
+                .as_ref()
+                .map_or((0.0, FRAC_PI_4), |spot| (spot.inner_cone_angle, spot.outer_cone_angle));
+            // The format's own limits; an outer angle of 0 would shine nowhere.
+            let outer = if outer > 0.0 { outer.clamp(1e-3, FRAC_PI_2) } else { FRAC_PI_4 };
+            let inner = if inner > 0.0 { inner.min(outer) } else { 0.0 };
+            Light::Spot { position, direction, inner, outer, color, reach, inverse_square: true }
         }
         Checked::Invalid => return builder.warn("a light of an unknown type is left out".into()),
     };
-    if source.type_ == Checked::Valid(Type::Spot) {
-        builder.not_drawn.insert("cones of spot lights");
-    }
     if !usable || direction.length_squared() == 0.0 || !direction.is_finite() {
         return builder.warn("a light is left out: its color or its node's transform is not usable".into());
     }
@@ -40,6 +45,7 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
 /// ```text
 /// sun    arrives as   color
 /// point  arrives as   color / max(distance to the middle, diagonal of the bounds / 4)²
+/// spot   likewise, wherever it points
 /// ```
 ///
 /// Files give lights in candela and lux, with powers from a few (a lamp written by hand) to
@@ -53,7 +59,7 @@ pub(super) fn expose(scene: &mut Scene) {
     let nearest = (high - low).length_squared() / 16.0;
     let arriving = |light: &Light| match light {
         Light::Sun { color, .. } => f64::from(color.max_element()),
-        Light::Point { position, color, .. } => {
+        Light::Point { position, color, .. } | Light::Spot { position, color, .. } => {
             let squared: f64 = (position.as_dvec3() - middle as DVec3).length_squared();
             f64::from(color.max_element()) / squared.max(nearest)
         }
@@ -63,7 +69,7 @@ pub(super) fn expose(scene: &mut Scene) {
         return;
     }
     for light in scene.lights_mut() {
-        let (Light::Point { color, .. } | Light::Sun { color, .. }) = light;
+        let (Light::Point { color, .. } | Light::Spot { color, .. } | Light::Sun { color, .. }) = light;
         *color = (color.as_dvec3() / strongest).as_vec3();
     }
 }

@@ -4,18 +4,18 @@ use super::buffer::{Buffers, fetch};
 use super::primitive::Coordinates;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, error::quoted, file, picture};
-use bytemuck::Zeroable;
+use gltf_json::deserialize::from_value;
+use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material::AlphaMode;
-use gltf_json::texture::{Info, WrappingMode};
+use gltf_json::texture::{self, Info, WrappingMode};
 use gltf_json::validation::Checked;
-use gltf_json::{Index, Root, image, material};
-use rtrt_core::layout::{Texture, Wrap};
-use rtrt_core::scene::{Image, Join, MaterialIndex, phong};
+use gltf_json::{Index, Root, Value, image, material};
+use rtrt_core::layout::{Material, Texture, Wrap};
+use rtrt_core::scene::{Content, Image, Join, MaterialIndex, phong};
 use std::collections::HashMap;
 
-/// The roughness of a material that has a texture for it: textures are not looked up for
-/// roughness and metalness, and this with no metal at all suits most surfaces.
-const USUAL_ROUGHNESS: f32 = 0.6;
+/// The extension that lays textures out, by its name.
+const TRANSFORM: &str = "KHR_texture_transform";
 
 /// The materials and textures of a file, made when they are first used.
 pub(super) struct Materials<'a> {
@@ -23,8 +23,9 @@ pub(super) struct Materials<'a> {
     buffers: &'a Buffers<'a>,
     /// By index; none is the default material.
     made: HashMap<Option<usize>, (MaterialIndex, Coordinates)>,
-    /// By index. One image is stored once, whatever its samplers.
-    images: HashMap<usize, Texture>,
+    /// By index, and by what it stands for: mip levels of colors are made otherwise than those
+    /// of numbers. One image is stored once for each, whatever its samplers.
+    images: HashMap<(usize, Content), Texture>,
 }
 
 impl<'a> Materials<'a> {
@@ -52,39 +53,74 @@ impl<'a> Materials<'a> {
             None => &none,
         };
         let pbr = &source.pbr_metallic_roughness;
-        let (texture, coordinates) = match &pbr.base_color_texture {
-            Some(info) => (self.texture(builder, info)?, coordinates(info)),
-            None => (Texture::zeroed(), Coordinates::default()),
-        };
-        let (metallic, roughness) = match pbr.metallic_roughness_texture {
-            Some(_) => (0.0, USUAL_ROUGHNESS),
-            None => (pbr.metallic_factor.0, pbr.roughness_factor.0),
-        };
-        let strength = source.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
+        let none = || Ok((Texture::NONE, None));
+        // Those that look things up, and the sets of texture coordinates they look them up with.
+        let found = [
+            pbr.base_color_texture.as_ref().map_or_else(none, |info| {
+                self.texture(builder, info.index, Content::Color, &placing(info))
+            })?,
+            source.normal_texture.as_ref().map_or_else(none, |info| {
+                let others = info.extensions.as_ref().and_then(|e| e.others.get(TRANSFORM));
+                self.texture(builder, info.index, Content::Numbers, &placing_of(info.tex_coord, others))
+            })?,
+            pbr.metallic_roughness_texture.as_ref().map_or_else(none, |info| {
+                self.texture(builder, info.index, Content::Numbers, &placing(info))
+            })?,
+            source.occlusion_texture.as_ref().map_or_else(none, |info| {
+                let others = info.extensions.as_ref().and_then(|e| e.others.get(TRANSFORM));
+                self.texture(builder, info.index, Content::Numbers, &placing_of(info.tex_coord, others))
+            })?,
+            source.emissive_texture.as_ref().map_or_else(none, |info| {
+                self.texture(builder, info.index, Content::Color, &placing(info))
+            })?,
+        ];
+        let mut coordinates = Coordinates::default();
+        let textures = found.map(|(texture, set)| match set.and_then(|set| coordinates.slot(set)) {
+            Some(slot) => Texture { set: slot, ..texture },
+            None => Texture { set: 0, ..texture },
+        });
+        if found.iter().any(|(_, set)| set.is_some_and(|set| !coordinates.sets.contains(&Some(set)))) {
+            builder.not_drawn.insert("a third set of texture coordinates in one material");
+        }
+        if textures[Material::NORMAL].levels > 0 {
+            coordinates.bump = Some(textures[Material::NORMAL].set);
+        }
+        let extensions = source.extensions.as_ref();
+        let strength = extensions.and_then(|e| e.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
-        let emission = match source.emissive_texture {
-            Some(_) => [0.0; 3],
-            None => source.emissive_factor.0.map(|e| finite(e * strength)),
-        };
+        let emission = source.emissive_factor.0.map(|e| finite(e * strength));
         let [r, g, b, _] = pbr.base_color_factor.0.map(finite);
-        let material = phong([r, g, b], metallic, roughness, texture, emission);
+        let (metallic, roughness) = (finite(pbr.metallic_factor.0), finite(pbr.roughness_factor.0));
+        let material = Material {
+            bump: source.normal_texture.as_ref().map_or(1.0, |info| finite(info.scale)),
+            occlusion: source
+                .occlusion_texture
+                .as_ref()
+                .map_or(1.0, |info| finite(info.strength.0).clamp(0.0, 1.0)),
+            unlit: u32::from(extensions.is_some_and(|e| e.unlit.is_some())),
+            textures,
+            ..phong([r, g, b], metallic, roughness, Texture::NONE, emission)
+        };
         note_what_is_not_drawn(builder, source);
         let made = (builder.scene.add_material(material), coordinates);
         self.made.insert(key, made.clone());
         Ok(made)
     }
 
-    /// A texture of the scene with its sampler's wrapping.
+    /// A texture of the scene with its sampler's wrapping, and the set of texture coordinates
+    /// that it is looked up with.
     fn texture<J: Join>(
         &mut self,
         builder: &mut Builder<'_, J>,
-        info: &Info,
-    ) -> Result<Texture, ImportError> {
+        index: Index<texture::Texture>,
+        content: Content,
+        placing: &Placing,
+    ) -> Result<(Texture, Option<u32>), ImportError> {
         let root = self.root;
-        let number = info.index.value();
+        let number = index.value();
         let missing = |what: &str| builder.invalid(format!("texture {number} has no {what} that is there"));
         let texture =
-            root.get(info.index).ok_or_else(|| builder.invalid(format!("there is no texture {number}")))?;
+            root.get(index).ok_or_else(|| builder.invalid(format!("there is no texture {number}")))?;
         let [wrap_u, wrap_v] = match texture.sampler {
             Some(index) => {
                 let sampler = root.get(index).ok_or_else(|| missing("sampler"))?;
@@ -99,19 +135,20 @@ impl<'a> Materials<'a> {
             None if key == u32::MAX as usize => None,
             None => return Err(missing("image")),
         };
-        let image = match self.images.get(&key) {
+        let image = match self.images.get(&(key, content)) {
             Some(&image) => image,
             None => {
                 let (name, image) = match source {
                     Some(source) => (image_name(key, source), self.image(source)),
                     None => (number.to_string(), Err("it has no PNG or JPEG image".into())),
                 };
-                let image = builder.add_texture(&name, image)?;
-                self.images.insert(key, image);
+                let image = builder.add_map(&name, image, content)?;
+                self.images.insert((key, content), image);
                 image
             }
         };
-        Ok(Texture { wrap_u: wrap_u as u32, wrap_v: wrap_v as u32, ..image })
+        let texture = Texture { wrap_u: wrap_u as u32, wrap_v: wrap_v as u32, ..image };
+        Ok((placing.apply(texture), Some(placing.set)))
     }
 
     /// # Errors
@@ -137,10 +174,44 @@ fn image_name(number: usize, image: &image::Image) -> String {
     }
 }
 
-fn coordinates(info: &Info) -> Coordinates {
+/// How a texture is laid on a surface.
+struct Placing {
+    /// The set of texture coordinates.
+    set: u32,
+    /// KHR_texture_transform.
+    transform: Option<TextureTransform>,
+}
+
+fn placing(info: &Info) -> Placing {
     let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.clone());
     let set = transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(info.tex_coord);
-    Coordinates { set: Some(set), transform }
+    Placing { set, transform }
+}
+
+/// The same for the kinds of textures whose extensions are kept as JSON.
+fn placing_of(set: u32, transform: Option<&Value>) -> Placing {
+    let transform: Option<TextureTransform> =
+        transform.and_then(|transform| from_value(transform.clone()).ok());
+    let set = transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(set);
+    Placing { set, transform }
+}
+
+impl Placing {
+    /// The texture, scaled, then turned, then moved.
+    fn apply(&self, texture: Texture) -> Texture {
+        let Some(transform) = &self.transform else { return texture };
+        let [u, v] = transform.scale.0.map(finite);
+        let (sin, cos) = libm::sincosf(finite(transform.rotation.0));
+        // Texels are that much denser on the surface; so much smaller is its footprint in them.
+        let area = (u * v).abs();
+        let denser = if area > 1e-12 { 0.5 * libm::log2f(area) } else { 0.0 };
+        Texture {
+            turn: [[cos * u, sin * v], [-sin * u, cos * v]],
+            shift: transform.offset.0.map(finite),
+            log_size: texture.log_size + denser,
+            ..texture
+        }
+    }
 }
 
 fn wrap(mode: Checked<WrappingMode>) -> Wrap {
@@ -164,12 +235,4 @@ fn note_what_is_not_drawn<J: Join>(builder: &mut Builder<'_, J>, source: &materi
     };
     note(source.alpha_mode == Checked::Valid(AlphaMode::Mask), "alpha masks");
     note(source.alpha_mode == Checked::Valid(AlphaMode::Blend), "transparency");
-    note(source.emissive_texture.is_some(), "emission textures");
-    note(source.normal_texture.is_some(), "normal maps");
-    note(source.pbr_metallic_roughness.metallic_roughness_texture.is_some(), "roughness textures");
-    let Some(extensions) = &source.extensions else { return };
-    note(extensions.unlit.is_some(), "materials without lighting");
-    let has = |name: &str| extensions.others.contains_key(name);
-    note(has("KHR_materials_transmission"), "transmission");
-    note(has("KHR_materials_pbrSpecularGlossiness"), "specular-glossiness materials");
 }

@@ -3,22 +3,30 @@
 use super::accessor::Column;
 use super::buffer::Buffers;
 use crate::import::ImportError;
-use crate::import::builder::Geometry;
+use crate::import::builder::{Geometry, Tangents};
+use glam::Vec3;
 use gltf_json::accessor::{Accessor, Type};
-use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 use rtrt_core::layout::Attribute;
 use std::path::Path;
 
-/// The texture coordinates that a material's base color is looked up with.
+/// Which of a primitive's attributes its material is looked up with.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Coordinates {
-    /// Which set, if the base color has a texture.
-    pub set: Option<u32>,
-    /// What is done to them.
-    pub transform: Option<TextureTransform>,
+    /// The sets of texture coordinates, in the order of the scene's slots for them.
+    pub sets: [Option<u32>; 2],
+    /// The slot of the normal map's, if there is one: tangents are then needed.
+    pub bump: Option<u32>,
+}
+
+impl Coordinates {
+    /// The slot of this set, which may be a new one; none if there is no room.
+    pub fn slot(&mut self, set: u32) -> Option<u32> {
+        let slot = self.sets.iter_mut().position(|slot| *slot.get_or_insert(set) == set)?;
+        Some(slot as u32)
+    }
 }
 
 /// The triangles of a primitive, or what it is instead.
@@ -50,12 +58,21 @@ pub(super) fn geometry(
     };
     let normals = attribute(Semantic::Normals, &[Type::Vec3])?;
     let colors = attribute(Semantic::Colors(0), &[Type::Vec3, Type::Vec4])?;
-    let uvs = match coordinates.set {
-        Some(set) => attribute(Semantic::TexCoords(set), &[Type::Vec2])?,
-        None => None,
+    let set = |slot: usize| match coordinates.sets[slot] {
+        Some(set) => attribute(Semantic::TexCoords(set), &[Type::Vec2]),
+        None => Ok(None),
+    };
+    let (uvs, second_uvs) = (set(0)?, set(1)?);
+    let given = match coordinates.bump {
+        Some(_) if normals.is_some() => attribute(Semantic::Tangents, &[Type::Vec4])?,
+        _ => None,
     };
     let invalid = |why: &str| ImportError::Invalid { path: path.to_owned(), why: why.into() };
-    if [&normals, &colors, &uvs].into_iter().flatten().any(|other| other.count != positions.count) {
+    if [&normals, &colors, &uvs, &second_uvs, &given]
+        .into_iter()
+        .flatten()
+        .any(|other| other.count != positions.count)
+    {
         return Err(invalid("the attributes of a primitive differ in number"));
     }
     if u32::try_from(positions.count).is_err() {
@@ -77,31 +94,58 @@ pub(super) fn geometry(
     let at = |vertex: &u32| *vertex as usize;
     let attributes = vertices.iter().map(|vertex| {
         let normal = normals.as_ref().map_or([0.0; 4], |normals| normals.at(at(vertex)));
-        let uv = uvs.as_ref().map_or([0.0; 4], |uvs| uvs.at(at(vertex)));
+        let uv = uvs.as_ref().map_or([0.0; 2], |uvs| two(uvs.at(at(vertex))));
         let color = colors.as_ref().map_or(!0, |colors| {
             let opaque = if colors.width == 3 { 1.0 } else { 0.0 };
             let [r, g, b, a] = colors.at(at(vertex));
             pack([r, g, b, a + opaque])
         });
-        Attribute { normal: [normal[0], normal[1], normal[2]], uv: coordinates.apply([uv[0], uv[1]]), color }
+        Attribute { normal: [normal[0], normal[1], normal[2]], uv, color }
     });
     let attributes = attributes.collect();
     let positions = vertices.iter().map(|vertex| {
         let [x, y, z, _] = positions.at(at(vertex));
         [x, y, z]
     });
-    Ok(Ok(Geometry { positions: positions.collect(), attributes, indices }))
+    let positions = positions.collect();
+    let second_uv = second_uvs.map(|uvs| vertices.iter().map(|vertex| two(uvs.at(at(vertex)))).collect());
+    let tangents = match (given, coordinates.bump) {
+        (_, None) => Tangents::None,
+        (Some(given), _) => Tangents::Given(vertices.iter().map(|vertex| given.at(at(vertex))).collect()),
+        (None, Some(slot)) => Tangents::Made { second: slot == 1 },
+    };
+    let geometry = Geometry { positions, attributes, indices, second_uv, tangents };
+    // A normal map turns a normal, so there has to be one.
+    let is_flat = coordinates.bump.is_some() && normals.is_none();
+    Ok(Ok(if is_flat { faceted(geometry) } else { geometry }))
 }
 
-impl Coordinates {
-    /// KHR_texture_transform: scaled, then turned, then moved.
-    fn apply(&self, [u, v]: [f32; 2]) -> [f32; 2] {
-        let Some(transform) = &self.transform else { return [u, v] };
-        let ([scale_u, scale_v], [u0, v0]) = (transform.scale.0, transform.offset.0);
-        let (sin, cos) = libm::sincosf(transform.rotation.0);
-        let (u, v) = (u * scale_u, v * scale_v);
-        [cos * u + sin * v + u0, cos * v - sin * u + v0]
+/// The same triangles, each with vertices of its own that have the triangle's normal.
+fn faceted(geometry: Geometry) -> Geometry {
+    let corner = |i: &u32| geometry.positions.get(*i as usize).copied().map(Vec3::from);
+    let Some(corners) = geometry.indices.iter().map(corner).collect::<Option<Vec<_>>>() else {
+        // An index out of range is refused with the mesh.
+        return geometry;
+    };
+    let at = |i: &u32| *i as usize;
+    let normals = corners.chunks_exact(3).map(|t| (t[1] - t[0]).cross(t[2] - t[0]).to_array());
+    let normals = normals.flat_map(|normal| [normal; 3]);
+    Geometry {
+        attributes: geometry
+            .indices
+            .iter()
+            .zip(normals)
+            .map(|(i, normal)| Attribute { normal, ..geometry.attributes[at(i)] })
+            .collect(),
+        positions: corners.iter().map(|corner| corner.to_array()).collect(),
+        second_uv: geometry.second_uv.map(|uv| geometry.indices.iter().map(|i| uv[at(i)]).collect()),
+        indices: (0..geometry.indices.len() as u32).collect(),
+        tangents: geometry.tangents,
     }
+}
+
+fn two([u, v, _, _]: [f32; 4]) -> [f32; 2] {
+    [u, v]
 }
 
 /// The corners of all triangles of a list, strip or fan. An incomplete last one is dropped.

@@ -8,7 +8,6 @@ use crate::import::builder::{Builder, Geometry};
 use crate::import::error::quoted;
 use crate::import::gltf::pack;
 use crate::import::{ImportError, NamedCamera, file, picture};
-use bytemuck::Zeroable;
 use glam::Mat4;
 use parse::{Corner, NONE, Obj, Polygon};
 use polygon::Splitter;
@@ -78,10 +77,10 @@ fn material<J: Join>(
     textures: &mut HashMap<String, Texture>,
 ) -> Result<MaterialIndex, ImportError> {
     let Some(source) = source else {
-        return Ok(builder.scene.add_material(phong([0.7; 3], 0.0, 0.8, Texture::zeroed(), [0.0; 3])));
+        return Ok(builder.scene.add_material(phong([0.7; 3], 0.0, 0.8, Texture::NONE, [0.0; 3])));
     };
     let texture = match &source.texture {
-        None => Texture::zeroed(),
+        None => Texture::NONE,
         Some(name) => match textures.get(name) {
             Some(&texture) => texture,
             None => {
@@ -95,12 +94,13 @@ fn material<J: Join>(
     };
     let wrap = if source.clamp { Wrap::Clamp } else { Wrap::Repeat } as u32;
     let peak = 8.0 / (source.shininess + 8.0);
+    // The inverse of what a roughness makes of highlights.
+    let roughness = libm::sqrtf(libm::sqrtf(2.0 / (source.shininess + 2.0)));
+    let texture = Texture { wrap_u: wrap, wrap_v: wrap, ..texture };
     Ok(builder.scene.add_material(Material {
-        diffuse: source.diffuse,
         shininess: source.shininess,
-        specular: source.specular.map(|s| s * peak),
-        texture: Texture { wrap_u: wrap, wrap_v: wrap, ..texture },
-        emission: source.emission,
+        specular: source.specular.map(|s| s * peak / (1.0 - 0.5 * roughness)),
+        ..phong(source.diffuse, 0.0, roughness, texture, source.emission)
     }))
 }
 

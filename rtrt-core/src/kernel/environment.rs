@@ -1,0 +1,166 @@
+//! Light from all around: a map of every direction, sharp and blurred.
+//!
+//! The map is octahedral: a direction is divided by the sum of its coordinates' magnitudes,
+//! which puts it on an octahedron; its upper half is looked at from above, the lower half's
+//! corners are folded out into those of a square (Engelhardt and Dachsbacher, "Octahedron
+//! Environment Maps", 2008). That takes a reciprocal, comparisons and products, no arc
+//! tangent, and a square has no faces whose edges want care: a border of one texel around it
+//! repeats what lies across the fold.
+
+use crate::kernel::texture::Maps;
+use crate::lane::{Bits, Lane, Row, Select, V3};
+use crate::num::{clamp, floor, recip, to_integer};
+
+/// Side of the square that holds the light on a surface from its whole hemisphere.
+pub const IRRADIANCE_SIDE: u32 = 16;
+
+/// Where an environment's squares lie in the texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Sky {
+    /// The word that says where the sharpest square starts; those of the others follow it,
+    /// the last one for diffuse surfaces. 0 for no environment.
+    pub first: u32,
+    /// Texels along a side of the sharpest square, without its border: a power of two. Each
+    /// square is half as large as the one before.
+    pub side: u32,
+    /// Squares for mirrors, from smooth to rough; at least two.
+    pub levels: u32,
+}
+
+/// The place of a direction of any length in a square, `0 ..= 1` each. `y` is up; from above,
+/// columns run along `x` and rows along `z`.
+#[inline(always)]
+pub fn octahedral<L: Lane>(direction: V3<L>) -> [L; 2] {
+    let size = direction.x.abs() + direction.y.abs() + direction.z.abs();
+    let (zero, one) = (size.like(0.0), size.like(1.0));
+    let shrink = recip(size);
+    let (x, z) = (direction.x * shrink, direction.z * shrink);
+    let below = direction.y.less_than(zero);
+    let folded = |a: L, b: L| {
+        let over = one - b.abs();
+        below.select(a.less_than(zero).select(-over, over), a)
+    };
+    [folded(x, z) * 0.5 + 0.5, folded(z, x) * 0.5 + 0.5]
+}
+
+/// The light that a surface of this roughness (0 ..= 1) mirrors from a direction of any
+/// length, linear RGB: bilinear in the two squares between whose roughness it lies, then a
+/// linear mix of the two.
+#[inline(always)]
+pub fn mirrored<L: Lane>(maps: &Maps<'_>, sky: Sky, direction: V3<L>, roughness: L) -> V3<L> {
+    let last = (sky.levels - 1) as f32;
+    let level = clamp(roughness, 0.0, 1.0) * last;
+    let fine = floor(level);
+    let coarse = (fine + 1.0).min(fine.like(last));
+    let place = octahedral(direction);
+    let sites = (Site::new(sky, place, fine), Site::new(sky, place, coarse), (level - fine).row());
+    V3::from_fn(
+        direction.x.token(),
+        #[inline(always)]
+        |lane| {
+            let (fine, coarse, share) = &sites;
+            let (a, b, share) = (fine.fetch(maps, lane), coarse.fetch(maps, lane), share.at(lane));
+            [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share, a[2] + (b[2] - a[2]) * share]
+        },
+    )
+}
+
+/// The light on a surface with this normal from its whole hemisphere, by Lambert's cosine, as
+/// a share of what it would be if light came from everywhere: linear RGB.
+#[inline(always)]
+pub fn arriving<L: Lane>(maps: &Maps<'_>, sky: Sky, normal: V3<L>) -> V3<L> {
+    let site =
+        Site::of_side(octahedral(normal), normal.x.like(IRRADIANCE_SIDE as f32), sky.first + sky.levels);
+    V3::from_fn(
+        normal.x.token(),
+        #[inline(always)]
+        |lane| site.fetch(maps, lane),
+    )
+}
+
+/// The four texels around a place in a square.
+struct Site<L: Lane> {
+    /// The word that says where the square starts.
+    table: <L::Bits as Bits>::Row,
+    /// Texels in a row, the border included.
+    width: <L::Bits as Bits>::Row,
+    column: <L::Bits as Bits>::Row,
+    row: <L::Bits as Bits>::Row,
+    share_x: L::Row,
+    share_y: L::Row,
+}
+
+impl<L: Lane> Site<L> {
+    /// In the square of this level.
+    #[inline(always)]
+    fn new(sky: Sky, place: [L; 2], level: L) -> Self {
+        let halvings = to_integer(level);
+        let shrunk = L::from_bits(halvings.like(127 << 23) - (halvings << 23));
+        let mut site = Self::of_side(place, shrunk * sky.side as f32, 0);
+        site.table = (halvings + halvings.like(sky.first)).row();
+        site
+    }
+
+    /// In a square of this side.
+    #[inline(always)]
+    fn of_side(place: [L; 2], side: L, table: u32) -> Self {
+        // The border moves everything by one texel.
+        let at = |p: L| {
+            let position = p * side + 0.5;
+            let before = floor(position).max(side.like(0.0)).min(side);
+            (to_integer(before), position - before)
+        };
+        let ((column, share_x), (row, share_y)) = (at(place[0]), at(place[1]));
+        Self {
+            table: column.like(table).row(),
+            width: to_integer(side + 2.0).row(),
+            column: column.row(),
+            row: row.row(),
+            share_x: share_x.row(),
+            share_y: share_y.row(),
+        }
+    }
+
+    /// The mixed texels in one lane.
+    #[inline(always)]
+    fn fetch(&self, maps: &Maps<'_>, lane: usize) -> [f32; 3] {
+        let texels = maps.texels;
+        let width = self.width.at(lane);
+        let first = texels[self.table.at(lane) as usize] + self.row.at(lane) * width + self.column.at(lane);
+        let x = self.share_x.at(lane);
+        let a = lerp(decode(texels[first as usize]), decode(texels[(first + 1) as usize]), x);
+        let below = first + width;
+        let b = lerp(decode(texels[below as usize]), decode(texels[(below + 1) as usize]), x);
+        lerp(a, b, self.share_y.at(lane))
+    }
+}
+
+/// Linear RGB of a texel: three mantissas of 9 bits, red lowest, and their common exponent
+/// (the format RGB9E5).
+#[inline(always)]
+pub fn decode(texel: u32) -> [f32; 3] {
+    let scale = f32::from_bits(((texel >> 27) + 127 - 24) << 23);
+    let (r, g, b) = (texel & 511, texel >> 9 & 511, texel >> 18 & 511);
+    [r as f32 * scale, g as f32 * scale, b as f32 * scale]
+}
+
+#[inline(always)]
+fn lerp(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
+    [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share, a[2] + (b[2] - a[2]) * share]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_have_their_places() {
+        let at = |v| octahedral(V3::<f32>::splat((), v));
+        let near = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-6;
+        assert!(near(at([0.0, 2.0, 0.0]), [0.5, 0.5]));
+        assert!(near(at([3.0, 0.0, 0.0]), [1.0, 0.5]) && near(at([0.0, 0.0, -1.0]), [0.5, 0.0]));
+        // Straight down is all four corners.
+        assert!(near(at([1e-9, -1.0, 1e-9]), [1.0, 1.0]) && near(at([-1e-9, -1.0, 1e-9]), [0.0, 1.0]));
+        assert!(at([0.0; 3]).iter().all(|c| (0.0..=1.0).contains(c)));
+    }
+}

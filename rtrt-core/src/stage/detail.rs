@@ -1,0 +1,202 @@
+//! Detail: what only some materials ask of a surface. A second set of texture coordinates,
+//! and normals from textures.
+//!
+//! Runs after `surface`, and only in frames of scenes that have such materials
+//! ([`Frame::details`](crate::layout::Frame)).
+
+use crate::kernel::interpolate::Weights;
+use crate::kernel::tangent::{PRESENT, bumped, handedness, unpack};
+use crate::kernel::texture::{Chosen, Maps, Pick, sample};
+use crate::kernel::traverse::{Best, BestRows};
+use crate::lane::{Bits, Lane, Mask, Select, V3};
+use crate::layout::{Material, NONE};
+use crate::num::{FLOOR, flush, flush3, recip, sqrt};
+use crate::stage::surface::{Space, Surfaces, Vertices};
+
+/// The surfaces with what their materials ask for.
+#[inline(always)]
+pub fn detail<L: Lane>(
+    maps: &Maps<'_>,
+    vertices: &Vertices<'_>,
+    best: &Best<L>,
+    surfaces: &Surfaces<L>,
+) -> Surfaces<L> {
+    let none = surfaces.material.like(0);
+    if !none.less_than(surfaces.material).any() {
+        return *surfaces;
+    }
+    let second = with_second_set(vertices, best, surfaces);
+    Surfaces { normal: normal(maps, vertices, best, &second), ..second }
+}
+
+/// The surfaces with their second set of texture coordinates, where their meshes have one.
+///
+/// The footprint is that of the first set, times how much larger the triangle is in the
+/// second: the square root of the areas' ratio.
+#[inline(always)]
+fn with_second_set<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, surfaces: &Surfaces<L>) -> Surfaces<L> {
+    let token = surfaces.footprint.token();
+    let found = best.rows();
+    let first = L::bits_from_fn(
+        token,
+        #[inline(always)]
+        |lane| vertices.second_uv(&found, lane),
+    );
+    let has = first.like(0).less_than(first);
+    if !has.any() {
+        return *surfaces;
+    }
+    let [sa, ta, sb, tb, sc, tc, area] = L::gather(
+        token,
+        #[inline(always)]
+        |lane| second_set(vertices, &found, lane),
+    );
+    let zero = surfaces.footprint.like(0.0);
+    let weights = Weights::new(best.u, best.v);
+    let second_area = ((sb - sa) * (tc - ta) - (sc - sa) * (tb - ta)).abs();
+    let footprint = surfaces.footprint * sqrt(second_area * recip(area.abs()));
+    let footprint = zero.like(FLOOR).less_than(area.abs()).select(footprint, zero);
+    Surfaces {
+        second_uv: [
+            has.select(flush(weights.mix(sa, sb, sc)), zero),
+            has.select(flush(weights.mix(ta, tb, tc)), zero),
+        ],
+        second_footprint: has.select(flush(footprint), zero),
+        ..*surfaces
+    }
+}
+
+/// The second texture coordinates of the corners of one lane's triangle, and twice its area
+/// in the first ones.
+#[inline(always)]
+fn second_set<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [f32; 7] {
+    let index = found.object(lane);
+    if index == NONE {
+        return [0.0; 7];
+    }
+    let object = &vertices.objects[index as usize];
+    if object.first_second_uv == 0 {
+        return [0.0; 7];
+    }
+    let [a, b, c] = object.corners(vertices.words, found.triangle(lane));
+    let (p, q, r) = (
+        &vertices.attributes[a as usize].uv,
+        &vertices.attributes[b as usize].uv,
+        &vertices.attributes[c as usize].uv,
+    );
+    let area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
+    // Two words a vertex, counted from the mesh's first.
+    let at = object.first_second_uv;
+    let (a, b, c) = (
+        at + 2 * (a - object.first_vertex),
+        at + 2 * (b - object.first_vertex),
+        at + 2 * (c - object.first_vertex),
+    );
+    [
+        f32::from_bits(vertices.words[a as usize]),
+        f32::from_bits(vertices.words[a as usize + 1]),
+        f32::from_bits(vertices.words[b as usize]),
+        f32::from_bits(vertices.words[b as usize + 1]),
+        f32::from_bits(vertices.words[c as usize]),
+        f32::from_bits(vertices.words[c as usize + 1]),
+        area,
+    ]
+}
+
+/// Whether a material has a normal map, and its scale.
+struct Bumps;
+
+impl Pick<2> for Bumps {
+    #[inline(always)]
+    fn pick(material: &Material) -> [f32; 2] {
+        [material.textures[Material::NORMAL].levels as f32, material.bump]
+    }
+}
+
+/// The normals, turned by the normal maps of the materials that have one; see [`bumped`].
+#[inline(always)]
+fn normal<L: Lane>(
+    maps: &Maps<'_>,
+    vertices: &Vertices<'_>,
+    best: &Best<L>,
+    surfaces: &Surfaces<L>,
+) -> V3<L> {
+    let token = surfaces.footprint.token();
+    let zero = surfaces.footprint.like(0.0);
+    let chosen = Chosen::new(surfaces.material);
+    let [levels, scale] = chosen.numbers::<Bumps, 2>(token, maps);
+    if !zero.less_than(levels).any() {
+        return surfaces.normal;
+    }
+    let found = best.rows();
+    let a = L::bits_from_fn(
+        token,
+        #[inline(always)]
+        |lane| tangent::<L, 0>(vertices, &found, lane),
+    );
+    let b = L::bits_from_fn(
+        token,
+        #[inline(always)]
+        |lane| tangent::<L, 1>(vertices, &found, lane),
+    );
+    let c = L::bits_from_fn(
+        token,
+        #[inline(always)]
+        |lane| tangent::<L, 2>(vertices, &found, lane),
+    );
+    let present = (a & a.like(PRESENT)).equal(a.like(PRESENT));
+    let has = present & zero.less_than(levels);
+    if !has.any() {
+        return surfaces.normal;
+    }
+    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz] = L::gather(
+        token,
+        #[inline(always)]
+        |lane| normals(vertices, &found, lane),
+    );
+    let weights = Weights::new(best.u, best.v);
+    let vertex_normal = weights.mix3(
+        V3 { x: nax, y: nay, z: naz },
+        V3 { x: nbx, y: nby, z: nbz },
+        V3 { x: ncx, y: ncy, z: ncz },
+    );
+    let along = weights.mix3(unpack(token, a), unpack(token, b), unpack(token, c));
+    // In the object's space, so that a mirrored object has a mirrored relief.
+    let up = vertex_normal.cross(along).scale(handedness(token, a));
+    let missed = best.object.equal(best.object.like(NONE));
+    let space = Space::of(vertices, zero, &found, missed);
+    let behind = space.normal(vertex_normal).dot(surfaces.normal).less_than(zero);
+    let [x, y, z, _] = sample::<L, { Material::NORMAL }, false>(maps, &chosen, &surfaces.places());
+    let map = [(x * 2.0 - 1.0) * scale, (y * 2.0 - 1.0) * scale, z * 2.0 - 1.0];
+    let turned = bumped(surfaces.normal, space.vector(along), space.vector(up), behind, map);
+    V3::select(has, flush3(turned), surfaces.normal)
+}
+
+/// The packed tangent at a corner of one lane's triangle; 0 if there is none.
+#[inline(always)]
+fn tangent<L: Lane, const CORNER: usize>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> u32 {
+    let index = found.object(lane);
+    if index == NONE {
+        return 0;
+    }
+    let object = &vertices.objects[index as usize];
+    if object.first_tangent == 0 {
+        return 0;
+    }
+    let corner = object.first_index + 3 * found.triangle(lane) + CORNER as u32;
+    vertices.words[(object.first_tangent + vertices.words[corner as usize]) as usize]
+}
+
+/// The normals of the corners of one lane's triangle, object space.
+#[inline(always)]
+fn normals<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [f32; 9] {
+    let index = found.object(lane);
+    if index == NONE {
+        return [0.0; 9];
+    }
+    let [a, b, c] = vertices.objects[index as usize].corners(vertices.words, found.triangle(lane));
+    let attributes = vertices.attributes;
+    let (a, b, c) =
+        (&attributes[a as usize].normal, &attributes[b as usize].normal, &attributes[c as usize].normal);
+    [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]
+}
