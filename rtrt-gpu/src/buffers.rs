@@ -75,9 +75,10 @@ impl Buffers {
         self.slots[slot as usize].as_ref()
     }
 
-    /// Makes room for `count` elements; what was there is lost if the buffer has to grow.
+    /// Makes room for `count` elements, and for one where there are none: entry points bind no
+    /// less. What was there is lost if the buffer has to grow.
     pub fn reserve<T>(&mut self, device: &Device, slot: Slot, count: u64) -> Result<(), Error> {
-        let bytes = count * size_of::<T>() as u64;
+        let bytes = count.max(1) * size_of::<T>() as u64;
         if self.get(slot).is_none_or(|buffer| buffer.size() < bytes) {
             let bound = if slot == Slot::Frame { BufferUsages::UNIFORM } else { BufferUsages::STORAGE };
             let usage = bound | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
