@@ -2,7 +2,8 @@
 //! repository; without them the tests that need them say that they are skipped.
 
 use rtrt::import::{ImportError, Loaded, framing, load};
-use rtrt_core::scene::{MeshError, Projection, Sequential};
+use rtrt_core::layout::Material;
+use rtrt_core::scene::{Light, MeshError, Projection, Sequential};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -283,4 +284,59 @@ fn positions_that_are_not_there_are_refused() {
     let text = triangle(r#""bufferView":0,"count":3"#).replace(r#""POSITION":0"#, r#""POSITION":4294967295"#);
     let error = written("positions.gltf", &text).unwrap_err().to_string();
     assert!(error.ends_with("meshes[0].primitives[0].attributes.POSITION is not there"), "{error}");
+}
+
+#[test]
+fn extensions_that_are_not_supported_are_named() {
+    let used = triangle(r#""bufferView":0,"count":3"#)
+        .replace(r#""nodes""#, r#""extensionsUsed":["KHR_texture_transform","EXT_of_mine"],"nodes""#);
+    let loaded = written("used.gltf", &used).unwrap();
+    assert_eq!(loaded.warnings, [r#"the extension "EXT_of_mine" is not supported"#]);
+    let required = used.replace("extensionsUsed", "extensionsRequired");
+    let error = written("required.gltf", &required).unwrap_err();
+    assert!(error.to_string().ends_with("it requires the extension EXT_of_mine"), "{error}");
+}
+
+#[test]
+fn quantized_positions_are_whole_numbers() {
+    let text = triangle(r#""bufferView":0,"count":3"#)
+        .replace("5126", "5122")
+        .replace(r#""byteLength":36}],"#, r#""byteLength":24,"byteStride":8}],"#)
+        .replace(r#""byteLength":36,"#, r#""byteLength":24,"#)
+        .replace("AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA", "AAAAAAAAAABkAAAAAAAAAAAAZAAAAAAA")
+        .replace(r#""nodes""#, r#""extensionsRequired":["KHR_mesh_quantization"],"nodes""#);
+    let loaded = written("quantized.gltf", &text).unwrap();
+    assert_eq!(loaded.scene.positions()[1..], [[100.0, 0.0, 0.0], [0.0, 100.0, 0.0]]);
+}
+
+#[test]
+fn materials_say_what_textures_they_have_and_where_they_lie() {
+    let Some(folder) = scenes() else { return };
+    let materials = |file: &str| load(&folder.join(file), &Sequential).unwrap().scene.materials().to_vec();
+    let helmet = materials("hero/FlightHelmet/FlightHelmet.gltf");
+    let has = |place: usize| helmet.iter().filter(|m| m.textures[place].levels > 1).count();
+    let places = [Material::COLOR, Material::NORMAL, Material::ROUGHNESS, Material::OCCLUSION];
+    assert_eq!(places.map(has), [6, 6, 6, 6]);
+    assert_eq!(has(Material::EMISSION), 0);
+    let cube = materials("features/MultiUVTest.glb");
+    let sets = cube[0].textures.map(|t| (t.levels > 0, t.set));
+    assert!(sets.contains(&(true, 1)) && sets.contains(&(true, 0)), "{sets:?}");
+    let turned = materials("features/TextureTransformTest/TextureTransformTest.gltf");
+    assert!(turned.iter().any(|m| m.textures[0].shift != [0.0; 2]));
+    assert!(turned.iter().any(|m| m.textures[0].turn[0][1] != 0.0));
+}
+
+#[test]
+fn spot_lights_have_their_cones() {
+    let Some(folder) = scenes() else { return };
+    let scene = load(&folder.join("lights/Lights.glb"), &Sequential).unwrap().scene;
+    let cones = scene.lights().iter().filter_map(|light| match light {
+        Light::Spot { inner, outer, .. } => Some((*inner, *outer)),
+        _ => None,
+    });
+    let cones: Vec<_> = cones.collect();
+    assert!(
+        cones.len() == 2 && cones.iter().all(|(inner, outer)| inner <= outer && *outer < 1.6),
+        "{cones:?}"
+    );
 }

@@ -9,9 +9,9 @@ use crate::kernel::tangent::{PRESENT, bumped, handedness, unpack};
 use crate::kernel::texture::{Chosen, Maps, Pick, sample};
 use crate::kernel::traverse::{Best, BestRows};
 use crate::lane::{Bits, Lane, Mask, Select, V3};
-use crate::layout::{Material, NONE};
+use crate::layout::{Material, NONE, Object};
 use crate::num::{FLOOR, flush, flush3, recip, sqrt};
-use crate::stage::surface::{Space, Surfaces, Vertices};
+use crate::stage::surface::{Identity, OfObject, Space, Surfaces, Vertices};
 
 /// The surfaces with what their materials ask for.
 #[inline(always)]
@@ -37,11 +37,7 @@ pub fn detail<L: Lane>(
 fn with_second_set<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, surfaces: &Surfaces<L>) -> Surfaces<L> {
     let token = surfaces.footprint.token();
     let found = best.rows();
-    let first = L::bits_from_fn(
-        token,
-        #[inline(always)]
-        |lane| vertices.second_uv(&found, lane),
-    );
+    let first = vertices.of_objects::<L, SecondUv>(token, best.object, &found);
     let has = first.like(0).less_than(first);
     if !has.any() {
         return *surfaces;
@@ -63,6 +59,17 @@ fn with_second_set<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, surfaces: &
         ],
         second_footprint: has.select(flush(footprint), zero),
         ..*surfaces
+    }
+}
+
+/// Where the second texture coordinates start.
+struct SecondUv;
+
+impl OfObject for SecondUv {
+    const NONE: u32 = 0;
+    #[inline(always)]
+    fn of(object: &Object) -> u32 {
+        object.first_second_uv
     }
 }
 
@@ -128,6 +135,7 @@ fn normal<L: Lane>(
     if !zero.less_than(levels).any() {
         return surfaces.normal;
     }
+    let none = surfaces.material.like(0);
     let found = best.rows();
     let a = L::bits_from_fn(
         token,
@@ -163,12 +171,17 @@ fn normal<L: Lane>(
     let along = weights.mix3(unpack(token, a), unpack(token, b), unpack(token, c));
     // In the object's space, so that a mirrored object has a mirrored relief.
     let up = vertex_normal.cross(along).scale(handedness(token, a));
-    let missed = best.object.equal(best.object.like(NONE));
-    let space = Space::of(vertices, zero, &found, missed);
-    let behind = space.normal(vertex_normal).dot(surfaces.normal).less_than(zero);
+    let identity = vertices.of_objects::<L, Identity>(token, best.object, &found);
+    let (vertex_normal, along, up) = if identity.equal(none).any() {
+        let space = Space::of(vertices, zero, best.object, &found);
+        (space.normal(vertex_normal), space.vector(along), space.vector(up))
+    } else {
+        (vertex_normal, along, up)
+    };
+    let behind = vertex_normal.dot(surfaces.normal).less_than(zero);
     let [x, y, z, _] = sample::<L, { Material::NORMAL }, false>(maps, &chosen, &surfaces.places());
     let map = [(x * 2.0 - 1.0) * scale, (y * 2.0 - 1.0) * scale, z * 2.0 - 1.0];
-    let turned = bumped(surfaces.normal, space.vector(along), space.vector(up), behind, map);
+    let turned = bumped(surfaces.normal, along, up, behind, map);
     V3::select(has, flush3(turned), surfaces.normal)
 }
 

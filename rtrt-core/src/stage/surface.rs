@@ -117,12 +117,61 @@ pub struct Vertices<'a> {
     pub attributes: &'a [Attribute],
 }
 
+/// A word of an object.
+pub(super) trait OfObject {
+    /// What it is where nothing was hit.
+    const NONE: u32;
+    /// The word.
+    fn of(object: &Object) -> u32;
+}
+
 impl Vertices<'_> {
-    /// Where the object in one lane has its second texture coordinates; 0 for nowhere.
+    /// A word of the object in each lane. Neighboring rays mostly hit the same one, which is
+    /// then looked at once.
     #[inline(always)]
-    pub fn second_uv<L: Lane>(&self, found: &BestRows<L>, lane: usize) -> u32 {
-        let index = found.object(lane);
-        if index == NONE { 0 } else { self.objects[index as usize].first_second_uv }
+    pub(super) fn of_objects<L: Lane, W: OfObject>(
+        &self,
+        token: L::Token,
+        objects: L::Bits,
+        found: &BestRows<L>,
+    ) -> L::Bits {
+        let first = found.object(0);
+        if L::WIDTH > 1 && !(!objects.equal(objects.like(first))).any() {
+            return objects.like(self.of_object::<W>(first));
+        }
+        L::bits_from_fn(
+            token,
+            #[inline(always)]
+            |lane| self.of_object::<W>(found.object(lane)),
+        )
+    }
+
+    /// A word of one object.
+    #[inline(always)]
+    fn of_object<W: OfObject>(&self, index: u32) -> u32 {
+        if index == NONE { W::NONE } else { W::of(&self.objects[index as usize]) }
+    }
+}
+
+/// Whether object and world space are the same.
+pub(super) struct Identity;
+
+impl OfObject for Identity {
+    const NONE: u32 = 1;
+    #[inline(always)]
+    fn of(object: &Object) -> u32 {
+        object.is_identity
+    }
+}
+
+/// 1 + the material.
+struct OneMaterial;
+
+impl OfObject for OneMaterial {
+    const NONE: u32 = 0;
+    #[inline(always)]
+    fn of(object: &Object) -> u32 {
+        object.material + 1
     }
 }
 
@@ -169,7 +218,7 @@ pub fn surface<L: Lane>(
         #[inline(always)]
         |lane| shared(&vertices, &found, lane),
     );
-    let space = Space::of(&vertices, best.t, &found, missed);
+    let space = Space::of(&vertices, best.t, best.object, &found);
     let a = space.point(V3 { x: ax, y: ay, z: az });
     let b = space.point(V3 { x: bx, y: by, z: bz });
     let c = space.point(V3 { x: cx, y: cy, z: cz });
@@ -193,14 +242,7 @@ pub fn surface<L: Lane>(
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
         normal: V3::select(missed, nothing, smooth),
-        material: missed.select(
-            none,
-            L::bits_from_fn(
-                token,
-                #[inline(always)]
-                |lane| material(&vertices, &found, lane),
-            ),
-        ),
+        material: vertices.of_objects::<L, OneMaterial>(token, best.object, &found),
         color: missed.select(
             none,
             L::bits_from_fn(
@@ -241,17 +283,10 @@ impl<L: Lane> Space<L> {
     /// The spaces of the hit objects. Matrices are read lane by lane only where the lanes
     /// have hit different objects.
     #[inline(always)]
-    pub(super) fn of(vertices: &Vertices<'_>, like: L, found: &BestRows<L>, missed: L::Mask) -> Self {
+    pub(super) fn of(vertices: &Vertices<'_>, like: L, objects: L::Bits, found: &BestRows<L>) -> Self {
         let token = like.token();
-        let identity = L::bits_from_fn(
-            token,
-            #[inline(always)]
-            |lane| {
-                let index = found.object(lane);
-                if index == NONE { 1 } else { vertices.objects[index as usize].is_identity }
-            },
-        );
-        let same = identity.equal(identity.like(1)) | missed;
+        let identity = vertices.of_objects::<L, Identity>(token, objects, found);
+        let same = identity.equal(identity.like(1));
         let zero = [[like.like(0.0); 4]; 3];
         let mut space = Self { same, all_same: !(!same).any(), to_world: zero, to_object: zero };
         if space.all_same {
@@ -337,13 +372,6 @@ fn shared<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) ->
         n[0], n[1], n[2], m[0], m[1], m[2], o[0], o[1], o[2], a.uv[0], a.uv[1], b.uv[0], b.uv[1], c.uv[0],
         c.uv[1],
     ]
-}
-
-/// 1 + the material in one lane, or 0.
-#[inline(always)]
-fn material<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> u32 {
-    let index = found.object(lane);
-    if index == NONE { 0 } else { vertices.objects[index as usize].material + 1 }
 }
 
 /// The vertex color at the hit in one lane.
