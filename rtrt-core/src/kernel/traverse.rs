@@ -96,11 +96,6 @@ impl<L: Lane> BestRows<L> {
     pub fn triangle(&self, lane: usize) -> u32 {
         self.triangle.at(lane)
     }
-    /// The weights of the second and third corner in one lane.
-    #[inline(always)]
-    pub fn weights(&self, lane: usize) -> [f32; 2] {
-        [self.u.at(lane), self.v.at(lane)]
-    }
     /// The record of one lane.
     #[inline(always)]
     pub fn hit(&self, lane: usize) -> Hit {
