@@ -1,5 +1,9 @@
 //! The `rtrt` command as a shell sees it: exit codes, output, files.
 
+use rtrt_core::backend::{Picture, Request};
+use rtrt_core::grid::Grid;
+use rtrt_core::layout::NONE;
+use rtrt_core::scene::ObjectIndex;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -77,6 +81,100 @@ fn renders_a_file_and_the_demo_to_png() {
     }
 }
 
+/// The samples of a channel of a layer.
+fn channel(image: &exr::image::FlatImage, layer: &str, name: &str) -> Vec<u32> {
+    let layer =
+        image.layer_data.iter().find(|l| l.attributes.layer_name.as_ref().unwrap().eq(layer)).unwrap();
+    let channel = layer.channel_data.list.iter().find(|channel| channel.name.eq(name)).unwrap();
+    match &channel.sample_data {
+        exr::prelude::FlatSamples::F32(samples) => samples.iter().map(|sample| sample.to_bits()).collect(),
+        exr::prelude::FlatSamples::U32(samples) => samples.clone(),
+        exr::prelude::FlatSamples::F16(_) => panic!("half precision"),
+    }
+}
+
+#[test]
+fn layers_are_the_deferred_buffers() {
+    let folder = Folder::new("layers");
+    // Renders what the command does.
+    let loaded = rtrt::import::load(&folder.0.join("scene.obj"), &rtrt_core::scene::Sequential).unwrap();
+    let camera = rtrt::import::framing(&loaded.scene, 37.0 / 21.0);
+    let mut scene = loaded.scene;
+    rtrt::import::light_by_default(&mut scene, &camera);
+    let mut backend = rtrt_cpu::Cpu::new(rtrt_cpu::Options { lanes: Some(1), threads: Some(1) }).unwrap();
+    for samples in [1, 4] {
+        let line = "render scene.obj --size 37x21 --aov all.exr -o color.exr --backend cpu";
+        stdout(&folder.run(&format!("{line} --samples {samples}")));
+        assert_eq!(folder.files().len(), 2);
+        let [all, color] = ["all.exr", "color.exr"]
+            .map(|name| exr::prelude::read_all_flat_layers_from_file(folder.0.join(name)).unwrap());
+        let request = Request { camera: &camera, size: [37, 21], samples, shadows: true, deferred: true };
+        let mut picture = Picture::default();
+        rtrt_core::backend::Backend::render(&mut backend, &scene, &request, &mut picture).unwrap();
+        let deferred = picture.deferred.unwrap();
+        let grid = Grid { width: 37, height: 21, side: samples.isqrt() };
+        assert_eq!(all.layer_data.len(), 9);
+        let get = |layer, names: &[&str]| -> Vec<Vec<u32>> {
+            names.iter().map(|name| channel(&all, layer, name)).collect()
+        };
+        let (depth, normal) = (get("depth", &["Z"]), get("normal", &["X", "Y", "Z"]));
+        let (object, triangle) = (get("object", &["id"]), get("triangle", &["id", "source"]));
+        let (weights, uv) = (get("barycentrics", &["U", "V"]), get("uv", &["U", "V"]));
+        let (colors, shadow) = (get("color", &["R", "G", "B", "A"]), get("shadow", &["Y"]));
+        let albedo = get("albedo", &["R", "G", "B"]);
+        let mut hits = 0;
+        for pixel in 0..37 * 21 {
+            let [x, y] = grid.pixel(pixel);
+            let rays: Vec<usize> = (0..samples)
+                .map(|n| [x * grid.side + n % grid.side, y * grid.side + n / grid.side])
+                .map(|place| grid.index(place).0 as usize)
+                .collect();
+            let (hit, surface) = (&deferred.hits[rays[0]], &deferred.surfaces[rays[0]]);
+            let at = |layer: &[Vec<u32>]| layer.iter().map(|c| c[pixel as usize]).collect::<Vec<_>>();
+            let floats = |layer: &[Vec<u32>]| at(layer).into_iter().map(f32::from_bits).collect::<Vec<_>>();
+            let is_hit = hit.object != NONE;
+            assert_eq!(floats(&depth), [if is_hit { hit.t } else { f32::INFINITY }]);
+            assert_eq!((floats(&normal), floats(&uv)), (surface.normal.to_vec(), surface.uv.to_vec()));
+            assert_eq!((at(&object), at(&triangle)[0]), (vec![hit.object], hit.triangle));
+            let source = scene.source_triangle(ObjectIndex(hit.object), hit.triangle);
+            assert_eq!(at(&triangle)[1], source.unwrap_or(NONE));
+            assert_eq!(floats(&weights), [hit.u, hit.v]);
+            let mean = |value: &dyn Fn(usize) -> f32| {
+                rays.iter().fold(0.0, |sum, &ray| sum + value(ray)) / samples as f32
+            };
+            for (i, color) in floats(&colors).into_iter().enumerate() {
+                assert_eq!(color, mean(&|ray| deferred.colors[ray][i]));
+            }
+            assert_eq!(floats(&shadow), [mean(&|ray| deferred.masks[ray].count_ones() as f32) / 2.0]);
+            // The file has no materials: everything is of one color.
+            assert!(is_hit || samples > 1 || floats(&albedo) == [0.0; 3]);
+            hits += usize::from(is_hit);
+        }
+        assert!(hits > 50 && hits < 37 * 21, "{hits}");
+        assert_eq!(color.layer_data.len(), 1);
+        for (name, expected) in ["R", "G", "B", "A"].iter().zip(&colors) {
+            assert_eq!(channel(&color, "color", name), *expected);
+        }
+    }
+}
+
+#[test]
+fn a_png_of_16_bits_rounds_to_that_of_8() {
+    let folder = Folder::new("bits");
+    let line = "render scene.obj --size 37x21 --backend cpu";
+    stdout(&folder.run(&format!("{line} -o 8.png")));
+    stdout(&folder.run(&format!("{line} -o 16.png --bits 16")));
+    let [narrow, wide] = ["8.png", "16.png"].map(|name| image::open(folder.0.join(name)).unwrap());
+    assert_eq!(wide.color(), image::ColorType::Rgba16);
+    for (narrow, wide) in narrow.into_rgba8().iter().zip(wide.into_rgba16().iter()) {
+        assert!((f64::from(*narrow) - f64::from(*wide) / 257.0).abs() <= 0.51);
+    }
+    // The same picture goes to standard output, and nothing else does.
+    let output = folder.run(&format!("{line} -o -"));
+    assert_eq!(code(&output), 0);
+    assert_eq!(output.stdout, fs::read(folder.0.join("8.png")).unwrap());
+}
+
 #[test]
 fn wrong_usage_is_exit_code_2_and_no_panic() {
     let folder = Folder::new("usage");
@@ -108,9 +206,20 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         assert_eq!(code(&output), 2, "{wrong}: {}", stderr(&output));
         assert!(stderr(&output).contains("error: "), "{wrong}: {}", stderr(&output));
     }
-    for wrong in
-        ["render", "render scene.obj", "render scene.obj -o out.jpg", "render demo:none -o out.png", ""]
-    {
+    for wrong in [
+        "render",
+        "render scene.obj",
+        "render scene.obj -o out.jpg",
+        "render demo:none -o out.png",
+        "render scene.obj --aov out.png",
+        "render scene.obj -o out.exr --bits 16",
+        "render scene.obj -o out.exr --debug depth",
+        "render scene.obj -o out.png --bits 16 --debug depth",
+        "render scene.obj -o out.png --debug colors",
+        "render scene.obj -o - --hash",
+        "render scene.obj -o - --json",
+        "",
+    ] {
         assert_eq!(code(&folder.run(wrong)), 2, "{wrong}");
     }
     assert_eq!(folder.files(), [""; 0]);
@@ -158,10 +267,17 @@ fn input_that_cannot_be_read_is_exit_code_3() {
 fn a_picture_that_cannot_be_written_is_exit_code_1_and_leaves_nothing() {
     let folder = Folder::new("output");
     fs::create_dir(folder.0.join("folder.png")).unwrap();
-    for place in ["missing/out.png", "folder.png", "scene.obj/out.png"] {
-        let output = folder.run(&format!("render scene.obj -o {place} --size 8x8 --backend cpu"));
+    for place in [
+        "-o missing/out.png",
+        "-o folder.png",
+        "-o scene.obj/out.png",
+        "--aov missing/out.exr",
+        "-o out.png --aov scene.obj/out.exr",
+    ] {
+        let output = folder.run(&format!("render scene.obj {place} --size 8x8 --backend cpu"));
         assert_eq!(code(&output), 1, "{place}: {}", stderr(&output));
-        assert!(stderr(&output).contains(place), "{}", stderr(&output));
+        let name = place.split_whitespace().last().unwrap();
+        assert!(stderr(&output).contains(name), "{}", stderr(&output));
     }
     assert_eq!(folder.files(), ["folder.png"]);
 }

@@ -5,6 +5,7 @@ use super::console::Console;
 use super::options::{BackendOptions, CameraOptions, Common};
 use super::report::Machine;
 use rtrt::choose::{ChooseError, Chosen, choose};
+use rtrt::debug::{Shown, View, show};
 use rtrt::demo;
 use rtrt::import::{self, Loaded};
 use rtrt_core::backend::{Backend, Picture, Request};
@@ -94,6 +95,14 @@ impl<'a> Job<'a> {
         backend
             .render(&self.scene, request, picture)
             .map_err(|source| Error::Render { scene: self.name.to_owned(), source })
+    }
+
+    /// A view of a picture of the job whose deferred buffers were kept.
+    pub fn show(&self, view: View, picture: &Picture) -> Result<Shown, Error> {
+        let shown = show(view, &self.scene, &self.request(true), picture);
+        let shown =
+            shown.map_err(|error| Error::Render { scene: self.name.to_owned(), source: error.into() })?;
+        shown.ok_or(Error::Usage("a view needs the deferred buffers"))
     }
 }
 

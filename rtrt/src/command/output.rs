@@ -1,9 +1,9 @@
 //! What a command leaves behind: lines on standard output, and picture files.
 
 use super::Error;
-use image::ImageEncoder;
+use super::options::is_standard;
 use image::codecs::png::PngEncoder;
-use rtrt_core::backend::Picture;
+use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs::{self, OpenOptions};
@@ -22,6 +22,9 @@ pub fn print_json(results: &impl serde::Serialize) -> Result<(), Error> {
 
 /// Whether a picture could be written there, found out before it is rendered.
 pub fn check(path: &Path) -> Result<(), Error> {
+    if is_standard(path) {
+        return Ok(());
+    }
     let refused = |kind, why| Err(Error::Write { path: path.to_owned(), source: io::Error::new(kind, why) });
     if path.exists() && !path.is_file() {
         return refused(io::ErrorKind::AlreadyExists, "it is there, and no file");
@@ -32,13 +35,20 @@ pub fn check(path: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes the picture as a PNG file: all of it, or nothing.
-pub fn write_png(path: &Path, picture: &Picture) -> Result<(), Error> {
+/// The pixels, row by row, as a PNG file.
+pub fn png(pixels: &[u8], [width, height]: [u32; 2], depth: ExtendedColorType) -> ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(picture.bytes(), picture.width, picture.height, image::ExtendedColorType::Rgba8)
-        .map_err(|source| Error::Encode { path: path.to_owned(), source })?;
-    replace(path, &bytes).map_err(|source| Error::Write { path: path.to_owned(), source })
+    PngEncoder::new(&mut bytes).write_image(pixels, width, height, depth)?;
+    Ok(bytes)
+}
+
+/// Writes a file, all of it or nothing, or to standard output.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    if is_standard(path) {
+        let mut to = io::stdout().lock();
+        return Ok(to.write_all(bytes).and_then(|()| to.flush())?);
+    }
+    replace(path, bytes).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
 /// Makes `path` a file of these bytes. They are written beside it and moved there when all
