@@ -58,6 +58,7 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
         cameras: vec![NamedCamera { name: "room".into(), camera }],
         camera,
         lit_by_default: false,
+        animation: None,
         warnings: Vec::new(),
         tree_build_ms: stage.builder.tree_build_ms,
     })
@@ -83,7 +84,8 @@ impl<J: Join> Stage<'_, J> {
         self.builder.add_mesh(MATCHBOX, shape.0)
     }
     fn place(&mut self, mesh: MeshIndex, material: MaterialIndex, at: Mat4) -> Result<(), ImportError> {
-        self.builder.add_object(MATCHBOX, mesh, material, at)
+        self.builder.add_object(MATCHBOX, mesh, material, at)?;
+        Ok(())
     }
     fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
         let mesh = self.mesh(shape)?;

@@ -7,7 +7,7 @@ use super::report::Machine;
 use rtrt::choose::{ChooseError, Chosen, choose};
 use rtrt::debug::{Shown, View, show};
 use rtrt::demo;
-use rtrt::import::{self, Loaded};
+use rtrt::import::{self, Animation, Loaded, NamedCamera};
 use rtrt_core::backend::{Backend, Picture, Request};
 use rtrt_core::scene::{Camera, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
@@ -30,7 +30,11 @@ pub struct Job<'a> {
     pub rays: u64,
     /// Milliseconds.
     pub tree_build_ms: f64,
-    name: &'a Path,
+    /// Whether the lights are those of the file.
+    own_lights: bool,
+    animation: Option<Animation>,
+    cameras: Vec<NamedCamera>,
+    common: &'a Common,
 }
 
 impl<'a> Job<'a> {
@@ -51,27 +55,55 @@ impl<'a> Job<'a> {
             console.say(format_args!("warning: {warning}"));
         }
         let camera = camera(common, &loaded)?;
-        let mut scene = loaded.scene;
+        let Loaded { mut scene, cameras, lit_by_default, animation, tree_build_ms, .. } = loaded;
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
-        } else if loaded.lit_by_default && common.environment.is_some() {
+        } else if lit_by_default && common.environment.is_some() {
             scene.lights_mut().clear();
-        } else if loaded.lit_by_default {
+        } else if lit_by_default {
             import::light_by_default(&mut scene, &camera);
         }
         if let Some(path) = &common.environment {
             import::surround(&mut scene, path)?;
         }
-        Ok(Self {
+        if animation.is_none() && common.time.is_some() {
+            console.say("warning: nothing in the scene is animated");
+        }
+        let mut job = Self {
             scene,
             camera,
             size: common.size,
             samples,
             rays,
             shadows: !common.no_shadows,
-            tree_build_ms: loaded.tree_build_ms,
-            name: &common.scene,
-        })
+            tree_build_ms,
+            own_lights: common.lights.is_empty() && !lit_by_default,
+            animation,
+            cameras,
+            common,
+        };
+        if let Some(time) = common.time {
+            job.play(time)?;
+        }
+        Ok(job)
+    }
+
+    /// Moves what moves to where it is at a time, seconds. A scene without cameras is seen from
+    /// where it is seen at rest.
+    pub fn play(&mut self, time: f64) -> Result<(), Error> {
+        let Some(animation) = &self.animation else { return Ok(()) };
+        let pose = animation.at(time);
+        pose.apply(&mut self.scene)?;
+        if self.own_lights {
+            pose.aim(self.scene.lights_mut());
+        }
+        for (index, camera) in pose.cameras {
+            self.cameras[index].camera = camera;
+        }
+        if let Some(named) = self.cameras.get(self.common.camera.camera.unwrap_or(0)) {
+            self.camera = changed(named.camera, &self.common.camera, &self.scene);
+        }
+        Ok(())
     }
 
     /// The request for a frame.
@@ -94,14 +126,14 @@ impl<'a> Job<'a> {
     ) -> Result<(), Error> {
         backend
             .render(&self.scene, request, picture)
-            .map_err(|source| Error::Render { scene: self.name.to_owned(), source })
+            .map_err(|source| Error::Render { scene: self.common.scene.clone(), source })
     }
 
     /// A view of a picture of the job whose deferred buffers were kept.
     pub fn show(&self, view: View, picture: &Picture) -> Result<Shown, Error> {
         let shown = show(view, &self.scene, &self.request(true), picture);
-        let shown =
-            shown.map_err(|error| Error::Render { scene: self.name.to_owned(), source: error.into() })?;
+        let shown = shown
+            .map_err(|error| Error::Render { scene: self.common.scene.clone(), source: error.into() })?;
         shown.ok_or(Error::Usage("a view needs the deferred buffers"))
     }
 }

@@ -29,6 +29,13 @@ pub struct Render {
     /// a block's list has; tests is how many boxes and triangles a ray is asked for
     #[arg(long, value_name = "VIEW", value_parser = view())]
     pub debug: Option<View>,
+    /// Render so many frames, from --time on. {frame} in the names of files becomes the frame's
+    /// number, from 0000 on; --hash and --json print for each frame
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub frames: u32,
+    /// Frames a second
+    #[arg(long, value_name = "F", default_value = "24", value_parser = rate)]
+    pub fps: f64,
     /// Print the SHA-256 of the pixels (red, green, blue, alpha, row by row) and of each
     /// deferred buffer
     #[arg(long)]
@@ -81,6 +88,10 @@ pub struct Common {
     /// mirrored, and lights in place of the ambient light. A scene without lights gets none
     #[arg(long, value_name = "FILE")]
     pub environment: Option<PathBuf>,
+    /// Play the file's animation until this time, seconds after its start; the file's pose at rest
+    /// if not given
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time: Option<f64>,
     /// Print the results as one JSON object
     #[arg(long)]
     pub json: bool,
@@ -187,6 +198,16 @@ fn angle(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|&radians| radians > 0.0 && radians < core::f32::consts::PI)
         .ok_or("not a number within 0 and 180".into())
+}
+
+/// Seconds, 0 or more.
+fn seconds(text: &str) -> Result<f64, &'static str> {
+    text.parse().ok().filter(|time: &f64| time.is_finite() && *time >= 0.0).ok_or("not a number of 0 or more")
+}
+
+/// Frames a second, above 0.
+fn rate(text: &str) -> Result<f64, &'static str> {
+    seconds(text).ok().filter(|rate| *rate >= 1e-6).ok_or("not a number above 0")
 }
 
 /// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`.

@@ -1,6 +1,7 @@
 //! What a command leaves behind: lines on standard output, and picture files.
 
 use super::Error;
+use super::console::Console;
 use super::options::is_standard;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
@@ -15,9 +16,14 @@ pub fn print(line: impl Display) -> Result<(), Error> {
     Ok(writeln!(io::stdout(), "{line}")?)
 }
 
+/// The results as one JSON object on one line.
+pub fn json(results: &impl serde::Serialize) -> Result<String, Error> {
+    Ok(serde_json::to_string(results).map_err(io::Error::from)?)
+}
+
 /// Writes the results as one JSON object on one line.
 pub fn print_json(results: &impl serde::Serialize) -> Result<(), Error> {
-    print(serde_json::to_string(results).map_err(io::Error::from)?)
+    print(json(results)?)
 }
 
 /// Whether a picture could be written there, found out before it is rendered.
@@ -78,7 +84,11 @@ fn folder(path: &Path) -> &Path {
 }
 
 /// Writes hashes, a line each: of the pixels, then of the deferred buffers.
-pub fn print_hashes(pixels: &str, buffers: Option<BTreeMap<&'static str, String>>) -> Result<(), Error> {
-    print(format_args!("{pixels}  pixels"))?;
-    buffers.into_iter().flatten().try_for_each(|(name, hash)| print(format_args!("{hash}  {name}")))
+pub fn print_hashes(
+    console: &Console,
+    pixels: &str,
+    buffers: Option<BTreeMap<&'static str, String>>,
+) -> Result<(), Error> {
+    console.print(format_args!("{pixels}  pixels"))?;
+    buffers.into_iter().flatten().try_for_each(|(name, hash)| console.print(format_args!("{hash}  {name}")))
 }

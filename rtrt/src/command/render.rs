@@ -10,9 +10,9 @@ use super::report::{Machine, PerStage, buffer_hashes, pixel_hash};
 use bytemuck::cast_slice;
 use image::ExtendedColorType::{Rgba8, Rgba16};
 use rtrt::layers::Layers;
-use rtrt_core::backend::Picture;
+use rtrt_core::backend::{Backend, Picture};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Sub-rays a pixel if not given: a picture is looked at.
@@ -41,23 +41,40 @@ struct Report<'a> {
 
 /// Renders.
 pub fn run(options: &Render) -> Result<(), Error> {
-    let console = Console::new(4);
     check(options)?;
-    let keep = keeps_buffers(options);
-    let job = Job::load(&options.common, SAMPLES, keep, &console)?;
+    let console = Console::new(2 + 3 * u64::from(options.frames));
+    let mut job = Job::load(&options.common, SAMPLES, keeps_buffers(options), &console)?;
     let (mut backend, machine) = open(&options.common.backend, &console)?;
-
-    console.step(format_args!("rendering on {machine}"));
     let mut picture = Picture::default();
+    for frame in 0..options.frames {
+        if options.frames > 1 {
+            job.play(options.common.time.unwrap_or(0.0) + f64::from(frame) / options.fps)?;
+        }
+        console.step(format_args!("rendering frame {frame} on {machine}"));
+        render(options, &job, frame, (&mut *backend, &machine), &mut picture, &console)?;
+    }
+    Ok(())
+}
+
+/// Renders a frame, writes its files, and prints what was asked for.
+fn render(
+    options: &Render,
+    job: &Job<'_>,
+    frame: u32,
+    (backend, machine): (&mut dyn Backend, &Machine),
+    picture: &mut Picture,
+    console: &Console,
+) -> Result<(), Error> {
     let start = Instant::now();
-    job.render(&mut *backend, &job.request(keep), &mut picture)?;
+    job.render(backend, &job.request(keeps_buffers(options)), picture)?;
     let frame_ms = start.elapsed().as_secs_f64() * 1e3;
-    write(options, &job, &picture, &console)?;
-    drop(console);
-    let (hash, buffers) = (pixel_hash(&picture), buffer_hashes(&picture).filter(|_| options.hash));
+    let name = |path: &PathBuf| numbered(path, frame);
+    let (output, aov) = (options.output.as_ref().map(name), options.aov.as_ref().map(name));
+    write(options, output.as_deref(), aov.as_deref(), job, picture, console)?;
+    let (hash, buffers) = (pixel_hash(picture), buffer_hashes(picture).filter(|_| options.hash));
     if options.common.json {
-        return output::print_json(&Report {
-            machine,
+        return console.print(output::json(&Report {
+            machine: machine.clone(),
             size: job.size,
             samples: job.samples,
             stages_ms: PerStage(picture.stages_ms),
@@ -68,13 +85,21 @@ pub fn run(options: &Render) -> Result<(), Error> {
             objects: job.scene.objects().len(),
             hash,
             buffers,
-            output: options.output.as_deref(),
-        });
+            output: output.as_deref(),
+        })?);
     }
-    if options.hash {
-        output::print_hashes(&hash, buffers)?;
+    if options.hash { output::print_hashes(console, &hash, buffers) } else { Ok(()) }
+}
+
+/// What stands for a frame's number in a file's name.
+const FRAME: &str = "{frame}";
+
+/// The name of a frame's file.
+fn numbered(path: &Path, frame: u32) -> PathBuf {
+    match path.to_str() {
+        Some(name) => name.replace(FRAME, &format!("{frame:04}")).into(),
+        None => path.to_owned(),
     }
-    Ok(())
 }
 
 /// Whether the options go together, and files can be written where they say.
@@ -91,7 +116,12 @@ fn check(options: &Render) -> Result<(), Error> {
     if options.debug.is_some() && options.bits != 8 {
         return Err(Error::Usage("--debug has 8 bits a channel"));
     }
-    output.into_iter().chain(options.aov.as_deref()).try_for_each(output::check)
+    let mut files = output.into_iter().chain(options.aov.as_deref());
+    let is_numbered = |path: &Path| path.to_str().is_some_and(|name| name.contains(FRAME));
+    if options.frames > 1 && !files.clone().all(is_numbered) {
+        return Err(Error::Usage("every frame wants a file of its own, so the names need {frame} in them"));
+    }
+    files.try_for_each(|path| output::check(&numbered(path, 0)))
 }
 
 /// Whether what is to be written is made from the deferred buffers.
@@ -101,16 +131,23 @@ fn keeps_buffers(options: &Render) -> bool {
 }
 
 /// Writes the picture's files.
-fn write(options: &Render, job: &Job<'_>, picture: &Picture, console: &Console) -> Result<(), Error> {
-    let layers = Layers::new(&job.scene, picture, job.samples).unwrap_or_default();
-    if let Some(path) = &options.aov {
+fn write(
+    options: &Render,
+    output: Option<&Path>,
+    aov: Option<&Path>,
+    job: &Job<'_>,
+    picture: &Picture,
+    console: &Console,
+) -> Result<(), Error> {
+    let layers = || Layers::new(&job.scene, picture, job.samples).unwrap_or_default();
+    if let Some(path) = aov {
         console.step(format_args!("writing {}", path.display()));
-        output::write(path, &exr::all(&layers).map_err(encode(path))?)?;
+        output::write(path, &exr::all(&layers()).map_err(encode(path))?)?;
     }
-    let Some(path) = &options.output else { return Ok(()) };
+    let Some(path) = output else { return Ok(()) };
     console.step(format_args!("writing {}", path.display()));
     let bytes = if ends_in(path, "exr") {
-        exr::color(&layers).map_err(encode(path))?
+        exr::color(&layers()).map_err(encode(path))?
     } else if let Some(view) = options.debug {
         let shown = job.show(view, picture)?;
         if let Some(legend) = &shown.legend {
@@ -118,7 +155,7 @@ fn write(options: &Render, job: &Job<'_>, picture: &Picture, console: &Console) 
         }
         png(cast_slice(&shown.pixels), job.size, Rgba8).map_err(encode(path))?
     } else if options.bits == 16 {
-        png(cast_slice(&layers.encoded16()), job.size, Rgba16).map_err(encode(path))?
+        png(cast_slice(&layers().encoded16()), job.size, Rgba16).map_err(encode(path))?
     } else {
         png(picture.bytes(), job.size, Rgba8).map_err(encode(path))?
     };

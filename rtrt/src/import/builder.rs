@@ -3,7 +3,7 @@
 use super::{ImportError, picture};
 use rtrt_core::layout::{Attribute, Texture, Wrap};
 use rtrt_core::scene::{
-    Content, Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, Scene, SceneError,
+    Content, Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, ObjectIndex, Scene, SceneError,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -121,18 +121,39 @@ impl<'a, J: Join> Builder<'a, J> {
         mesh: MeshIndex,
         material: MaterialIndex,
         to_world: glam::Mat4,
-    ) -> Result<(), ImportError> {
+    ) -> Result<Option<ObjectIndex>, ImportError> {
         if self.scene.objects().len() as u64 >= OBJECTS {
             return Err(self.limit("objects", OBJECTS));
         }
         match self.scene.add_object(mesh, material, to_world) {
-            Ok(_) => Ok(()),
+            Ok(object) => Ok(Some(object)),
             Err(SceneError::Transform) => {
                 self.warn(format!("{name} is left out: its transform cannot be inverted"));
-                Ok(())
+                Ok(None)
             }
             Err(source) => Err(ImportError::Scene { path: self.path.clone(), source }),
         }
+    }
+
+    /// Places a mesh that will move. One whose transform cannot be inverted is there, and hidden
+    /// until it has another.
+    pub fn add_moving(
+        &mut self,
+        name: &str,
+        mesh: MeshIndex,
+        material: MaterialIndex,
+        to_world: glam::Mat4,
+    ) -> Result<ObjectIndex, ImportError> {
+        let refused = |path: &Path, source| ImportError::Scene { path: path.to_owned(), source };
+        if to_world.as_dmat4().determinant() != 0.0
+            && let Some(object) = self.add_object(name, mesh, material, to_world)?
+        {
+            return Ok(object);
+        }
+        let object = self.scene.add_object(mesh, material, glam::Mat4::IDENTITY);
+        let object = object.map_err(|source| refused(&self.path, source))?;
+        self.scene.hide(object).map_err(|source| refused(&self.path, source))?;
+        Ok(object)
     }
 
     /// Adds a texture. One that could not be read becomes a checker of magenta and black,

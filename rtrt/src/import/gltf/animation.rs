@@ -95,36 +95,37 @@ fn slerp(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
 impl<J: Join> Import<'_, '_, J> {
     /// The tracks of the file's first animation. Those that mean nothing are left out with a
     /// warning.
-    pub fn tracks(&mut self) -> Result<Vec<Track>, ImportError> {
+    pub fn tracks(&mut self) -> Vec<Track> {
         let root = self.root;
-        let Some(animation) = root.animations.first() else { return Ok(vec![]) };
+        let Some(animation) = root.animations.first() else { return vec![] };
         if root.animations.len() > 1 {
             let count = root.animations.len();
             self.builder.warn(format!("of {count} animations, only the first is played"));
         }
         let mut tracks = Vec::new();
         for (number, channel) in animation.channels.iter().enumerate() {
-            match self.track(channel, animation.samplers.get(channel.sampler.value()))? {
+            let track = self.track(channel, animation.samplers.get(channel.sampler.value()));
+            match track.unwrap_or_else(|error| Err(error.to_string())) {
                 Ok(track) => tracks.push(track),
                 Err(why) => self.builder.warn(format!("animation channel {number} is left out: {why}")),
             }
         }
-        Ok(tracks)
+        tracks
     }
 
     fn track(
         &self,
         channel: &Channel,
         sampler: Option<&Sampler>,
-    ) -> Result<Result<Track, &'static str>, ImportError> {
-        let Some(sampler) = sampler else { return Ok(Err("it has no sampler")) };
+    ) -> Result<Result<Track, String>, ImportError> {
+        let refused = |why: &str| Ok(Err(why.to_owned()));
+        let Some(sampler) = sampler else { return refused("it has no sampler") };
         let (Checked::Valid(property), Checked::Valid(interpolation)) =
             (channel.target.path, sampler.interpolation)
         else {
-            return Ok(Err("it has an unknown target or interpolation"));
+            return refused("it has an unknown target or interpolation");
         };
-        let column =
-            |index, kind| Column::new(&self.builder.path, self.root, self.buffers, index, &[kind]);
+        let column = |index, kind| Column::new(&self.builder.path, self.root, self.buffers, index, &[kind]);
         let input = column(sampler.input, Type::Scalar)?;
         let kind = match property {
             Property::Translation | Property::Scale => Type::Vec3,
@@ -133,19 +134,19 @@ impl<J: Join> Import<'_, '_, J> {
         };
         let output = column(sampler.output, kind)?;
         let times: Vec<f64> = (0..input.count).map(|i| f64::from(input.at(i)[0])).collect();
-        let values = (0..output.count)
-            .flat_map(|i| output.at(i).map(f64::from).into_iter().take(output.width));
+        let values =
+            (0..output.count).flat_map(|i| output.at(i).map(f64::from).into_iter().take(output.width));
         let values: Vec<f64> = values.collect();
         let parts = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         if times.is_empty() || !values.len().is_multiple_of(parts * times.len()) {
-            return Ok(Err("its keyframes and values differ in number"));
+            return refused("its keyframes and values differ in number");
         }
         let width = values.len() / (parts * times.len());
         if width == 0 || (property != Property::MorphTargetWeights && width != kind.multiplicity()) {
-            return Ok(Err("its keyframes and values differ in number"));
+            return refused("its keyframes and values differ in number");
         }
         if !times.is_sorted_by(|a, b| a < b) || !times.iter().chain(&values).all(|n| n.is_finite()) {
-            return Ok(Err("its times do not rise, or a number is not finite"));
+            return refused("its times do not rise, or a number is not finite");
         }
         let node = channel.target.node.value();
         Ok(Ok(Track { node, property, interpolation, times, width, values }))

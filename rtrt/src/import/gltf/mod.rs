@@ -6,6 +6,7 @@
 //! file is left alone.
 
 mod accessor;
+mod animation;
 mod buffer;
 mod container;
 mod light;
@@ -13,8 +14,10 @@ mod material;
 mod node;
 mod primitive;
 
+pub(super) use animation::Track;
 pub(super) use primitive::pack;
 
+use crate::import::animation::{Animation, Node};
 use crate::import::builder::Builder;
 use crate::import::error::quoted;
 use crate::import::{ImportError, NamedCamera};
@@ -42,13 +45,15 @@ struct Import<'a, 'b, J> {
     /// The meshes that were met, by index.
     meshes: HashMap<usize, Parts>,
     cameras: Vec<NamedCamera>,
+    /// The nodes that were met.
+    nodes: Vec<Node>,
 }
 
-/// Draws a file into the scene, and returns its cameras.
+/// Draws a file into the scene, and returns its cameras and what moves.
 pub(super) fn load<J: Join>(
     builder: &mut Builder<'_, J>,
     bytes: &[u8],
-) -> Result<Vec<NamedCamera>, ImportError> {
+) -> Result<(Vec<NamedCamera>, Option<Animation>), ImportError> {
     let (root, binary) = container::open(builder, bytes)?;
     let path = builder.path.clone();
     let buffers = Buffers::new(&path, &root, binary);
@@ -58,15 +63,13 @@ pub(super) fn load<J: Join>(
         materials: Materials::new(&root, &buffers),
         meshes: HashMap::new(),
         cameras: Vec::new(),
+        nodes: Vec::new(),
         builder,
     };
     import.draw_scene()?;
-    let cameras = import.cameras;
-    if !root.animations.is_empty() {
-        builder.not_drawn.insert("animations");
-    }
+    let (cameras, nodes) = (import.cameras, import.nodes);
     light::expose(&mut builder.scene);
-    Ok(cameras)
+    Ok((cameras, Animation::new(&path, nodes)))
 }
 
 impl<J: Join> Import<'_, '_, J> {
