@@ -33,7 +33,7 @@ const BULB: Vec3 = vec3(1.35, 2.5, -1.1);
 /// # Errors
 /// As for [`crate::import::load`]; nothing in the scene gives rise to any.
 pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut stage = Stage { builder: Builder::new(Path::new(MATCHBOX), join) };
+    let mut stage = Stage { builder: Builder::new(Path::new(MATCHBOX), join, None) };
     stage.room()?;
     stage.window()?;
     stage.lamp()?;

@@ -17,11 +17,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod cache;
 pub mod choose;
 pub mod debug;
 pub mod demo;
 pub mod import;
 pub mod layers;
+pub mod replace;
 
 /// Runs the README's example as a test.
 #[cfg(doctest)]

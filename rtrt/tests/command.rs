@@ -226,6 +226,27 @@ fn frames_play_the_animation() {
 }
 
 #[test]
+fn a_cache_changes_nothing_but_the_time() {
+    let folder = Folder::new("cache");
+    let run = || stdout(&folder.run("render scene.obj --hash --size 37x21 --backend cpu --cache trees"));
+    let first = run();
+    let files =
+        || fs::read_dir(folder.0.join("trees")).unwrap().map(|e| e.unwrap().path()).collect::<Vec<_>>();
+    let [file] = &files()[..] else { panic!("{:?}", files()) };
+    let whole = fs::read(file).unwrap();
+    assert_eq!(run(), first);
+    for bad in [&whole[..40], b"not a tree"] {
+        fs::write(file, bad).unwrap();
+        assert_eq!((run(), files().len()), (first.clone(), 1));
+        assert_eq!(fs::read(file).unwrap(), whole);
+    }
+    // A cache that cannot be there is a warning.
+    let output = folder.run("render scene.obj -o out.png --size 8x8 --backend cpu --cache scene.obj");
+    assert_eq!(code(&output), 0);
+    assert!(stderr(&output).contains("warning: no cache at scene.obj"), "{}", stderr(&output));
+}
+
+#[test]
 fn a_png_of_16_bits_rounds_to_that_of_8() {
     let folder = Folder::new("bits");
     let line = "render scene.obj --size 37x21 --backend cpu";

@@ -4,6 +4,7 @@ use super::Error;
 use super::console::Console;
 use super::options::{BackendOptions, CameraOptions, Common};
 use super::report::Machine;
+use rtrt::cache::Cache;
 use rtrt::choose::{ChooseError, Chosen, choose};
 use rtrt::debug::{Shown, View, show};
 use rtrt::demo;
@@ -11,7 +12,6 @@ use rtrt::import::{self, Animation, Loaded, NamedCamera};
 use rtrt_core::backend::{Backend, Picture, Request};
 use rtrt_core::scene::{Camera, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
-use std::path::Path;
 
 /// The most rays of a frame: they are numbered with 32 bits, those of blocks that reach
 /// outside the frame included.
@@ -50,7 +50,7 @@ impl<'a> Job<'a> {
             return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can be kept to be looked at" });
         }
         console.step(format_args!("loading {}", common.scene.display()));
-        let loaded = load(&common.scene, common.backend.threads())?;
+        let loaded = load(common, console)?;
         for warning in &loaded.warnings {
             console.say(format_args!("warning: {warning}"));
         }
@@ -138,13 +138,22 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Loads the scene of this name, its trees built by `threads` threads.
-fn load(name: &Path, threads: Option<usize>) -> Result<Loaded, Error> {
+/// Loads the scene that the options name, its trees built by as many threads as they say.
+fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
+    let threads = common.backend.threads();
     let pool = Cpu::new(rtrt_cpu::Options { lanes: None, threads }).map_err(ChooseError::Cpu)?;
+    let cache = common.cache.as_deref().and_then(|folder| match Cache::new(folder) {
+        Ok(cache) => Some(cache),
+        Err(error) => {
+            console.say(format_args!("warning: no cache at {}: {error}", folder.display()));
+            None
+        }
+    });
+    let name = &common.scene;
     match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
         Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
-        None => Ok(pool.install(|| import::load(name, &Parallel))?),
+        None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
     }
 }
 

@@ -92,6 +92,10 @@ pub struct Common {
     /// if not given
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time: Option<f64>,
+    /// Keep the trees of meshes in this folder, and take them from there the next time. Files
+    /// that are damaged or of another mesh are built anew
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
     /// Print the results as one JSON object
     #[arg(long)]
     pub json: bool,

@@ -1,6 +1,7 @@
 //! What both formats fill: a scene, within limits, with warnings.
 
 use super::{ImportError, picture};
+use crate::cache::Cache;
 use rtrt_core::layout::{Attribute, Texture, Wrap};
 use rtrt_core::scene::{
     Content, Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, ObjectIndex, Scene, SceneError,
@@ -53,11 +54,12 @@ pub(crate) struct Builder<'a, J> {
     /// The file, for messages.
     pub path: PathBuf,
     join: &'a J,
+    cache: Option<&'a Cache>,
     texels: u64,
 }
 
 impl<'a, J: Join> Builder<'a, J> {
-    pub fn new(path: &Path, join: &'a J) -> Self {
+    pub fn new(path: &Path, join: &'a J, cache: Option<&'a Cache>) -> Self {
         Self {
             scene: Scene::new(),
             warnings: Vec::new(),
@@ -65,6 +67,7 @@ impl<'a, J: Join> Builder<'a, J> {
             tree_build_ms: 0.0,
             path: path.to_owned(),
             join,
+            cache,
             texels: 0,
         }
     }
@@ -107,7 +110,13 @@ impl<'a, J: Join> Builder<'a, J> {
             return Err(self.limit("triangles", TRIANGLES));
         }
         let start = Instant::now();
-        let tree = MeshTree::build(&mesh, self.join);
+        let tree = match self.cache {
+            Some(cache) => cache.tree(&mesh, self.join).unwrap_or_else(|(tree, error)| {
+                self.warn(format!("a mesh's tree is not kept for the next time: {error}"));
+                tree
+            }),
+            None => MeshTree::build(&mesh, self.join),
+        };
         self.tree_build_ms += start.elapsed().as_secs_f64() * 1e3;
         let path = &self.path;
         self.scene.add_mesh(&mesh, &tree).map_err(|source| ImportError::Scene { path: path.clone(), source })

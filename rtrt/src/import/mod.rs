@@ -30,6 +30,7 @@ pub use environment::surround;
 pub use error::ImportError;
 pub use framing::{framing, light_by_default};
 
+use crate::cache::Cache;
 use rtrt_core::scene::{Camera, Join, Scene};
 use std::path::Path;
 
@@ -58,7 +59,7 @@ pub struct Loaded {
     pub animation: Option<Animation>,
     /// What the file has that is not drawn as it says, a line each.
     pub warnings: Vec<String>,
-    /// Time taken to build mesh trees, in milliseconds.
+    /// Time taken to build mesh trees, or to take them from the cache, in milliseconds.
     pub tree_build_ms: f64,
 }
 
@@ -69,10 +70,19 @@ pub struct Loaded {
 /// # Errors
 /// The file cannot be read, drawn, or is too large; see [`ImportError`].
 pub fn load(path: &Path, join: &impl Join) -> Result<Loaded, ImportError> {
+    load_cached(path, join, None)
+}
+
+/// [`load`], with the trees of meshes taken from a cache where they are there, and kept in it
+/// where not.
+///
+/// # Errors
+/// As for [`load`]. A cache that cannot be used is a warning.
+pub fn load_cached(path: &Path, join: &impl Join, cache: Option<&Cache>) -> Result<Loaded, ImportError> {
     let bytes = file::read(path, file::LONGEST)
         .map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
     let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    let mut builder = builder::Builder::new(path, join);
+    let mut builder = builder::Builder::new(path, join, cache);
     let (cameras, animation) = match ending.as_deref() {
         Some("glb" | "gltf") => gltf::load(&mut builder, &bytes)?,
         Some("obj") => (obj::load(&mut builder, &bytes)?, None),
