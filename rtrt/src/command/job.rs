@@ -92,7 +92,7 @@ impl<'a> Job<'a> {
     /// where it is seen at rest.
     pub fn play(&mut self, time: f64) -> Result<(), Error> {
         let Some(animation) = &self.animation else { return Ok(()) };
-        let pose = animation.at(time);
+        let pose = animation.at(time)?;
         pose.apply(&mut self.scene)?;
         if self.own_lights {
             pose.aim(self.scene.lights_mut());

@@ -2,9 +2,10 @@
 
 use super::ImportError;
 use super::gltf::Track;
+use super::shape::Shape;
 use glam::{DMat4, DQuat, DVec3, Mat4, Vec3};
 use gltf_json::animation::Property;
-use rtrt_core::scene::{Camera, Light, ObjectIndex, Projection, Scene, SceneError};
+use rtrt_core::scene::{Camera, Light, Mesh, MeshIndex, ObjectIndex, Projection, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
 /// The animation of a file: its nodes, and how they move.
@@ -24,6 +25,8 @@ pub(super) struct Node {
     pub tracks: Vec<Track>,
     /// Objects, and where they are seen from the node.
     pub objects: Vec<(ObjectIndex, DMat4)>,
+    /// Meshes that change their shape.
+    pub shapes: Vec<Shape>,
     /// A camera of the file, by its place in [`super::Loaded::cameras`].
     pub camera: Option<(usize, Projection)>,
     /// A light, by its place in the scene.
@@ -88,6 +91,8 @@ impl Local {
 pub struct Pose {
     /// Objects, and their way to world space.
     pub objects: Vec<(ObjectIndex, Mat4)>,
+    /// Meshes, and the shape that they have.
+    pub shapes: Vec<(MeshIndex, Mesh)>,
     /// Cameras, by their place in [`super::Loaded::cameras`].
     pub cameras: Vec<(usize, Camera)>,
     /// Lights, by their place in the scene; where they are, and where they shine.
@@ -96,10 +101,13 @@ pub struct Pose {
 }
 
 impl Animation {
-    /// None if nothing moves.
-    pub(super) fn new(path: &Path, nodes: Vec<Node>) -> Option<Self> {
-        let moves = nodes.iter().any(|node| !node.tracks.is_empty());
-        moves.then(|| Self { path: path.to_owned(), nodes })
+    pub(super) fn new(path: &Path, nodes: Vec<Node>) -> Self {
+        Self { path: path.to_owned(), nodes }
+    }
+
+    /// Whether something moves.
+    pub(super) fn moves(&self) -> bool {
+        self.nodes.iter().any(|node| !node.tracks.is_empty())
     }
 
     /// When the last thing comes to rest, seconds.
@@ -109,17 +117,42 @@ impl Animation {
 
     /// Where everything that moves is `time` seconds after the start. What moves by nothing that
     /// the file says is not in it.
-    pub fn at(&self, time: f64) -> Pose {
+    ///
+    /// # Errors
+    /// A mesh would have a shape that cannot be drawn.
+    pub fn at(&self, time: f64) -> Result<Pose, ImportError> {
+        self.pose(Some(time))
+    }
+
+    /// The shapes that meshes have at rest, where nothing moves.
+    pub(super) fn rest(&self) -> Result<Pose, ImportError> {
+        self.pose(None)
+    }
+
+    fn pose(&self, time: Option<f64>) -> Result<Pose, ImportError> {
         let mut pose = Pose { path: self.path.clone(), ..Pose::default() };
-        let mut worlds: Vec<(DMat4, bool)> = Vec::with_capacity(self.nodes.len());
+        let (mut worlds, mut moving): (Vec<DMat4>, Vec<bool>) = (vec![], vec![]);
         for node in &self.nodes {
-            let (parent, is_carried) = node.parent.map_or((DMat4::IDENTITY, false), |place| worlds[place]);
-            let to_world = parent * node.local.at(&node.tracks, time).matrix();
-            let moves = is_carried || !node.tracks.is_empty();
-            worlds.push((to_world, moves));
-            if !moves {
+            let tracks = if time.is_some() { &node.tracks[..] } else { &[] };
+            let parent = node.parent.map_or(DMat4::IDENTITY, |place| worlds[place]);
+            worlds.push(parent * node.local.at(tracks, time.unwrap_or(0.0)).matrix());
+            moving.push(node.parent.is_some_and(|place| moving[place]) || !tracks.is_empty());
+        }
+        for (place, node) in self.nodes.iter().enumerate() {
+            let weights = node.tracks.iter().find(|track| track.property == Property::MorphTargetWeights);
+            let weights = time.and_then(|time| Some(weights?.at(time)));
+            for shape in &node.shapes {
+                let joints = shape.skin.iter().flat_map(|skin| &skin.joints);
+                let is_bent = joints.into_iter().any(|&joint| moving.get(joint) == Some(&true));
+                if time.is_none() || is_bent || weights.is_some() {
+                    let weights = weights.as_ref().unwrap_or(&shape.weights);
+                    pose.shapes.push((shape.mesh, shape.at(&self.path, weights, &worlds)?));
+                }
+            }
+            if !moving[place] {
                 continue;
             }
+            let to_world = worlds[place];
             pose.objects
                 .extend(node.objects.iter().map(|(object, from)| (*object, (to_world * *from).as_mat4())));
             if let Some((index, projection)) = node.camera {
@@ -131,7 +164,7 @@ impl Animation {
                 pose.lights.extend(node.light.map(|index| (index, position, direction)));
             }
         }
-        pose
+        Ok(pose)
     }
 }
 
@@ -145,6 +178,9 @@ impl Pose {
         let refused = |source: SceneError| ImportError::Scene { path: self.path.clone(), source };
         let (seen, hidden): (Vec<_>, Vec<_>) =
             self.objects.iter().partition(|(_, to_world)| has_inverse(to_world));
+        for (mesh, shape) in &self.shapes {
+            scene.reshape(*mesh, shape).map_err(refused)?;
+        }
         scene.set_transforms(seen).map_err(refused)?;
         hidden.into_iter().try_for_each(|(object, _)| scene.hide(object)).map_err(refused)
     }

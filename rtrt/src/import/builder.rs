@@ -1,5 +1,6 @@
 //! What both formats fill: a scene, within limits, with warnings.
 
+use super::shape::Deform;
 use super::{ImportError, picture};
 use crate::cache::Cache;
 use rtrt_core::layout::{Attribute, Texture, Wrap};
@@ -18,19 +19,24 @@ const OBJECTS: u64 = 1 << 22;
 const TEXELS: u64 = 1 << 30;
 /// The most warnings.
 const WARNINGS: usize = 40;
+/// The most vertices that meshes which change their shape may have, once for each target: at
+/// some 30 bytes each, 2 GB.
+const DEFORMED: u64 = 1 << 26;
 
 /// Positions, attributes and indices of a mesh that is not checked yet.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Geometry {
     pub positions: Vec<[f32; 3]>,
     pub attributes: Vec<Attribute>,
     pub indices: Vec<u32>,
     pub second_uv: Option<Vec<[f32; 2]>>,
     pub tangents: Tangents,
+    /// What changes its shape.
+    pub deform: Deform,
 }
 
 /// The tangents of a mesh's vertices, which normal maps need.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) enum Tangents {
     /// Nothing needs them.
     #[default]
@@ -56,6 +62,7 @@ pub(crate) struct Builder<'a, J> {
     join: &'a J,
     cache: Option<&'a Cache>,
     texels: u64,
+    deformed: u64,
 }
 
 impl<'a, J: Join> Builder<'a, J> {
@@ -69,6 +76,7 @@ impl<'a, J: Join> Builder<'a, J> {
             join,
             cache,
             texels: 0,
+            deformed: 0,
         }
     }
 
@@ -96,7 +104,7 @@ impl<'a, J: Join> Builder<'a, J> {
     pub fn add_mesh(&mut self, name: &str, geometry: Geometry) -> Result<MeshIndex, ImportError> {
         let refused =
             |source: MeshError| ImportError::Mesh { path: self.path.clone(), mesh: name.into(), source };
-        let Geometry { positions, attributes, indices, second_uv, tangents } = geometry;
+        let Geometry { positions, attributes, indices, second_uv, tangents, deform: _ } = geometry;
         let mut mesh = Mesh::new(positions, attributes, indices).map_err(refused)?;
         if let Some(uv) = second_uv {
             mesh = mesh.with_second_uv(uv).map_err(refused)?;
@@ -120,6 +128,12 @@ impl<'a, J: Join> Builder<'a, J> {
         self.tree_build_ms += start.elapsed().as_secs_f64() * 1e3;
         let path = &self.path;
         self.scene.add_mesh(&mesh, &tree).map_err(|source| ImportError::Scene { path: path.clone(), source })
+    }
+
+    /// Whether there is room for so many more vertices that change their places.
+    pub fn deform(&mut self, vertices: u64) -> Result<(), ImportError> {
+        self.deformed = self.deformed.saturating_add(vertices);
+        if self.deformed > DEFORMED { Err(self.limit("vertices that change", DEFORMED)) } else { Ok(()) }
     }
 
     /// Places a mesh. One whose transform cannot be inverted has no volume to be seen: it

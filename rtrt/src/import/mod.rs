@@ -24,6 +24,7 @@ mod framing;
 mod gltf;
 mod obj;
 mod picture;
+mod shape;
 
 pub use animation::{Animation, Pose};
 pub use environment::surround;

@@ -29,10 +29,8 @@ impl Deform {
         fn pick<T: Copy>(of: &[T], kept: &[u32]) -> Vec<T> {
             kept.iter().filter_map(|&i| of.get(i as usize).copied()).collect()
         }
-        let target = |t: &Target| Target {
-            positions: pick(&t.positions, kept),
-            normals: pick(&t.normals, kept),
-        };
+        let target =
+            |t: &Target| Target { positions: pick(&t.positions, kept), normals: pick(&t.normals, kept) };
         Self { targets: self.targets.iter().map(target).collect(), joints: pick(&self.joints, kept) }
     }
 }
@@ -87,8 +85,7 @@ impl Shape {
             (position.as_vec3().to_array(), Attribute { normal: normal.as_vec3().to_array(), ..attribute })
         };
         let (positions, attributes) = (0..self.rest.positions.len()).map(vertex).unzip();
-        let refused =
-            |source| ImportError::Mesh { path: path.to_owned(), mesh: self.name.clone(), source };
+        let refused = |source| ImportError::Mesh { path: path.to_owned(), mesh: self.name.clone(), source };
         Mesh::new(positions, attributes, self.rest.indices.clone()).map_err(refused)
     }
 }

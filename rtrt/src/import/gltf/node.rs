@@ -5,7 +5,7 @@ use super::{Import, Track, light};
 use crate::import::ImportError;
 use crate::import::animation::{self, Local};
 use crate::import::error::quoted;
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DMat4, DQuat, DVec3, Mat4};
 use gltf_json::accessor::{Accessor, Type};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Node, camera};
@@ -29,6 +29,8 @@ impl<J: Join> Import<'_, '_, J> {
             tracks.entry(track.node).or_default().push(track);
         }
         let mut worlds: Vec<(DMat4, bool)> = vec![];
+        // Where the nodes of the file are among those met.
+        let mut places = HashMap::new();
         let mut next: Vec<(usize, Option<usize>)> = match scene {
             Some(scene) => scene.nodes.iter().rev().map(|node| (node.value(), None)).collect(),
             None => {
@@ -55,12 +57,24 @@ impl<J: Join> Import<'_, '_, J> {
             let to_world = from * local.matrix();
             let moves = is_carried || !tracks.is_empty();
             worlds.push((to_world, moves));
-            let mut placed =
-                animation::Node { parent, local, tracks, objects: vec![], camera: None, light: None };
+            let mut placed = animation::Node {
+                parent,
+                local,
+                tracks,
+                objects: vec![],
+                shapes: vec![],
+                camera: None,
+                light: None,
+            };
             self.draw_node(number, node, &to_world, moves, &mut placed)?;
             self.nodes.push(placed);
             let place = self.nodes.len() - 1;
+            places.insert(number, place);
             next.extend(node.children.iter().flatten().rev().map(|child| (child.value(), Some(place))));
+        }
+        let skins = self.nodes.iter_mut().flat_map(|node| &mut node.shapes).filter_map(|s| s.skin.as_mut());
+        for joint in skins.flat_map(|skin| &mut skin.joints) {
+            *joint = places.get(joint).copied().unwrap_or(usize::MAX);
         }
         Ok(())
     }
@@ -80,11 +94,20 @@ impl<J: Join> Import<'_, '_, J> {
             None => format!("node {number}"),
         };
         if let Some(index) = node.mesh {
-            if node.skin.is_some() {
-                self.builder.not_drawn.insert("skins");
+            let skin = node.skin.map(|skin| self.skin(skin)).transpose()?;
+            let is_skinned = skin.is_some();
+            let has_targets = self.source(index)?.primitives.iter().any(|p| p.targets.is_some());
+            let parts = if is_skinned || has_targets {
+                self.shapes(index, node.weights.as_ref(), skin, &mut placed.shapes)?
+            } else {
+                self.mesh(index)?
+            };
+            // A skin puts its mesh where the joints are, wherever its node is.
+            for &(mesh, material) in parts.iter().filter(|_| is_skinned) {
+                self.builder.add_object(&name, mesh, material, Mat4::IDENTITY)?;
             }
-            let parts = self.mesh(index)?;
-            for instance in self.instances(node)? {
+            let instances = if is_skinned { vec![] } else { self.instances(node)? };
+            for instance in instances {
                 let to_world = (*to_world * instance).as_mat4();
                 for &(mesh, material) in parts.iter() {
                     let object = if moves {
