@@ -4,6 +4,7 @@ use crate::adapter::{Kind, has_passthrough, kind, label};
 use crate::barriers::with_barriers;
 use crate::pipeline::{Access, PASSES, Pipeline, bind_group_layout};
 use crate::{Error, Route};
+use rtrt_core::layout::{Material, View};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 
@@ -20,6 +21,10 @@ pub(crate) struct Device {
     zero: Option<Zero>,
     failure: Arc<Mutex<Option<Error>>>,
 }
+
+/// Bytes of the smallest buffer: the largest element of any fits.
+const LARGEST: u64 = 512;
+const _: () = assert!(size_of::<Material>() <= LARGEST as usize && size_of::<View>() <= LARGEST as usize);
 
 impl Device {
     /// Opens the adapter with all it allows, and hands it the module.
@@ -76,8 +81,8 @@ impl Device {
         bytes: u64,
         usage: wgpu::BufferUsages,
     ) -> Result<wgpu::Buffer, Error> {
-        // No binding may be empty; the largest element has 192 bytes.
-        let needed = bytes.next_multiple_of(4).max(256);
+        // No binding may be smaller than an element, even of nothing.
+        let needed = bytes.next_multiple_of(4).max(LARGEST);
         if needed > self.limit {
             return Err(Error::BufferTooLarge { buffer: what, needed, limit: self.limit });
         }

@@ -189,3 +189,53 @@ fn pack(color: [f32; 3]) -> u32 {
     let [r, g, b] = color.map(|value| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
     u32::from_le_bytes([r, g, b, 255])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rtrt_core::backend::Backend;
+    use rtrt_cpu::{Cpu, Options};
+
+    #[test]
+    fn a_ray_that_is_followed_once_more_finds_the_same() {
+        let loaded = crate::demo::matchbox(&rtrt_core::scene::Sequential).unwrap();
+        let mut cpu = Cpu::new(Options { lanes: None, threads: None }).unwrap();
+        for samples in [1, 4] {
+            let request =
+                Request { camera: &loaded.camera, size: [97, 55], samples, shadows: true, deferred: true };
+            let mut picture = Picture::default();
+            cpu.render(&loaded.scene, &request, &mut picture).unwrap();
+            let layers = Layers::new(&loaded.scene, &picture, samples).unwrap();
+            let mut asked = 0;
+            for (i, found) in inspected(&loaded.scene, &request, &picture).unwrap().enumerate() {
+                let hit = found.hit;
+                let t = if hit.object == NONE { f32::INFINITY } else { hit.t };
+                assert_eq!((hit.object, hit.triangle), (layers.object[i], layers.triangle[i]));
+                assert_eq!(
+                    ([t, hit.u, hit.v]),
+                    [layers.depth[i], layers.barycentrics[i][0], layers.barycentrics[i][1]]
+                );
+                assert!(found.asked <= found.entries && found.asked <= found.boxes);
+                assert!(found.sphere || hit.object == NONE);
+                asked += found.entries - found.asked;
+            }
+            assert!(asked > 0, "no list is left before its end");
+            let views =
+                View::ALL.map(|(_, view)| show(view, &loaded.scene, &request, &picture).unwrap().unwrap());
+            for (i, view) in views.iter().enumerate() {
+                assert!(
+                    view.pixels.len() == 97 * 55 && view.pixels.iter().any(|p| *p != view.pixels[0]),
+                    "{i}"
+                );
+                assert!(views[..i].iter().all(|other| other.pixels != view.pixels), "{i}");
+            }
+        }
+    }
+
+    #[test]
+    fn counts_are_warmer_where_they_are_more() {
+        assert_eq!((heat(0.0), heat(1.0)), ([0.0; 3], [1.0; 3]));
+        let brightness = |share: f32| heat(share).iter().sum::<f32>();
+        assert!((0..100).all(|n| brightness(n as f32 / 100.0) < brightness((n + 1) as f32 / 100.0)));
+    }
+}

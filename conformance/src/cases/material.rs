@@ -235,7 +235,7 @@ fn many() -> Scene {
             }
         }
         material.emission = [0.2 * random.within(0.0, 1.0); 3];
-        material.unlit = u32::from(maps % 7 == 0);
+        material.unlit = u32::from(maps.is_multiple_of(7));
         material.metallic = random.within(0.0, 1.0);
         let material: MaterialIndex = build.scene.add_material(material);
         let at = Vec3::new((i % 10) as f32 * 0.22 - 1.1, (i / 10) as f32 * 0.22 - 1.1, 0.0);

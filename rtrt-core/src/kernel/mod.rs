@@ -3,6 +3,7 @@
 pub mod canary;
 pub mod cone;
 pub mod cover;
+pub mod distinct;
 pub mod environment;
 pub mod falloff;
 pub mod interpolate;

@@ -1,7 +1,7 @@
 //! Tangents in one word, and the normal that a normal map makes.
 
-use crate::lane::{Bits, Lane, Select, V3};
-use crate::num::{TINY, from_integer, normalize};
+use crate::lane::{Lane, Select, V3};
+use crate::num::{TINY, normalize};
 
 /// The bit of a packed tangent that says that there is one.
 pub const PRESENT: u32 = 1 << 31;
@@ -12,28 +12,31 @@ pub const MOST: u32 = (1 << 15) - 1;
 /// What a packed coordinate is multiplied with to be within 0 ..= 2.
 const STEP: f32 = 2.0 / 32_767.0;
 
-/// The direction of a packed tangent; its length is within 0.57 ..= 1.
+/// The two coordinates of a packed tangent, −1 ..= 1, and the sign of its bitangent: 1 or −1;
+/// all 0 if there is none.
 ///
-/// The word holds the two coordinates of the octahedral map (Meyer et al., "On
-/// Floating-Point Normal Vectors", 2010), 15 bits each, the first one lowest: at most 0.01°
-/// off. Vertices are so four bytes larger instead of sixteen, and only those of meshes that
-/// a normal map is laid on.
+/// The word holds the coordinates of the octahedral map (Meyer et al., "On Floating-Point
+/// Normal Vectors", 2010), 15 bits each, the first one lowest: at most 0.01° off. Vertices
+/// are so four bytes larger instead of sixteen, and only those of meshes that a normal map is
+/// laid on.
 #[inline(always)]
-pub fn unpack<L: Lane>(token: L::Token, packed: L::Bits) -> V3<L> {
-    let coordinate = |bits: L::Bits| from_integer::<L>(bits & packed.like(MOST)) * STEP - 1.0;
-    let (x, y) = (coordinate(packed), coordinate(packed >> 15));
-    let (zero, one) = (L::splat(token, 0.0), L::splat(token, 1.0));
+pub fn unpack(packed: u32) -> [f32; 3] {
+    if packed & PRESENT == 0 {
+        return [0.0; 3];
+    }
+    let sign = if packed & MIRRORED == 0 { 1.0 } else { -1.0 };
+    [(packed & MOST) as f32 * STEP - 1.0, (packed >> 15 & MOST) as f32 * STEP - 1.0, sign]
+}
+
+/// The direction at these coordinates of the octahedral map; its length is within 0.57 ..= 1.
+#[inline(always)]
+pub fn direction<L: Lane>(x: L, y: L) -> V3<L> {
+    let (zero, one) = (x.like(0.0), x.like(1.0));
     let z = one - x.abs() - y.abs();
     // Below z = 0 the corners of the square are folded over.
     let over = (-z).max(zero);
     let fold = |v: L| v.less_than(zero).select(v + over, v - over);
     V3 { x: fold(x), y: fold(y), z }
-}
-
-/// 1, or −1 where the bitangent is mirrored.
-#[inline(always)]
-pub fn handedness<L: Lane>(token: L::Token, packed: L::Bits) -> L {
-    L::splat(token, 1.0).flip_sign((packed & packed.like(MIRRORED)) << 1)
 }
 
 /// `normal` (unit length, on the viewer's side), turned to where a normal map points:

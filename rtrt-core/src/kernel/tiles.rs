@@ -24,6 +24,18 @@ const VECTORS: usize = 2;
 pub struct Tiles<L, const G: usize> {
     origin: [Range<L>; VECTORS],
     inverse: [Range<L>; VECTORS],
+    /// Where the rays start, if all start at one point.
+    start: [f32; 3],
+    /// The way that all rays go along each axis.
+    ways: [Way; 3],
+}
+
+/// The sign of the reciprocal directions along an axis.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Up,
+    Down,
+    Both,
 }
 
 /// The smallest and the largest of some vectors, component by component.
@@ -49,9 +61,10 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
             let zero = like.like(0.0);
             let zero = V3 { x: zero, y: zero, z: zero };
             let nothing = [Range { low: zero, high: zero }; VECTORS];
-            return Self { origin: nothing, inverse: nothing };
+            return Self { origin: nothing, inverse: nothing, start: [0.0; 3], ways: [Way::Both; 3] };
         }
         let mut rows = [[0.0_f32; TILES]; 12];
+        let (mut least, mut most) = ([f32::MAX; 3], [-f32::MAX; 3]);
         let mut left = among;
         while left != 0 {
             let tile = left.trailing_zeros() as usize;
@@ -65,6 +78,12 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
                 |g| rays[g].inverse,
             );
             store(&mut rows, 0, tile, inverse);
+            let mut axis = 0;
+            while axis < 3 {
+                least[axis] = Lane::min(least[axis], inverse.0[axis]);
+                most[axis] = Lane::max(most[axis], inverse.1[axis]);
+                axis += 1;
+            }
             let origin = if O::WIDTH < L::WIDTH {
                 let start = rays[first].origin.lane(0);
                 (start, start)
@@ -81,16 +100,27 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
         }
         let last = if Self::VECTORS > 1 { 1 } else { 0 };
         let (token, rows) = (like.token(), &rows);
+        let way = |axis: usize| {
+            if least[axis] > 0.0 {
+                Way::Up
+            } else if most[axis] < 0.0 {
+                Way::Down
+            } else {
+                Way::Both
+            }
+        };
         Self {
+            start: rays[among.trailing_zeros() as usize * Self::GROUPS].origin.lane(0),
+            ways: [way(0), way(1), way(2)],
             inverse: [Range::load(token, rows, 0, 0), Range::load(token, rows, 0, last)],
             origin: [Range::load(token, rows, 6, 0), Range::load(token, rows, 6, last)],
         }
     }
 
     /// The tiles of `among` in which a ray may meet the box at some `0 ≤ t ≤` the tile's
-    /// limit: every tile in which one does, and few more.
+    /// limit: every tile in which one does, and few more. `O` is the rays' origin.
     #[inline(always)]
-    pub fn meets(&self, low: &[f32; 3], high: &[f32; 3], limits: &[f32; TILES], among: u32) -> u32 {
+    pub fn meets<O: Lane>(&self, low: &[f32; 3], high: &[f32; 3], limits: &[f32; TILES], among: u32) -> u32 {
         let token = self.origin[0].low.x.token();
         let mut met = 0;
         let mut v = 0;
@@ -98,11 +128,24 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
             let shift = (v * L::WIDTH) as u32;
             if Self::VECTORS == 1 || among >> shift & ((1 << L::WIDTH) - 1) != 0 {
                 let (origin, inverse) = (&self.origin[v], &self.inverse[v]);
-                let a = V3::splat(token, *low) - origin.high;
-                let b = V3::splat(token, *high) - origin.low;
-                let (x0, x1) = product(a.x, b.x, inverse.low.x, inverse.high.x);
-                let (y0, y1) = product(a.y, b.y, inverse.low.y, inverse.high.y);
-                let (z0, z1) = product(a.z, b.z, inverse.low.z, inverse.high.z);
+                let (i, j) = (&inverse.low, &inverse.high);
+                let ((x0, x1), (y0, y1), (z0, z1)) = if O::WIDTH < L::WIDTH {
+                    let start = &self.start;
+                    let to = |axis: usize| [low[axis] - start[axis], high[axis] - start[axis]];
+                    (
+                        shared(self.ways[0], to(0), i.x, j.x),
+                        shared(self.ways[1], to(1), i.y, j.y),
+                        shared(self.ways[2], to(2), i.z, j.z),
+                    )
+                } else {
+                    let a = V3::splat(token, *low) - origin.high;
+                    let b = V3::splat(token, *high) - origin.low;
+                    (
+                        apart(self.ways[0], [a.x, b.x], i.x, j.x),
+                        apart(self.ways[1], [a.y, b.y], i.y, j.y),
+                        apart(self.ways[2], [a.z, b.z], i.z, j.z),
+                    )
+                };
                 let near = x0.max(y0).max(z0);
                 let far = x1.min(y1).min(z1) * STRETCH;
                 let limit = vector(token, limits, v);
@@ -186,11 +229,34 @@ fn vector<L: Lane>(token: L::Token, numbers: &[f32; TILES], v: usize) -> L {
     )
 }
 
-/// The smallest and the largest product of a number in `a ..= b` and one in `c ..= d`.
+/// Where rays that start at one point are between two planes across an axis, at least and at
+/// most: `to` are the ways to the planes, `low` and `high` the smallest and the largest
+/// reciprocal direction of each tile.
 #[inline(always)]
-fn product<L: Lane>(a: L, b: L, c: L, d: L) -> (L, L) {
-    let (p, q, r, s) = (a * c, a * d, b * c, b * d);
-    (p.min(q).min(r.min(s)), p.max(q).max(r.max(s)))
+fn shared<L: Lane>(way: Way, to: [f32; 2], low: L, high: L) -> (L, L) {
+    let [entry, exit] = match way {
+        Way::Up => to,
+        Way::Down => [to[1], to[0]],
+        Way::Both => return apart(way, [low.like(to[0]), low.like(to[1])], low, high),
+    };
+    let near = if entry >= 0.0 { low } else { high };
+    let far = if exit >= 0.0 { high } else { low };
+    (near * entry, far * exit)
+}
+
+/// The same for rays that start apart: `to` are the least way to the first plane and the
+/// largest to the second.
+#[inline(always)]
+fn apart<L: Lane>(way: Way, to: [L; 2], low: L, high: L) -> (L, L) {
+    let [entry, exit] = match way {
+        Way::Up => to,
+        Way::Down => [to[1], to[0]],
+        Way::Both => {
+            let (p, q, r, s) = (to[0] * low, to[0] * high, to[1] * low, to[1] * high);
+            return (p.min(q).min(r.min(s)), p.max(q).max(r.max(s)));
+        }
+    };
+    ((entry * low).min(entry * high), (exit * low).max(exit * high))
 }
 
 /// Puts a range into six rows from `row` on.

@@ -12,7 +12,7 @@ use core::ops::Mul;
 pub const STACK: usize = 64;
 
 /// So many tiles of a packet ask a box ray by ray: that is as quick, and exact.
-const FEW: u32 = 6;
+const FEW: u32 = 5;
 
 /// Everything that a ray can meet.
 #[derive(Clone, Copy)]
@@ -96,11 +96,6 @@ impl<L: Lane> BestRows<L> {
     pub fn triangle(&self, lane: usize) -> u32 {
         self.triangle.at(lane)
     }
-    /// The weights of the second and third corner in one lane.
-    #[inline(always)]
-    pub fn weights(&self, lane: usize) -> [f32; 2] {
-        [self.u.at(lane), self.v.at(lane)]
-    }
     /// The record of one lane.
     #[inline(always)]
     pub fn hit(&self, lane: usize) -> Hit {
@@ -155,41 +150,73 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY
     let mut stack = [0_u32; STACK];
     let mut stack_among = [0_u32; STACK];
     let mut waiting = 0_usize;
-    let mut index = 0_u32;
+    // So many of those that wait were met before the last hit was found.
+    let mut stale = 0_usize;
+    let mut index = object.root;
     let mut among = among;
     loop {
-        let node = geometry.nodes[(object.root + index) as usize];
-        let met = if G == 1 || among.count_ones() <= FEW {
-            met_by_rays(rays, &node.low, &node.high, among, best)
+        let node = geometry.nodes[index as usize];
+        let mut near_among = 0;
+        if node.is_leaf() {
+            if leaf::<L, O, G, ANY>(geometry, object, object_index, &node, among, rays, limits, best) {
+                if ANY && is_done(best, limits) {
+                    return;
+                }
+                stale = waiting;
+            }
         } else {
-            tiles.meets(&node.low, &node.high, limits, among)
-        };
-        if met != 0 {
-            if !node.is_leaf() {
-                let far_first = (rising[node.kind as usize] < 0.0) as u32;
-                stack[waiting] = node.first + 1 - far_first;
+            // Near child first: the lower one when the packet's first ray goes up.
+            let far_first = (rising[node.kind as usize] < 0.0) as u32;
+            let children = object.root + node.first;
+            let (near, far) = (children + far_first, children + 1 - far_first);
+            near_among = met(geometry, near, rays, tiles, among, limits, best);
+            let far_among = met(geometry, far, rays, tiles, among, limits, best);
+            index = near;
+            among = near_among;
+            if near_among == 0 {
+                index = far;
+                among = far_among;
+                near_among = far_among;
+            } else if far_among != 0 {
+                stack[waiting] = far;
                 if G > 1 {
-                    stack_among[waiting] = met;
+                    stack_among[waiting] = far_among;
                 }
                 waiting += 1;
-                index = node.first + far_first;
-                among = met;
-                continue;
             }
-            let changed =
-                leaf::<L, O, G, ANY>(geometry, object, object_index, &node, met, rays, limits, best);
-            if ANY && changed && is_done(best, limits) {
+        }
+        while near_among == 0 {
+            if waiting == 0 {
                 return;
             }
+            waiting -= 1;
+            index = stack[waiting];
+            among = if G > 1 { stack_among[waiting] } else { 1 };
+            if waiting < stale {
+                stale = waiting;
+                among = met(geometry, index, rays, tiles, among, limits, best);
+            }
+            near_among = among;
         }
-        if waiting == 0 {
-            return;
-        }
-        waiting -= 1;
-        index = stack[waiting];
-        if G > 1 {
-            among = stack_among[waiting];
-        }
+    }
+}
+
+/// The tiles of `among` that may meet the node's box.
+#[inline(always)]
+fn met<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
+    geometry: &Geometry<'_>,
+    node: u32,
+    rays: &[Ray<L, O>; G],
+    tiles: &Tiles<L, G>,
+    among: u32,
+    limits: &[f32; TILES],
+    best: &[Best<L>; G],
+) -> u32 {
+    let node = geometry.nodes[node as usize];
+    if G == 1 || among.count_ones() <= FEW {
+        met_by_rays(rays, &node.low, &node.high, among, best)
+    } else {
+        tiles.meets::<O>(&node.low, &node.high, limits, among)
     }
 }
 

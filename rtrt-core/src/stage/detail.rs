@@ -5,7 +5,7 @@
 //! ([`Frame::details`](crate::layout::Frame)).
 
 use crate::kernel::interpolate::Weights;
-use crate::kernel::tangent::{PRESENT, bumped, handedness, unpack};
+use crate::kernel::tangent::{bumped, direction, unpack};
 use crate::kernel::texture::{Chosen, Maps, Pick, sample};
 use crate::kernel::traverse::{Best, BestRows};
 use crate::lane::{Bits, Lane, Mask, Select, V3};
@@ -135,42 +135,26 @@ fn normal<L: Lane>(
     if !zero.less_than(levels).any() {
         return surfaces.normal;
     }
-    let none = surfaces.material.like(0);
     let found = best.rows();
-    let a = L::bits_from_fn(
+    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz, sa, ta, sb, tb, sc, tc, sign] = L::gather(
         token,
         #[inline(always)]
-        |lane| tangent::<L, 0>(vertices, &found, lane),
+        |lane| corners(vertices, &found, lane),
     );
-    let b = L::bits_from_fn(
-        token,
-        #[inline(always)]
-        |lane| tangent::<L, 1>(vertices, &found, lane),
-    );
-    let c = L::bits_from_fn(
-        token,
-        #[inline(always)]
-        |lane| tangent::<L, 2>(vertices, &found, lane),
-    );
-    let present = (a & a.like(PRESENT)).equal(a.like(PRESENT));
-    let has = present & zero.less_than(levels);
+    let has = zero.less_than(levels) & zero.less_than(sign.abs());
     if !has.any() {
         return surfaces.normal;
     }
-    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz] = L::gather(
-        token,
-        #[inline(always)]
-        |lane| normals(vertices, &found, lane),
-    );
     let weights = Weights::new(best.u, best.v);
     let vertex_normal = weights.mix3(
         V3 { x: nax, y: nay, z: naz },
         V3 { x: nbx, y: nby, z: nbz },
         V3 { x: ncx, y: ncy, z: ncz },
     );
-    let along = weights.mix3(unpack(token, a), unpack(token, b), unpack(token, c));
+    let along = weights.mix3(direction(sa, ta), direction(sb, tb), direction(sc, tc));
     // In the object's space, so that a mirrored object has a mirrored relief.
-    let up = vertex_normal.cross(along).scale(handedness(token, a));
+    let up = vertex_normal.cross(along).scale(sign);
+    let none = surfaces.material.like(0);
     let identity = vertices.of_objects::<L, Identity>(token, best.object, &found);
     let (vertex_normal, along, up) = if identity.equal(none).any() {
         let space = Space::of(vertices, zero, best.object, &found);
@@ -185,31 +169,26 @@ fn normal<L: Lane>(
     V3::select(has, flush3(turned), surfaces.normal)
 }
 
-/// The packed tangent at a corner of one lane's triangle; 0 if there is none.
+/// The normals of the corners of one lane's triangle, object space, then two coordinates of
+/// their tangents, and the sign of the bitangent; all 0 where there are no tangents.
 #[inline(always)]
-fn tangent<L: Lane, const CORNER: usize>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> u32 {
+fn corners<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [f32; 16] {
     let index = found.object(lane);
     if index == NONE {
-        return 0;
+        return [0.0; 16];
     }
     let object = &vertices.objects[index as usize];
     if object.first_tangent == 0 {
-        return 0;
+        return [0.0; 16];
     }
-    let corner = object.first_index + 3 * found.triangle(lane) + CORNER as u32;
-    vertices.words[(object.first_tangent + vertices.words[corner as usize]) as usize]
-}
-
-/// The normals of the corners of one lane's triangle, object space.
-#[inline(always)]
-fn normals<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [f32; 9] {
-    let index = found.object(lane);
-    if index == NONE {
-        return [0.0; 9];
-    }
-    let [a, b, c] = vertices.objects[index as usize].corners(vertices.words, found.triangle(lane));
+    let [a, b, c] = object.corners(vertices.words, found.triangle(lane));
+    // Tangents are counted from the mesh's first vertex, wrapping.
+    let base = object.first_tangent.wrapping_sub(object.first_vertex);
+    let t = unpack(vertices.words[base.wrapping_add(a) as usize]);
+    let u = unpack(vertices.words[base.wrapping_add(b) as usize]);
+    let v = unpack(vertices.words[base.wrapping_add(c) as usize]);
     let attributes = vertices.attributes;
     let (a, b, c) =
         (&attributes[a as usize].normal, &attributes[b as usize].normal, &attributes[c as usize].normal);
-    [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]
+    [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], t[0], t[1], u[0], u[1], v[0], v[1], t[2]]
 }

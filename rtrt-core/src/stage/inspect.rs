@@ -7,7 +7,7 @@ use crate::kernel::slab::{Around, meets};
 use crate::kernel::traverse::{Best, Geometry, STACK};
 use crate::kernel::triangle::meet;
 use crate::lane::{V3, Word};
-use crate::layout::{Hit, Object};
+use crate::layout::{Hit, Node, Object};
 
 /// What it took.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,32 +69,73 @@ fn descend(
 ) {
     let object = &geometry.objects[object_index as usize];
     let rising = [ray.direction.x, ray.direction.y, ray.direction.z];
-    let mut stack = [0_u32; STACK];
-    let mut waiting = 1_usize;
-    while waiting > 0 {
-        waiting -= 1;
-        let node = geometry.nodes[(object.root + stack[waiting]) as usize];
+    let asked = |index: u32, best: &Best<f32>, found: &mut Inspection| {
+        let node = &geometry.nodes[index as usize];
         found.boxes += 1;
-        if !meets(ray, &Around::new(ray.origin, &node.low, &node.high), best.t) {
-            continue;
-        }
-        if !node.is_leaf() {
+        meets(ray, &Around::new(ray.origin, &node.low, &node.high), best.t)
+    };
+    let mut stack = [0_u32; STACK];
+    let (mut waiting, mut stale) = (0_usize, 0_usize);
+    let mut index = object.root;
+    loop {
+        let node = geometry.nodes[index as usize];
+        if node.is_leaf() {
+            if leaf(geometry, object_index, &node, ray, best, found) {
+                stale = waiting;
+            }
+        } else {
             let far_first = u32::from(rising[node.kind as usize] < 0.0);
-            stack[waiting] = node.first + 1 - far_first;
-            stack[waiting + 1] = node.first + far_first;
-            waiting += 2;
-            continue;
+            let children = object.root + node.first;
+            let (near, far) = (children + far_first, children + 1 - far_first);
+            let (meets_near, meets_far) = (asked(near, best, found), asked(far, best, found));
+            if meets_near && meets_far {
+                stack[waiting] = far;
+                waiting += 1;
+            }
+            if meets_near || meets_far {
+                index = if meets_near { near } else { far };
+                continue;
+            }
         }
-        for id in node.first..node.first + node.triangles() {
-            found.triangles += 1;
-            let triangle = geometry.triangle(object, id);
-            let met = meet(ray, &triangle, &triangle.seen_from(ray.origin), best.t);
-            let is_earlier = (object_index, id) < (best.object.0, best.triangle.0);
-            if met.mask && (met.t < best.t || (met.t <= best.t && is_earlier)) {
-                *best = Best { t: met.t, object: Word(object_index), triangle: Word(id), u: met.u, v: met.v };
+        loop {
+            if waiting == 0 {
+                return;
+            }
+            waiting -= 1;
+            index = stack[waiting];
+            if waiting >= stale {
+                break;
+            }
+            stale = waiting;
+            if asked(index, best, found) {
+                break;
             }
         }
     }
+}
+
+/// Asks the triangles of a leaf; whether one is the closest so far.
+fn leaf(
+    geometry: &Geometry<'_>,
+    object_index: u32,
+    node: &Node,
+    ray: &Ray<f32>,
+    best: &mut Best<f32>,
+    found: &mut Inspection,
+) -> bool {
+    let object = &geometry.objects[object_index as usize];
+    let mut is_met = false;
+    for id in node.first..node.first + node.triangles() {
+        found.triangles += 1;
+        let triangle = geometry.triangle(object, id);
+        let met = meet(ray, &triangle, &triangle.seen_from(ray.origin), best.t);
+        let is_earlier = (object_index, id) < (best.object.0, best.triangle.0);
+        if met.mask && (met.t < best.t || (met.t <= best.t && is_earlier)) {
+            *best = Best { t: met.t, object: Word(object_index), triangle: Word(id), u: met.u, v: met.v };
+        }
+        is_met |= met.mask;
+    }
+    is_met
 }
 
 #[cfg(test)]
@@ -124,9 +165,9 @@ mod tests {
         let along = |x: f32, y: f32| Ray::new(V3::splat((), [x, y, 1.0]), V3::splat((), [0.0, 0.0, -1.0]));
         let hit = inspect(&lists, &geometry, 0, &along(0.25, 0.25));
         assert_eq!((hit.hit.object, hit.entries, hit.asked), (0, 1, 1));
-        assert_eq!((hit.boxes, hit.triangles, hit.sphere), (2, 1, true));
+        assert_eq!((hit.boxes, hit.triangles, hit.sphere), (1, 1, true));
         let past = inspect(&lists, &geometry, 0, &along(0.9, 0.9));
-        assert_eq!((past.hit.object, past.boxes, past.triangles, past.sphere), (NONE, 2, 1, true));
+        assert_eq!((past.hit.object, past.boxes, past.triangles, past.sphere), (NONE, 1, 1, true));
         let far = inspect(&lists, &geometry, 0, &along(3.0, 3.0));
         assert_eq!((far.boxes, far.triangles, far.sphere), (1, 0, false));
     }

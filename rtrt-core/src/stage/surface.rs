@@ -1,5 +1,6 @@
 //! Surface: what the lights and the material need to know about a hit.
 
+use crate::kernel::distinct::Distinct;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::footprint;
 use crate::kernel::offset::offset;
@@ -208,16 +209,37 @@ pub fn surface<L: Lane>(
     }
     let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
     let found = best.rows();
-    let [ax, ay, az, bx, by, bz, cx, cy, cz] = L::gather(
+    let triangles = Distinct::of(
         token,
+        !missed,
+        #[inline(always)]
+        |lane| {
+            best.object.equal(best.object.like(found.object(lane)))
+                & best.triangle.equal(best.triangle.like(found.triangle(lane)))
+        },
+    );
+    let [ax, ay, az, bx, by, bz, cx, cy, cz] = triangles.gather(
         #[inline(always)]
         |lane| places(geometry, &found, lane),
     );
-    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz, sa, ta, sb, tb, sc, tc] = L::gather(
-        token,
+    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz, sa, ta, sb, tb, sc, tc] = triangles.gather(
         #[inline(always)]
         |lane| shared(&vertices, &found, lane),
     );
+    let colors = [
+        triangles.bits(
+            #[inline(always)]
+            |lane| color::<L, 0>(&vertices, &found, lane),
+        ),
+        triangles.bits(
+            #[inline(always)]
+            |lane| color::<L, 1>(&vertices, &found, lane),
+        ),
+        triangles.bits(
+            #[inline(always)]
+            |lane| color::<L, 2>(&vertices, &found, lane),
+        ),
+    ];
     let space = Space::of(&vertices, best.t, best.object, &found);
     let a = space.point(V3 { x: ax, y: ay, z: az });
     let b = space.point(V3 { x: bx, y: by, z: bz });
@@ -243,14 +265,7 @@ pub fn surface<L: Lane>(
         origin: V3::select(missed, nothing, offset(place, flat)),
         normal: V3::select(missed, nothing, smooth),
         material: vertices.of_objects::<L, OneMaterial>(token, best.object, &found),
-        color: missed.select(
-            none,
-            L::bits_from_fn(
-                token,
-                #[inline(always)]
-                |lane| color(&vertices, &found, lane),
-            ),
-        ),
+        color: missed.select(none, mixed(&weights, colors)),
         uv: [
             missed.select(zero, flush(weights.mix(sa, sb, sc))),
             missed.select(zero, flush(weights.mix(ta, tb, tc))),
@@ -292,17 +307,21 @@ impl<L: Lane> Space<L> {
         if space.all_same {
             return space;
         }
-        // Whole matrices at once: a closure made in a loop is beyond rust-gpu.
-        space.to_world = rows(L::gather(
+        let different = Distinct::of(
             token,
+            !same,
+            #[inline(always)]
+            |lane| objects.equal(objects.like(found.object(lane))),
+        );
+        // Whole matrices at once: a closure made in a loop is beyond rust-gpu.
+        space.to_world = rows(different.gather(
             #[inline(always)]
             |lane| {
                 let index = found.object(lane);
                 if index == NONE { [0.0; 12] } else { flat(&vertices.objects[index as usize].to_world) }
             },
         ));
-        space.to_object = rows(L::gather(
-            token,
+        space.to_object = rows(different.gather(
             #[inline(always)]
             |lane| {
                 let index = found.object(lane);
@@ -374,28 +393,30 @@ fn shared<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) ->
     ]
 }
 
-/// The vertex color at the hit in one lane.
+/// The color of one corner of one lane's triangle.
 #[inline(always)]
-fn color<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> u32 {
-    let Vertices { objects, words, attributes } = vertices;
+fn color<L: Lane, const CORNER: usize>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> u32 {
     let index = found.object(lane);
     if index == NONE {
         return 0;
     }
-    let [a, b, c] = objects[index as usize].corners(words, found.triangle(lane));
-    let (a, b, c) =
-        (attributes[a as usize].color, attributes[b as usize].color, attributes[c as usize].color);
-    if a == b && b == c {
+    let corners = vertices.objects[index as usize].corners(vertices.words, found.triangle(lane));
+    vertices.attributes[corners[CORNER] as usize].color
+}
+
+/// The color between those of three corners.
+#[inline(always)]
+fn mixed<L: Lane>(weights: &Weights<L>, [a, b, c]: [L::Bits; 3]) -> L::Bits {
+    let same = a.equal(b) & b.equal(c);
+    if !(!same).any() {
         return a;
     }
-    let [u, v] = found.weights(lane);
-    let weights = Weights::new(u, v);
     let channel = |shift: u32| {
-        let part = |color: u32| (color >> shift & 255) as f32;
+        let part = |color: L::Bits| from_integer::<L>((color >> shift) & color.like(255));
         let mixed = floor(weights.mix(part(a), part(b), part(c)) + 0.5);
-        (to_integer(mixed).0 & 255) << shift
+        (to_integer(mixed) & a.like(255)) << shift
     };
-    channel(0) | channel(8) | channel(16) | channel(24)
+    same.select(a, channel(0) | channel(8) | channel(16) | channel(24))
 }
 
 /// One channel (0 ..= 3) of a vertex color, 0 ..= 1.

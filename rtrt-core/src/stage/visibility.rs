@@ -122,7 +122,7 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY:
         let met = if G == 1 {
             met_by_rays(rays, &low, &high, 1, best)
         } else {
-            tiles.meets(&low, &high, &limits, searching)
+            tiles.meets::<O>(&low, &high, &limits, searching)
         };
         if met == 0 {
             continue;

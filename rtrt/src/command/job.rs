@@ -39,8 +39,15 @@ pub struct Job<'a> {
 
 impl<'a> Job<'a> {
     /// Loads the scene that `common` names, and changes it as `common` says. `samples` is
-    /// for where it says nothing; `deferred` is whether deferred buffers will be asked for.
-    pub fn load(common: &'a Common, samples: u32, deferred: bool, console: &Console) -> Result<Self, Error> {
+    /// for where it says nothing; `deferred` is whether deferred buffers will be asked for; `time` is
+    /// when, of the animation.
+    pub fn load(
+        common: &'a Common,
+        samples: u32,
+        deferred: bool,
+        time: Option<f64>,
+        console: &Console,
+    ) -> Result<Self, Error> {
         let samples = common.samples.unwrap_or(samples);
         let rays = common.size.map(u64::from).iter().product::<u64>() * u64::from(samples);
         if rays > MAX_RAYS {
@@ -50,11 +57,11 @@ impl<'a> Job<'a> {
             return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can be kept to be looked at" });
         }
         console.step(format_args!("loading {}", common.scene.display()));
-        let loaded = load(common, console)?;
+        let mut loaded = load(common, console)?;
         for warning in &loaded.warnings {
             console.say(format_args!("warning: {warning}"));
         }
-        let camera = camera(common, &loaded)?;
+        let camera = camera(common, &mut loaded, time.is_some())?;
         let Loaded { mut scene, cameras, lit_by_default, animation, tree_build_ms, .. } = loaded;
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
@@ -66,7 +73,7 @@ impl<'a> Job<'a> {
         if let Some(path) = &common.environment {
             import::surround(&mut scene, path)?;
         }
-        if animation.is_none() && common.time.is_some() {
+        if animation.is_none() && time.is_some() {
             console.say("warning: nothing in the scene is animated");
         }
         let mut job = Self {
@@ -82,14 +89,14 @@ impl<'a> Job<'a> {
             cameras,
             common,
         };
-        if let Some(time) = common.time {
+        if let Some(time) = time {
             job.play(time)?;
         }
         Ok(job)
     }
 
-    /// Moves what moves to where it is at a time, seconds. A scene without cameras is seen from
-    /// where it is seen at rest.
+    /// Moves what moves to where it is at a time, seconds. The camera of a scene without cameras
+    /// stays where it is.
     pub fn play(&mut self, time: f64) -> Result<(), Error> {
         let Some(animation) = &self.animation else { return Ok(()) };
         let pose = animation.at(time)?;
@@ -158,7 +165,7 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
 }
 
 /// The scene's camera, or the one chosen of its cameras, changed as the options say.
-fn camera(common: &Common, loaded: &Loaded) -> Result<Camera, Error> {
+fn camera(common: &Common, loaded: &mut Loaded, plays: bool) -> Result<Camera, Error> {
     let options = &common.camera;
     let chosen = match options.camera {
         Some(asked) => loaded.cameras.get(asked).map(|named| named.camera).ok_or_else(|| {
@@ -167,7 +174,11 @@ fn camera(common: &Common, loaded: &Loaded) -> Result<Camera, Error> {
         })?,
         // The import frames for 16 to 9.
         None if loaded.cameras.is_empty() => {
-            import::framing(&loaded.scene, common.size[0] as f32 / common.size[1] as f32)
+            let aspect = common.size[0] as f32 / common.size[1] as f32;
+            match loaded.animation.as_ref().filter(|_| plays) {
+                Some(animation) => import::framing_played(&mut loaded.scene, animation, aspect)?,
+                None => import::framing(&loaded.scene, aspect),
+            }
         }
         None => loaded.camera,
     };

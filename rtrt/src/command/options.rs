@@ -29,7 +29,7 @@ pub struct Render {
     /// a block's list has; tests is how many boxes and triangles a ray is asked for
     #[arg(long, value_name = "VIEW", value_parser = view())]
     pub debug: Option<View>,
-    /// Render so many frames, from --time on. {frame} in the names of files becomes the frame's
+    /// Render so many frames, from --time on, or from the start. {frame} in the names of files becomes the frame's
     /// number, from 0000 on; --hash and --json print for each frame
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: u32,
@@ -88,8 +88,9 @@ pub struct Common {
     /// mirrored, and lights in place of the ambient light. A scene without lights gets none
     #[arg(long, value_name = "FILE")]
     pub environment: Option<PathBuf>,
-    /// Play the file's animation until this time, seconds after its start; the file's pose at rest
-    /// if not given
+    /// Play the file's first animation until this time, seconds after its start. If not given, the
+    /// file is shown at rest. A file without a camera is framed so that the whole animation is in
+    /// view
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time: Option<f64>,
     /// Keep the trees of meshes in this folder, and take them from there the next time. Files

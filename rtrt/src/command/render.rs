@@ -43,12 +43,13 @@ struct Report<'a> {
 pub fn run(options: &Render) -> Result<(), Error> {
     check(options)?;
     let console = Console::new(2 + 3 * u64::from(options.frames));
-    let mut job = Job::load(&options.common, SAMPLES, keeps_buffers(options), &console)?;
+    let start = options.common.time.or((options.frames > 1).then_some(0.0));
+    let mut job = Job::load(&options.common, SAMPLES, keeps_buffers(options), start, &console)?;
     let (mut backend, machine) = open(&options.common.backend, &console)?;
     let mut picture = Picture::default();
     for frame in 0..options.frames {
-        if options.frames > 1 {
-            job.play(options.common.time.unwrap_or(0.0) + f64::from(frame) / options.fps)?;
+        if let Some(start) = start.filter(|_| frame > 0) {
+            job.play(start + f64::from(frame) / options.fps)?;
         }
         console.step(format_args!("rendering frame {frame} on {machine}"));
         render(options, &job, frame, (&mut *backend, &machine), &mut picture, &console)?;

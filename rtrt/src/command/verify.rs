@@ -77,7 +77,7 @@ pub fn run(options: &Verify) -> Result<(), Error> {
     let common = &options.common;
     let variants = variants(&common.backend)?;
     let console = Console::new(variants.len() as u64 + 2);
-    let job = Job::load(common, SAMPLES, true, &console)?;
+    let job = Job::load(common, SAMPLES, true, common.time, &console)?;
     console.step(format_args!("rendering the reference: {REFERENCE}"));
     let mut expected = Picture::default();
     job.render(&mut *REFERENCE.open()?, &job.request(true), &mut expected)?;

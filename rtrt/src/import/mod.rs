@@ -29,7 +29,7 @@ mod shape;
 pub use animation::{Animation, Pose};
 pub use environment::surround;
 pub use error::ImportError;
-pub use framing::{framing, light_by_default};
+pub use framing::{framing, framing_played, light_by_default};
 
 use crate::cache::Cache;
 use rtrt_core::scene::{Camera, Join, Scene};

@@ -114,3 +114,62 @@ fn blended(joints: &[DMat4], (bound, weights): &([u32; 4], [f32; 4])) -> Option<
 fn double(v: [f32; 3]) -> DVec3 {
     DVec3::from(v.map(f64::from))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A triangle whose corners hang on two joints: the first on one, the second on the other,
+    /// the third on both.
+    fn shape(targets: Vec<Target>, skin: Option<Skin>) -> Shape {
+        let attribute = Attribute { normal: [1.0, 1.0, 0.0], uv: [0.0; 2], color: 0 };
+        let bound = |weights: [f32; 4]| ([0, 1, 0, 0], weights);
+        let joints = match skin {
+            Some(_) => {
+                vec![bound([1.0, 0.0, 0.0, 0.0]), bound([0.0, 2.0, 0.0, 0.0]), bound([1.0, 1.0, 0.0, 0.0])]
+            }
+            None => vec![],
+        };
+        let rest = Geometry {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            attributes: vec![attribute; 3],
+            indices: vec![0, 1, 2],
+            deform: Deform { targets, joints },
+            ..Geometry::default()
+        };
+        let mut scene = rtrt_core::scene::Scene::new();
+        let empty = Mesh::new(vec![], vec![], vec![]).unwrap();
+        let tree = rtrt_core::scene::MeshTree::build(&empty, &rtrt_core::scene::Sequential);
+        let mesh = scene.add_mesh(&empty, &tree).unwrap();
+        Shape { name: String::new(), mesh, rest, weights: vec![], skin }
+    }
+
+    #[test]
+    fn targets_are_added_by_their_weights() {
+        let up = Target { positions: vec![[0.0, 0.0, 2.0]; 3], normals: vec![] };
+        let lean = Target { positions: vec![], normals: vec![[0.0, 0.0, 4.0]; 3] };
+        let mesh = shape(vec![up, lean], None).at(Path::new(""), &[0.5, 0.25], &[]).unwrap();
+        assert_eq!(mesh.positions()[1], [1.0, 0.0, 1.0]);
+        assert_eq!(mesh.attributes()[1].normal, [1.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn a_vertex_is_where_the_mean_of_its_joints_takes_it() {
+        let skin = Skin {
+            joints: vec![1, 0, 7],
+            inverse: vec![
+                DMat4::IDENTITY,
+                DMat4::from_translation(DVec3::new(-1.0, 0.0, 0.0)),
+                DMat4::IDENTITY,
+            ],
+        };
+        let stretched = DMat4::from_scale(DVec3::new(4.0, 1.0, 1.0));
+        let worlds = [stretched, DMat4::from_translation(DVec3::new(0.0, 0.0, 6.0))];
+        let mesh = shape(vec![], Some(skin)).at(Path::new(""), &[], &worlds).unwrap();
+        let places = [[0.0, 0.0, 6.0], [0.0, 0.0, 0.0], [-2.0, 1.0, 3.0]];
+        assert_eq!(mesh.positions(), places);
+        // What is stretched along x has normals that turn away from x.
+        assert_eq!(mesh.attributes()[0].normal, [1.0, 1.0, 0.0]);
+        assert_eq!(mesh.attributes()[1].normal, [1.0, 4.0, 0.0]);
+    }
+}

@@ -1,0 +1,81 @@
+//! Reading records for the lanes of a group, each record once.
+
+use crate::lane::{Lane, Mask, Select};
+
+/// So many different records are read one by one and spread to the lanes that want them;
+/// more are gathered lane by lane.
+const MOST: usize = 4;
+
+/// Which lanes of a group want the same record: neighbors have mostly hit the same triangle.
+#[derive(Clone, Copy)]
+pub struct Distinct<L: Lane> {
+    token: L::Token,
+    /// A lane that wants each of the records.
+    lanes: [usize; MOST],
+    /// All lanes that want it.
+    masks: [L::Mask; MOST],
+    /// How many records are wanted; `MOST + 1` for more than can be told apart here.
+    count: usize,
+}
+
+impl<L: Lane> Distinct<L> {
+    /// The records that the lanes in `wanted` want; `same(lane)` are the lanes that want what
+    /// `lane` does.
+    #[inline(always)]
+    pub fn of(token: L::Token, wanted: L::Mask, same: impl Fn(usize) -> L::Mask) -> Self {
+        let mut found = Self { token, lanes: [0; MOST], masks: [wanted; MOST], count: 0 };
+        if L::WIDTH == 1 {
+            return found;
+        }
+        let mut left = wanted;
+        while found.count < MOST && left.any() {
+            let lane = left.bits().trailing_zeros() as usize;
+            let mask = left & same(lane);
+            found.lanes[found.count] = lane;
+            found.masks[found.count] = mask;
+            found.count += 1;
+            left = left & !mask;
+        }
+        if left.any() {
+            found.count = MOST + 1;
+        }
+        found
+    }
+
+    /// The numbers of each lane's record: `record(lane)`. Whatever `record` makes of it, or 0,
+    /// in a lane that wants none.
+    #[inline(always)]
+    pub fn gather<const N: usize>(&self, record: impl Fn(usize) -> [f32; N]) -> [L; N] {
+        if L::WIDTH == 1 || self.count > MOST {
+            return L::gather(self.token, record);
+        }
+        let mut all = [L::splat(self.token, 0.0); N];
+        let mut i = 0;
+        while i < self.count {
+            let numbers = record(self.lanes[i]);
+            let mut n = 0;
+            while n < N {
+                all[n] = self.masks[i].select(L::splat(self.token, numbers[n]), all[n]);
+                n += 1;
+            }
+            i += 1;
+        }
+        all
+    }
+
+    /// [`Distinct::gather`] of one word.
+    #[inline(always)]
+    pub fn bits(&self, record: impl Fn(usize) -> u32) -> L::Bits {
+        if L::WIDTH == 1 || self.count > MOST {
+            return L::bits_from_fn(self.token, record);
+        }
+        let zero = L::splat(self.token, 0.0);
+        let mut all = zero.bits_like(0);
+        let mut i = 0;
+        while i < self.count {
+            all = self.masks[i].select(zero.bits_like(record(self.lanes[i])), all);
+            i += 1;
+        }
+        all
+    }
+}
