@@ -33,7 +33,7 @@ const BULB: Vec3 = vec3(1.35, 2.5, -1.1);
 /// # Errors
 /// As for [`crate::import::load`]; nothing in the scene gives rise to any.
 pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut stage = Stage { builder: Builder::new(Path::new(MATCHBOX), join) };
+    let mut stage = Stage { builder: Builder::new(Path::new(MATCHBOX), join, None) };
     stage.room()?;
     stage.window()?;
     stage.lamp()?;
@@ -58,6 +58,7 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
         cameras: vec![NamedCamera { name: "room".into(), camera }],
         camera,
         lit_by_default: false,
+        animation: None,
         warnings: Vec::new(),
         tree_build_ms: stage.builder.tree_build_ms,
     })
@@ -83,7 +84,8 @@ impl<J: Join> Stage<'_, J> {
         self.builder.add_mesh(MATCHBOX, shape.0)
     }
     fn place(&mut self, mesh: MeshIndex, material: MaterialIndex, at: Mat4) -> Result<(), ImportError> {
-        self.builder.add_object(MATCHBOX, mesh, material, at)
+        self.builder.add_object(MATCHBOX, mesh, material, at)?;
+        Ok(())
     }
     fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
         let mesh = self.mesh(shape)?;

@@ -1,7 +1,8 @@
 //! The front door of rtrt: backends chosen at run time, scenes from files and in code.
 //!
 //! Whichever backend is chosen, a frame has the same bits. `choose` picks one, `import`
-//! reads glTF and OBJ, `demo` builds a scene without any file.
+//! reads glTF and OBJ, `demo` builds a scene without any file, `layers` and `debug` show what a
+//! frame is made of.
 //!
 //! ```
 //! use rtrt_core::backend::{Picture, Request};
@@ -16,9 +17,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod cache;
 pub mod choose;
+pub mod debug;
 pub mod demo;
 pub mod import;
+pub mod layers;
+pub mod replace;
 
 /// Runs the README's example as a test.
 #[cfg(doctest)]

@@ -1,5 +1,9 @@
 //! The `rtrt` command as a shell sees it: exit codes, output, files.
 
+use rtrt_core::backend::{Picture, Request};
+use rtrt_core::grid::Grid;
+use rtrt_core::layout::NONE;
+use rtrt_core::scene::ObjectIndex;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -77,6 +81,188 @@ fn renders_a_file_and_the_demo_to_png() {
     }
 }
 
+/// The samples of a channel of a layer.
+fn channel(image: &exr::image::FlatImage, layer: &str, name: &str) -> Vec<u32> {
+    let layer =
+        image.layer_data.iter().find(|l| l.attributes.layer_name.as_ref().unwrap().eq(layer)).unwrap();
+    let channel = layer.channel_data.list.iter().find(|channel| channel.name.eq(name)).unwrap();
+    match &channel.sample_data {
+        exr::prelude::FlatSamples::F32(samples) => samples.iter().map(|sample| sample.to_bits()).collect(),
+        exr::prelude::FlatSamples::U32(samples) => samples.clone(),
+        exr::prelude::FlatSamples::F16(_) => panic!("half precision"),
+    }
+}
+
+#[test]
+fn layers_are_the_deferred_buffers() {
+    let folder = Folder::new("layers");
+    // Renders what the command does.
+    let loaded = rtrt::import::load(&folder.0.join("scene.obj"), &rtrt_core::scene::Sequential).unwrap();
+    let camera = rtrt::import::framing(&loaded.scene, 37.0 / 21.0);
+    let mut scene = loaded.scene;
+    rtrt::import::light_by_default(&mut scene, &camera);
+    let mut backend = rtrt_cpu::Cpu::new(rtrt_cpu::Options { lanes: Some(1), threads: Some(1) }).unwrap();
+    for samples in [1, 4] {
+        let line = "render scene.obj --size 37x21 --aov all.exr -o color.exr --backend cpu";
+        stdout(&folder.run(&format!("{line} --samples {samples}")));
+        assert_eq!(folder.files().len(), 2);
+        let [all, color] = ["all.exr", "color.exr"]
+            .map(|name| exr::prelude::read_all_flat_layers_from_file(folder.0.join(name)).unwrap());
+        let request = Request { camera: &camera, size: [37, 21], samples, shadows: true, deferred: true };
+        let mut picture = Picture::default();
+        rtrt_core::backend::Backend::render(&mut backend, &scene, &request, &mut picture).unwrap();
+        let deferred = picture.deferred.unwrap();
+        let grid = Grid { width: 37, height: 21, side: samples.isqrt() };
+        assert_eq!(all.layer_data.len(), 9);
+        let get = |layer, names: &[&str]| -> Vec<Vec<u32>> {
+            names.iter().map(|name| channel(&all, layer, name)).collect()
+        };
+        let (depth, normal) = (get("depth", &["Z"]), get("normal", &["X", "Y", "Z"]));
+        let (object, triangle) = (get("object", &["id"]), get("triangle", &["id", "source"]));
+        let (weights, uv) = (get("barycentrics", &["U", "V"]), get("uv", &["U", "V"]));
+        let (colors, shadow) = (get("color", &["R", "G", "B", "A"]), get("shadow", &["Y"]));
+        let albedo = get("albedo", &["R", "G", "B"]);
+        let mut hits = 0;
+        for pixel in 0..37 * 21 {
+            let [x, y] = grid.pixel(pixel);
+            let rays: Vec<usize> = (0..samples)
+                .map(|n| [x * grid.side + n % grid.side, y * grid.side + n / grid.side])
+                .map(|place| grid.index(place).0 as usize)
+                .collect();
+            let (hit, surface) = (&deferred.hits[rays[0]], &deferred.surfaces[rays[0]]);
+            let at = |layer: &[Vec<u32>]| layer.iter().map(|c| c[pixel as usize]).collect::<Vec<_>>();
+            let floats = |layer: &[Vec<u32>]| at(layer).into_iter().map(f32::from_bits).collect::<Vec<_>>();
+            let is_hit = hit.object != NONE;
+            assert_eq!(floats(&depth), [if is_hit { hit.t } else { f32::INFINITY }]);
+            assert_eq!((floats(&normal), floats(&uv)), (surface.normal.to_vec(), surface.uv.to_vec()));
+            assert_eq!((at(&object), at(&triangle)[0]), (vec![hit.object], hit.triangle));
+            let source = scene.source_triangle(ObjectIndex(hit.object), hit.triangle);
+            assert_eq!(at(&triangle)[1], source.unwrap_or(NONE));
+            assert_eq!(floats(&weights), [hit.u, hit.v]);
+            let mean = |value: &dyn Fn(usize) -> f32| {
+                rays.iter().fold(0.0, |sum, &ray| sum + value(ray)) / samples as f32
+            };
+            for (i, color) in floats(&colors).into_iter().enumerate() {
+                assert_eq!(color, mean(&|ray| deferred.colors[ray][i]));
+            }
+            assert_eq!(floats(&shadow), [mean(&|ray| deferred.masks[ray].count_ones() as f32) / 2.0]);
+            // The file has no materials: everything is of one color.
+            assert!(is_hit || samples > 1 || floats(&albedo) == [0.0; 3]);
+            hits += usize::from(is_hit);
+        }
+        assert!(hits > 50 && hits < 37 * 21, "{hits}");
+        assert_eq!(color.layer_data.len(), 1);
+        for (name, expected) in ["R", "G", "B", "A"].iter().zip(&colors) {
+            assert_eq!(channel(&color, "color", name), *expected);
+        }
+    }
+}
+
+/// A file with a triangle that a spline of two keyframes moves from the left to the right, and
+/// that is turned and has no size at first. Its numbers are in `numbers.bin`.
+const MOVES: &str = r#"{
+    "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 2]}],
+    "nodes": [{"children": [1]}, {"mesh": 0, "scale": [0, 0, 0]}, {"camera": 0, "translation": [0, 0, 4]}],
+    "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "animations": [{
+        "samplers": [
+            {"input": 1, "output": 2, "interpolation": "CUBICSPLINE"},
+            {"input": 1, "output": 3},
+            {"input": 1, "output": 4, "interpolation": "STEP"}
+        ],
+        "channels": [
+            {"sampler": 0, "target": {"node": 0, "path": "translation"}},
+            {"sampler": 1, "target": {"node": 1, "path": "rotation"}},
+            {"sampler": 2, "target": {"node": 1, "path": "scale"}}
+        ]
+    }],
+    "accessors": [
+        {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
+        {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 2, "type": "SCALAR"},
+        {"bufferView": 0, "byteOffset": 44, "componentType": 5126, "count": 6, "type": "VEC3"},
+        {"bufferView": 0, "byteOffset": 116, "componentType": 5126, "count": 2, "type": "VEC4"},
+        {"bufferView": 0, "byteOffset": 148, "componentType": 5126, "count": 2, "type": "VEC3"}
+    ],
+    "bufferViews": [{"buffer": 0, "byteLength": 172}],
+    "buffers": [{"byteLength": 172, "uri": "numbers.bin"}]
+}"#;
+
+#[test]
+fn frames_play_the_animation() {
+    let folder = Folder::new("frames");
+    let numbers: [f32; 43] = [
+        // Corners, times, a spline with its tangents, rotations, scales.
+        -0.5, -0.5, 0.0, 0.5, -0.5, 0.0, 0.0, 0.5, 0.0, //
+        0.0, 2.0, //
+        0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, //
+        0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.707, 0.707, //
+        0.0, 0.0, 0.0, 1.0, 1.0, 1.0,
+    ];
+    let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+    fs::write(folder.0.join("numbers.bin"), bytes).unwrap();
+    fs::write(folder.0.join("moves.gltf"), MOVES).unwrap();
+    let line = "moves.gltf --size 64x36 --backend cpu --lanes 8";
+    stdout(&folder.run(&format!("render {line} --frames 3 --fps 1 -o {{frame}}.png --hash")));
+    let pixels = |name: &str| image::open(folder.0.join(name)).unwrap().into_rgba8();
+    // At 0 seconds it has no size, at 1 a step has not been taken, at 2 it is there.
+    let blank = pixels("0000.png");
+    assert!(blank.pixels().all(|pixel| pixel == blank.get_pixel(0, 0)));
+    assert_eq!(pixels("0001.png"), blank);
+    assert_ne!(pixels("0002.png"), blank);
+    assert_ne!(pixels("0002.png").get_pixel(44, 18), blank.get_pixel(0, 0));
+    // A frame of many is the frame alone, and at rest nothing is to be seen.
+    stdout(&folder.run(&format!("render {line} --time 2 -o alone.png")));
+    assert_eq!(pixels("alone.png"), pixels("0002.png"));
+    let output = folder.run(&format!("render {line} -o rest.png"));
+    assert_eq!((stdout(&output).as_str(), pixels("rest.png")), ("", blank));
+    let report = stdout(&folder.run(&format!("verify {line} --time 2")));
+    assert!(report.lines().all(|line| line.ends_with(": equal") || line.contains("16 lanes")), "{report}");
+    for wrong in
+        ["--frames 2 -o out.png", "--frames 2 -o -", "--frames 0 -o {frame}.png", "--time -1 -o a.png"]
+    {
+        assert_eq!(code(&folder.run(&format!("render moves.gltf {wrong}"))), 2, "{wrong}");
+    }
+}
+
+#[test]
+fn a_cache_changes_nothing_but_the_time() {
+    let folder = Folder::new("cache");
+    let run = || stdout(&folder.run("render scene.obj --hash --size 37x21 --backend cpu --cache trees"));
+    let first = run();
+    let files =
+        || fs::read_dir(folder.0.join("trees")).unwrap().map(|e| e.unwrap().path()).collect::<Vec<_>>();
+    let [file] = &files()[..] else { panic!("{:?}", files()) };
+    let whole = fs::read(file).unwrap();
+    assert_eq!(run(), first);
+    for bad in [&whole[..40], b"not a tree"] {
+        fs::write(file, bad).unwrap();
+        assert_eq!((run(), files().len()), (first.clone(), 1));
+        assert_eq!(fs::read(file).unwrap(), whole);
+    }
+    // A cache that cannot be there is a warning.
+    let output = folder.run("render scene.obj -o out.png --size 8x8 --backend cpu --cache scene.obj");
+    assert_eq!(code(&output), 0);
+    assert!(stderr(&output).contains("warning: no cache at scene.obj"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_png_of_16_bits_rounds_to_that_of_8() {
+    let folder = Folder::new("bits");
+    let line = "render scene.obj --size 37x21 --backend cpu";
+    stdout(&folder.run(&format!("{line} -o 8.png")));
+    stdout(&folder.run(&format!("{line} -o 16.png --bits 16")));
+    let [narrow, wide] = ["8.png", "16.png"].map(|name| image::open(folder.0.join(name)).unwrap());
+    assert_eq!(wide.color(), image::ColorType::Rgba16);
+    for (narrow, wide) in narrow.into_rgba8().iter().zip(wide.into_rgba16().iter()) {
+        assert!((f64::from(*narrow) - f64::from(*wide) / 257.0).abs() <= 0.51);
+    }
+    // The same picture goes to standard output, and nothing else does.
+    let output = folder.run(&format!("{line} -o -"));
+    assert_eq!(code(&output), 0);
+    assert_eq!(output.stdout, fs::read(folder.0.join("8.png")).unwrap());
+}
+
 #[test]
 fn wrong_usage_is_exit_code_2_and_no_panic() {
     let folder = Folder::new("usage");
@@ -108,9 +294,20 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         assert_eq!(code(&output), 2, "{wrong}: {}", stderr(&output));
         assert!(stderr(&output).contains("error: "), "{wrong}: {}", stderr(&output));
     }
-    for wrong in
-        ["render", "render scene.obj", "render scene.obj -o out.jpg", "render demo:none -o out.png", ""]
-    {
+    for wrong in [
+        "render",
+        "render scene.obj",
+        "render scene.obj -o out.jpg",
+        "render demo:none -o out.png",
+        "render scene.obj --aov out.png",
+        "render scene.obj -o out.exr --bits 16",
+        "render scene.obj -o out.exr --debug depth",
+        "render scene.obj -o out.png --bits 16 --debug depth",
+        "render scene.obj -o out.png --debug colors",
+        "render scene.obj -o - --hash",
+        "render scene.obj -o - --json",
+        "",
+    ] {
         assert_eq!(code(&folder.run(wrong)), 2, "{wrong}");
     }
     assert_eq!(folder.files(), [""; 0]);
@@ -158,10 +355,17 @@ fn input_that_cannot_be_read_is_exit_code_3() {
 fn a_picture_that_cannot_be_written_is_exit_code_1_and_leaves_nothing() {
     let folder = Folder::new("output");
     fs::create_dir(folder.0.join("folder.png")).unwrap();
-    for place in ["missing/out.png", "folder.png", "scene.obj/out.png"] {
-        let output = folder.run(&format!("render scene.obj -o {place} --size 8x8 --backend cpu"));
+    for place in [
+        "-o missing/out.png",
+        "-o folder.png",
+        "-o scene.obj/out.png",
+        "--aov missing/out.exr",
+        "-o out.png --aov scene.obj/out.exr",
+    ] {
+        let output = folder.run(&format!("render scene.obj {place} --size 8x8 --backend cpu"));
         assert_eq!(code(&output), 1, "{place}: {}", stderr(&output));
-        assert!(stderr(&output).contains(place), "{}", stderr(&output));
+        let name = place.split_whitespace().last().unwrap();
+        assert!(stderr(&output).contains(name), "{}", stderr(&output));
     }
     assert_eq!(folder.files(), ["folder.png"]);
 }

@@ -6,7 +6,7 @@ use crate::num::flush;
 use crate::scene::camera::single;
 use crate::scene::floor::floored;
 use crate::scene::image::decode_words;
-use crate::scene::tree::Bounds;
+use crate::scene::tree::{Bounds, refit};
 use crate::scene::{
     COORDINATE_LIMIT, Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError,
 };
@@ -84,6 +84,7 @@ struct Stored {
     first_tangent: u32,
     first_second_uv: u32,
     first_source: usize,
+    nodes: u32,
     triangles: u32,
     bounds: Bounds,
     center: DVec3,
@@ -234,11 +235,8 @@ impl Scene {
         let words = indices.len() + tangents + 2 * second_uv;
         let first_index = room(self.words.len(), words, "triangles")?;
         let root = tree.nodes.first().copied().ok_or(SceneError::TooLarge { what: "empty trees" })?;
-        let low = DVec3::from(root.low.map(f64::from));
-        let high = DVec3::from(root.high.map(f64::from));
-        let center = (low + high) * 0.5;
-        let squared =
-            mesh.positions().iter().map(|p| (DVec3::from(p.map(f64::from)) - center).length_squared());
+        let bounds = Bounds { low: root.low, high: root.high };
+        let (center, radius) = sphere(mesh, &bounds);
         // Where `count` elements of some words each start, after `before`; nowhere if there are none.
         let after = |before: usize, count: usize| if count == 0 { 0 } else { first_index + before as u32 };
         let stored = Stored {
@@ -248,12 +246,14 @@ impl Scene {
             first_tangent: after(indices.len(), tangents),
             first_second_uv: after(indices.len() + tangents, second_uv),
             first_source: self.sources.len(),
+            nodes: tree.nodes.len() as u32,
             triangles: mesh.triangles() as u32,
-            bounds: Bounds { low: root.low, high: root.high },
+            bounds,
             center,
-            radius: libm::sqrt(squared.fold(0.0, f64::max)),
+            radius,
         };
-        self.nodes.push(Pair([Node::zeroed(), root]));
+        // What stands beside the root is where hidden objects go.
+        self.nodes.push(Pair([Node { kind: 3, ..Node::zeroed() }, root]));
         self.nodes.extend(tree.nodes[1..].chunks_exact(2).map(|pair| Pair([pair[0], pair[1]])));
         self.words.extend_from_slice(&indices);
         if tangents > 0 {
@@ -295,20 +295,112 @@ impl Scene {
         Ok(ObjectIndex(self.objects.len() as u32 - 1))
     }
 
-    /// Moves an object.
+    /// Moves an object; one that was hidden is seen again.
     ///
     /// # Errors
     /// As for [`Scene::add_object`]; the object then stays where it was.
     pub fn set_transform(&mut self, object: ObjectIndex, to_world: Mat4) -> Result<(), SceneError> {
-        let index = object.0 as usize;
-        let Some(old) = self.objects.get(index) else {
-            return Err(SceneError::Index { what: "object", index: object.0 });
-        };
-        let material = old.material;
+        self.set_transforms([(object, to_world)])
+    }
+
+    /// Moves many objects at the cost of going through all of them once.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_object`], for the first object that cannot be moved; it and those
+    /// after it then stay where they were.
+    pub fn set_transforms(
+        &mut self,
+        moved: impl IntoIterator<Item = (ObjectIndex, Mat4)>,
+    ) -> Result<(), SceneError> {
+        let result = moved.into_iter().try_for_each(|(object, to_world)| {
+            let (index, material) = self.object(object)?;
+            let stored = self.mesh(self.object_meshes[index])?;
+            self.objects[index] = place(stored, material, to_world)?;
+            Ok(())
+        });
+        self.objects_changed();
+        result
+    }
+
+    /// Takes an object out of the picture, until it is given a transform again.
+    ///
+    /// # Errors
+    /// There is no such object.
+    pub fn hide(&mut self, object: ObjectIndex) -> Result<(), SceneError> {
+        let (index, material) = self.object(object)?;
         let stored = self.mesh(self.object_meshes[index])?;
-        self.objects[index] = place(stored, material, to_world)?;
+        // The empty leaf beside the mesh's root: no ray meets it, wherever it is.
+        let nothing = Stored {
+            root: stored.root - 1,
+            bounds: Bounds { low: [0.0; 3], high: [0.0; 3] },
+            center: DVec3::ZERO,
+            radius: 0.0,
+            ..*stored
+        };
+        self.objects[index] = place(&nothing, material, Mat4::IDENTITY)?;
         self.objects_changed();
         Ok(())
+    }
+
+    /// Gives a mesh another shape: the same triangles with their corners elsewhere. `shape`
+    /// has the triangles of the mesh that was added, in the same order, with other positions,
+    /// normals and tangents; other attributes stay as they were. The mesh's tree keeps its form,
+    /// its boxes are refitted, and the mesh's objects stay where they are.
+    ///
+    /// # Errors
+    /// There is no such mesh, `shape` has more or fewer triangles, or an object would be out
+    /// of range; nothing has changed then.
+    pub fn reshape(&mut self, mesh: MeshIndex, shape: &Mesh) -> Result<(), SceneError> {
+        let mut stored = *self.mesh(mesh.0)?;
+        if shape.triangles() != stored.triangles as usize {
+            return Err(SceneError::Index { what: "triangle", index: shape.triangles() as u32 });
+        }
+        if stored.triangles == 0 {
+            return Ok(());
+        }
+        stored.bounds = Bounds::of(shape.indices().iter().map(|&i| shape.positions()[i as usize]));
+        (stored.center, stored.radius) = sphere(shape, &stored.bounds);
+        let mut placed = vec![];
+        for (index, object) in self.objects.iter().enumerate() {
+            if self.object_meshes[index] == mesh.0 && object.root == stored.root {
+                placed.push((index, place(&stored, object.material, matrix(object))?));
+            }
+        }
+        for triangle in 0..stored.triangles as usize {
+            let source = 3 * self.sources[stored.first_source + triangle] as usize;
+            for corner in 0..3 {
+                let vertex = self.words[stored.first_index as usize + 3 * triangle + corner];
+                let from = shape.indices()[source + corner] as usize;
+                let to = (stored.first_vertex + vertex) as usize;
+                self.positions[to] = shape.positions()[from];
+                self.attributes[to].normal = shape.attributes()[from].normal;
+                if stored.first_tangent != 0
+                    && let Some(&tangent) = shape.tangents().get(from)
+                {
+                    self.words[(stored.first_tangent + vertex) as usize] = tangent;
+                }
+            }
+        }
+        let nodes: &mut [Node] = bytemuck::cast_slice_mut(&mut self.nodes);
+        let nodes = &mut nodes[stored.root as usize..][..stored.nodes as usize];
+        let (words, positions) = (&self.words, &self.positions);
+        refit(nodes, |vertex| {
+            positions[(stored.first_vertex + words[stored.first_index as usize + vertex]) as usize]
+        });
+        self.meshes[mesh.0 as usize] = stored;
+        for (index, object) in placed {
+            self.objects[index] = object;
+        }
+        self.versions.geometry += 1;
+        self.objects_changed();
+        Ok(())
+    }
+
+    /// Where an object is in the arrays, and its material.
+    fn object(&self, object: ObjectIndex) -> Result<(usize, u32), SceneError> {
+        let index = object.0 as usize;
+        let found = self.objects.get(index).map(|object| (index, object.material));
+        found.ok_or(SceneError::Index { what: "object", index: object.0 })
     }
 
     fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
@@ -317,8 +409,9 @@ impl Scene {
 
     fn objects_changed(&mut self) {
         self.versions.objects += 1;
-        self.bounds =
-            self.objects.iter().fold(Bounds::EMPTY, |all, o| all.union(&Bounds { low: o.low, high: o.high }));
+        let seen = self.objects.iter().zip(&self.object_meshes);
+        let seen = seen.filter(|(object, mesh)| object.root == self.meshes[**mesh as usize].root);
+        self.bounds = seen.fold(Bounds::EMPTY, |all, (o, _)| all.union(&Bounds { low: o.low, high: o.high }));
     }
 
     /// Adds a light.
@@ -372,14 +465,15 @@ impl Scene {
     pub fn objects(&self) -> &[Object] {
         &self.objects
     }
-    /// The world bounds of all objects: lower and upper corner, or none without objects.
+    /// The world bounds of all objects but hidden ones: lower and upper corner, or none without
+    /// objects.
     pub fn extent(&self) -> Option<(Vec3, Vec3)> {
-        (!self.objects.is_empty()).then(|| (Vec3::from(self.bounds.low), Vec3::from(self.bounds.high)))
+        (!self.bounds.is_empty()).then(|| (Vec3::from(self.bounds.low), Vec3::from(self.bounds.high)))
     }
     /// The world bounds of all objects; a point without objects.
     pub(super) fn bounds(&self) -> &Bounds {
         const NOWHERE: Bounds = Bounds { low: [0.0; 3], high: [0.0; 3] };
-        if self.objects.is_empty() { &NOWHERE } else { &self.bounds }
+        if self.bounds.is_empty() { &NOWHERE } else { &self.bounds }
     }
     /// Where the environment is in the texels.
     pub(super) fn sky(&self) -> Sky {
@@ -455,8 +549,24 @@ impl Order {
     }
 }
 
+/// Center and radius of the sphere around a mesh, in the middle of its bounds.
+fn sphere(mesh: &Mesh, bounds: &Bounds) -> (DVec3, f64) {
+    let [low, high] = [bounds.low, bounds.high].map(|corner| DVec3::from(corner.map(f64::from)));
+    let center = (low + high) * 0.5;
+    let squared = mesh.positions().iter().map(|p| (DVec3::from(p.map(f64::from)) - center).length_squared());
+    (center, libm::sqrt(squared.fold(0.0, f64::max)))
+}
+
+/// The transform that an object was placed with, without denormals.
+fn matrix(object: &Object) -> Mat4 {
+    let [x, y, z] = object.to_world.map(glam::Vec4::from_array);
+    Mat4::from_cols(x, y, z, glam::Vec4::W).transpose()
+}
+
 /// The object of a mesh placed in the world, computed in `f64`.
 fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneError> {
+    // So that an object that is placed once more, by what was kept of its transform, is the same.
+    let to_world = Mat4::from_cols_array(&to_world.to_cols_array().map(flush));
     let m = to_world.as_dmat4();
     let affine = to_world.row(3) == glam::Vec4::W;
     let inverse = m.inverse();

@@ -71,6 +71,97 @@ impl MeshTree {
     }
 }
 
+/// Why a tree was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("not a tree of the mesh: {0}")]
+pub struct TreeError(&'static str);
+
+impl MeshTree {
+    /// What cannot be computed from the mesh again: `[first, kind]` of each node.
+    pub fn links(&self) -> Vec<[u32; 2]> {
+        self.nodes.iter().map(|node| [node.first, node.kind]).collect()
+    }
+
+    /// The tree of the mesh with these [`MeshTree::links`] and triangles in the order of its
+    /// leaves, as they may have been kept in a file. Its boxes are computed from the mesh, so no
+    /// hit is lost whatever the links say.
+    ///
+    /// # Errors
+    /// They are no tree that holds every triangle of the mesh once, or too deep a one.
+    pub fn from_links(mesh: &Mesh, links: &[[u32; 2]], triangles: Vec<u32>) -> Result<Self, TreeError> {
+        check(mesh.triangles(), links, &triangles)?;
+        let node = |&[first, kind]: &[u32; 2]| Node { first, kind, ..Node::zeroed() };
+        let mut nodes: Vec<Node> = links.iter().map(node).collect();
+        refit(&mut nodes, |corner| {
+            let index = mesh.indices()[3 * triangles[corner / 3] as usize + corner % 3];
+            mesh.positions()[index as usize]
+        });
+        Ok(Self { nodes, triangles })
+    }
+}
+
+/// Whether the links make a tree: every node but the root is one of two neighbors below one
+/// node before them, every triangle is in one leaf, and a stack is deep enough.
+fn check(count: usize, links: &[[u32; 2]], triangles: &[u32]) -> Result<(), TreeError> {
+    let once = |seen: &mut Vec<bool>, index: usize, what| match seen.get_mut(index) {
+        Some(seen) if !*seen => {
+            *seen = true;
+            Ok(())
+        }
+        _ => Err(TreeError(what)),
+    };
+    let mut seen = vec![false; count];
+    for &triangle in triangles {
+        once(&mut seen, triangle as usize, "a triangle is there twice, or not in the mesh")?;
+    }
+    if triangles.len() != count || links.len().is_multiple_of(2) {
+        return Err(TreeError("the number of triangles or nodes is wrong"));
+    }
+    let mut depths = vec![0_u8; links.len()];
+    let mut children = vec![false; links.len()];
+    let mut held = vec![false; count];
+    for (index, &[first, kind]) in links.iter().enumerate() {
+        let (first, depth) = (first as usize, depths[index] + 1);
+        if kind & 3 == 3 {
+            let last = first + (kind >> 2) as usize;
+            if last > count || (kind == 3 && links.len() > 1) {
+                return Err(TreeError("a leaf is empty, or beyond the mesh"));
+            }
+            (first..last).try_for_each(|i| once(&mut held, i, "a triangle is in two leaves"))?;
+        } else {
+            if kind > 3 || first <= index || first.is_multiple_of(2) || usize::from(depth) >= STACK {
+                return Err(TreeError("a node's children are before it, or too deep"));
+            }
+            for child in first..first + 2 {
+                once(&mut children, child, "a node has two parents, or is not there")?;
+                depths[child] = depth;
+            }
+        }
+    }
+    if held.contains(&false) || children[1..].contains(&false) {
+        return Err(TreeError("a triangle or a node is left out"));
+    }
+    Ok(())
+}
+
+/// Computes the boxes of a tree from its leaves up. `corner(3 · i + k)` is where corner `k` of
+/// the triangle `i` of the leaves is. Nodes come before their children.
+pub(super) fn refit(nodes: &mut [Node], corner: impl Fn(usize) -> [f32; 3]) {
+    for index in (0..nodes.len()).rev() {
+        let Node { first, .. } = nodes[index];
+        let first = first as usize;
+        let bounds = if nodes[index].is_leaf() {
+            Bounds::of((3 * first..3 * (first + nodes[index].triangles() as usize)).map(&corner))
+        } else {
+            let [a, b] = [&nodes[first], &nodes[first + 1]].map(|n| Bounds { low: n.low, high: n.high });
+            a.union(&b)
+        };
+        if !bounds.is_empty() {
+            (nodes[index].low, nodes[index].high) = (bounds.low, bounds.high);
+        }
+    }
+}
+
 /// The nodes without the gaps between subtrees. A subtree stays together, lower half first,
 /// so that a ray on its way down reads on in memory.
 fn compact(sparse: &[Node]) -> Vec<Node> {
@@ -112,6 +203,10 @@ impl Bounds {
             both.high[axis] = both.high[axis].max(other.high[axis]);
         }
         both
+    }
+    /// Whether nothing is inside, not even a point.
+    pub fn is_empty(&self) -> bool {
+        self.low[0] > self.high[0]
     }
     /// Half of the surface; 0 if empty.
     fn area(&self) -> f32 {
@@ -339,6 +434,46 @@ mod tests {
         // Centers in geometric progression: every split leaves one behind.
         triangles.extend((0..60).map(|i| [[f32::from_bits((127 - i) << 23); 3]; 3]));
         assert!(check(&mesh(&triangles)) < STACK);
+    }
+
+    #[test]
+    fn kept_links_give_the_same_tree() {
+        for count in [0, 1, 2, 5000] {
+            let mesh = mesh(&scattered(count));
+            let tree = MeshTree::build(&mesh, &Sequential);
+            assert_eq!(MeshTree::from_links(&mesh, &tree.links(), tree.triangles.clone()), Ok(tree));
+        }
+    }
+
+    #[test]
+    fn links_that_are_no_tree_are_refused() {
+        let mesh = mesh(&scattered(40));
+        let tree = MeshTree::build(&mesh, &Sequential);
+        let links = tree.links();
+        let refused = |links: &[[u32; 2]], triangles: &[u32]| {
+            MeshTree::from_links(&mesh, links, triangles.to_vec()).is_err()
+        };
+        for node in 0..links.len() {
+            for (word, value) in [(0, 0), (0, u32::MAX), (0, 1), (1, 3), (1, 7), (1, u32::MAX), (1, 4)] {
+                let mut bad = links.clone();
+                bad[node][word] = value;
+                assert!(bad == links || refused(&bad, &tree.triangles), "node {node}: {value}");
+            }
+        }
+        assert!(refused(&links[..1], &tree.triangles) && refused(&[], &tree.triangles));
+        assert!(refused(&links, &tree.triangles[1..]));
+        let mut twice = tree.triangles.clone();
+        twice[0] = twice[1];
+        assert!(refused(&links, &twice));
+        // A chain deeper than any stack: one triangle a level.
+        let mut chain: Vec<[u32; 2]> = vec![[1, 0]];
+        for level in 0..70 {
+            chain.extend([[level, 7], [2 * level + 3, 0]]);
+        }
+        *chain.last_mut().unwrap() = [70, 7];
+        let mesh = self::mesh(&scattered(71));
+        let error = MeshTree::from_links(&mesh, &chain, (0..71).collect()).unwrap_err();
+        assert!(error.0.contains("deep"), "{error}");
     }
 
     #[test]

@@ -22,9 +22,9 @@ pub fn resolve<L: Lane>(
     byte(srgb_encode(r)) | byte(srgb_encode(g)) << 8 | byte(srgb_encode(b)) << 16 | byte(a) << 24
 }
 
-/// The average color of one pixel.
+/// The average color of one pixel, linear RGB and alpha.
 #[inline(always)]
-fn average(grid: Grid, [x, y]: [u32; 2], color: &impl Fn(RayIndex) -> [f32; 4]) -> [f32; 4] {
+pub fn average(grid: Grid, [x, y]: [u32; 2], color: &impl Fn(RayIndex) -> [f32; 4]) -> [f32; 4] {
     let mut sum = [0.0_f32; 4];
     let mut b = 0;
     while b < grid.side {

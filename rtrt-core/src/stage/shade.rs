@@ -68,6 +68,12 @@ pub fn shade<L: Lane>(
     [color.x, color.y, color.z, one]
 }
 
+/// The base color of a group of surfaces, linear RGB: material · texture · vertex color.
+#[inline(always)]
+pub fn base<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>) -> V3<L> {
+    flush3(looks(maps, surfaces, 0.0).base)
+}
+
 /// What the surfaces mirror of the environment.
 #[inline(always)]
 fn reflection<L: Lane>(

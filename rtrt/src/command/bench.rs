@@ -61,7 +61,7 @@ struct Times {
 /// Measures.
 pub fn run(options: &Bench) -> Result<(), Error> {
     let console = Console::new(u64::from(options.frames + WARM_UP) + 3);
-    let job = Job::load(&options.common, SAMPLES, true, &console)?;
+    let job = Job::load(&options.common, SAMPLES, true, options.common.time, &console)?;
     let (mut backend, machine) = open(&options.common.backend, &console)?;
     let mut picture = Picture::default();
     let mut frames: Vec<[f64; STAGES.len()]> = Vec::new();

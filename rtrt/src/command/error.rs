@@ -26,6 +26,9 @@ pub enum Error {
         /// How many there are.
         have: usize,
     },
+    /// Options that do not go together.
+    #[error("wrong usage: {0}")]
+    Usage(&'static str),
     /// The frame has too many rays.
     #[error("frame too large: {rays} rays, and at most {limit} {may}")]
     TooLarge {
@@ -65,7 +68,7 @@ pub enum Error {
         /// Where it was to go.
         path: PathBuf,
         /// Why.
-        source: image::ImageError,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// The picture could not be written.
     #[error("cannot write the picture: {}: {source}", path.display())]
@@ -95,7 +98,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Encode { .. } | Self::Write { .. } | Self::Print(_) => 1,
-            Self::Demo { .. } | Self::Camera { .. } | Self::TooLarge { .. } => 2,
+            Self::Demo { .. } | Self::Camera { .. } | Self::TooLarge { .. } | Self::Usage(_) => 2,
             Self::Import(_) => 3,
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => 4,
             Self::Disagree { .. } => 5,

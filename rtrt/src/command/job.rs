@@ -4,13 +4,14 @@ use super::Error;
 use super::console::Console;
 use super::options::{BackendOptions, CameraOptions, Common};
 use super::report::Machine;
+use rtrt::cache::Cache;
 use rtrt::choose::{ChooseError, Chosen, choose};
+use rtrt::debug::{Shown, View, show};
 use rtrt::demo;
-use rtrt::import::{self, Loaded};
+use rtrt::import::{self, Animation, Loaded, NamedCamera};
 use rtrt_core::backend::{Backend, Picture, Request};
 use rtrt_core::scene::{Camera, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
-use std::path::Path;
 
 /// The most rays of a frame: they are numbered with 32 bits, those of blocks that reach
 /// outside the frame included.
@@ -29,13 +30,24 @@ pub struct Job<'a> {
     pub rays: u64,
     /// Milliseconds.
     pub tree_build_ms: f64,
-    name: &'a Path,
+    /// Whether the lights are those of the file.
+    own_lights: bool,
+    animation: Option<Animation>,
+    cameras: Vec<NamedCamera>,
+    common: &'a Common,
 }
 
 impl<'a> Job<'a> {
     /// Loads the scene that `common` names, and changes it as `common` says. `samples` is
-    /// for where it says nothing; `deferred` is whether deferred buffers will be asked for.
-    pub fn load(common: &'a Common, samples: u32, deferred: bool, console: &Console) -> Result<Self, Error> {
+    /// for where it says nothing; `deferred` is whether deferred buffers will be asked for; `time` is
+    /// when, of the animation.
+    pub fn load(
+        common: &'a Common,
+        samples: u32,
+        deferred: bool,
+        time: Option<f64>,
+        console: &Console,
+    ) -> Result<Self, Error> {
         let samples = common.samples.unwrap_or(samples);
         let rays = common.size.map(u64::from).iter().product::<u64>() * u64::from(samples);
         if rays > MAX_RAYS {
@@ -45,32 +57,60 @@ impl<'a> Job<'a> {
             return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can be kept to be looked at" });
         }
         console.step(format_args!("loading {}", common.scene.display()));
-        let loaded = load(&common.scene, common.backend.threads())?;
+        let mut loaded = load(common, console)?;
         for warning in &loaded.warnings {
             console.say(format_args!("warning: {warning}"));
         }
-        let camera = camera(common, &loaded)?;
-        let mut scene = loaded.scene;
+        let camera = camera(common, &mut loaded, time.is_some())?;
+        let Loaded { mut scene, cameras, lit_by_default, animation, tree_build_ms, .. } = loaded;
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
-        } else if loaded.lit_by_default && common.environment.is_some() {
+        } else if lit_by_default && common.environment.is_some() {
             scene.lights_mut().clear();
-        } else if loaded.lit_by_default {
+        } else if lit_by_default {
             import::light_by_default(&mut scene, &camera);
         }
         if let Some(path) = &common.environment {
             import::surround(&mut scene, path)?;
         }
-        Ok(Self {
+        if animation.is_none() && time.is_some() {
+            console.say("warning: nothing in the scene is animated");
+        }
+        let mut job = Self {
             scene,
             camera,
             size: common.size,
             samples,
             rays,
             shadows: !common.no_shadows,
-            tree_build_ms: loaded.tree_build_ms,
-            name: &common.scene,
-        })
+            tree_build_ms,
+            own_lights: common.lights.is_empty() && !lit_by_default,
+            animation,
+            cameras,
+            common,
+        };
+        if let Some(time) = time {
+            job.play(time)?;
+        }
+        Ok(job)
+    }
+
+    /// Moves what moves to where it is at a time, seconds. The camera of a scene without cameras
+    /// stays where it is.
+    pub fn play(&mut self, time: f64) -> Result<(), Error> {
+        let Some(animation) = &self.animation else { return Ok(()) };
+        let pose = animation.at(time)?;
+        pose.apply(&mut self.scene)?;
+        if self.own_lights {
+            pose.aim(self.scene.lights_mut());
+        }
+        for (index, camera) in pose.cameras {
+            self.cameras[index].camera = camera;
+        }
+        if let Some(named) = self.cameras.get(self.common.camera.camera.unwrap_or(0)) {
+            self.camera = changed(named.camera, &self.common.camera, &self.scene);
+        }
+        Ok(())
     }
 
     /// The request for a frame.
@@ -93,22 +133,39 @@ impl<'a> Job<'a> {
     ) -> Result<(), Error> {
         backend
             .render(&self.scene, request, picture)
-            .map_err(|source| Error::Render { scene: self.name.to_owned(), source })
+            .map_err(|source| Error::Render { scene: self.common.scene.clone(), source })
+    }
+
+    /// A view of a picture of the job whose deferred buffers were kept.
+    pub fn show(&self, view: View, picture: &Picture) -> Result<Shown, Error> {
+        let shown = show(view, &self.scene, &self.request(true), picture);
+        let shown = shown
+            .map_err(|error| Error::Render { scene: self.common.scene.clone(), source: error.into() })?;
+        shown.ok_or(Error::Usage("a view needs the deferred buffers"))
     }
 }
 
-/// Loads the scene of this name, its trees built by `threads` threads.
-fn load(name: &Path, threads: Option<usize>) -> Result<Loaded, Error> {
+/// Loads the scene that the options name, its trees built by as many threads as they say.
+fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
+    let threads = common.backend.threads();
     let pool = Cpu::new(rtrt_cpu::Options { lanes: None, threads }).map_err(ChooseError::Cpu)?;
+    let cache = common.cache.as_deref().and_then(|folder| match Cache::new(folder) {
+        Ok(cache) => Some(cache),
+        Err(error) => {
+            console.say(format_args!("warning: no cache at {}: {error}", folder.display()));
+            None
+        }
+    });
+    let name = &common.scene;
     match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
         Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
-        None => Ok(pool.install(|| import::load(name, &Parallel))?),
+        None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
     }
 }
 
 /// The scene's camera, or the one chosen of its cameras, changed as the options say.
-fn camera(common: &Common, loaded: &Loaded) -> Result<Camera, Error> {
+fn camera(common: &Common, loaded: &mut Loaded, plays: bool) -> Result<Camera, Error> {
     let options = &common.camera;
     let chosen = match options.camera {
         Some(asked) => loaded.cameras.get(asked).map(|named| named.camera).ok_or_else(|| {
@@ -117,7 +174,11 @@ fn camera(common: &Common, loaded: &Loaded) -> Result<Camera, Error> {
         })?,
         // The import frames for 16 to 9.
         None if loaded.cameras.is_empty() => {
-            import::framing(&loaded.scene, common.size[0] as f32 / common.size[1] as f32)
+            let aspect = common.size[0] as f32 / common.size[1] as f32;
+            match loaded.animation.as_ref().filter(|_| plays) {
+                Some(animation) => import::framing_played(&mut loaded.scene, animation, aspect)?,
+                None => import::framing(&loaded.scene, aspect),
+            }
         }
         None => loaded.camera,
     };

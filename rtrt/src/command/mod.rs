@@ -4,6 +4,7 @@ mod bench;
 mod console;
 mod doctor;
 mod error;
+mod exr;
 mod job;
 mod options;
 mod output;
@@ -21,7 +22,7 @@ use options::{Bench, Render, Verify};
 #[derive(Debug, clap::Parser)]
 #[command(name = "rtrt", version, max_term_width = 100)]
 pub enum Command {
-    /// Render a scene to a PNG file
+    /// Render a scene to a PNG or EXR file
     Render(Render),
     /// Render a scene on every backend and compare all buffers bit for bit
     ///

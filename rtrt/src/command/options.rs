@@ -4,15 +4,38 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::{self, Choice};
+use rtrt::debug::View;
 use rtrt_core::scene::{Light, Setup};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of `rtrt render`.
 #[derive(Debug, Args)]
 pub struct Render {
-    /// Where to write the picture: a PNG file
-    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(png), required_unless_present_any = ["hash", "json"])]
+    /// Where to write the picture: a PNG file; an EXR file, which gets the linear color; or - to
+    /// write a PNG to standard output
+    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "hash", "json"])]
     pub output: Option<PathBuf>,
+    /// Bits of a channel of the PNG
+    #[arg(long, default_value = "8", value_parser = one_of(["8", "16"]))]
+    pub bits: u32,
+    /// Where to write the deferred buffers: an EXR file with the layers color (linear), depth,
+    /// normal, albedo, object, triangle (as stored, and as in the source), barycentrics, uv and
+    /// shadow (the share of lights that reach a surface). Color, albedo and shadow are averages of
+    /// sub-rays, the others are those of each pixel's first one
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr))]
+    pub aov: Option<PathBuf>,
+    /// Show this instead of the picture. blocks is black where a block's list is empty, blue where
+    /// a ray misses all bounding spheres, white where it misses all meshes; heat is how many entries
+    /// a block's list has; tests is how many boxes and triangles a ray is asked for
+    #[arg(long, value_name = "VIEW", value_parser = view())]
+    pub debug: Option<View>,
+    /// Render so many frames, from --time on, or from the start. {frame} in the names of files becomes the frame's
+    /// number, from 0000 on; --hash and --json print for each frame
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub frames: u32,
+    /// Frames a second
+    #[arg(long, value_name = "F", default_value = "24", value_parser = rate)]
+    pub fps: f64,
     /// Print the SHA-256 of the pixels (red, green, blue, alpha, row by row) and of each
     /// deferred buffer
     #[arg(long)]
@@ -65,6 +88,15 @@ pub struct Common {
     /// mirrored, and lights in place of the ambient light. A scene without lights gets none
     #[arg(long, value_name = "FILE")]
     pub environment: Option<PathBuf>,
+    /// Play the file's first animation until this time, seconds after its start. If not given, the
+    /// file is shown at rest. A file without a camera is framed so that the whole animation is in
+    /// view
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time: Option<f64>,
+    /// Keep the trees of meshes in this folder, and take them from there the next time. Files
+    /// that are damaged or of another mesh are built anew
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
     /// Print the results as one JSON object
     #[arg(long)]
     pub json: bool,
@@ -173,6 +205,16 @@ fn angle(text: &str) -> Result<f32, String> {
         .ok_or("not a number within 0 and 180".into())
 }
 
+/// Seconds, 0 or more.
+fn seconds(text: &str) -> Result<f64, &'static str> {
+    text.parse().ok().filter(|time: &f64| time.is_finite() && *time >= 0.0).ok_or("not a number of 0 or more")
+}
+
+/// Frames a second, above 0.
+fn rate(text: &str) -> Result<f64, &'static str> {
+    seconds(text).ok().filter(|rate| *rate >= 1e-6).ok_or("not a number above 0")
+}
+
 /// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`.
 fn light(text: &str) -> Result<Light, String> {
     const FORMS: &str = "not point:X,Y,Z, spot:X,Y,Z:X,Y,Z:DEGREES or sun:X,Y,Z";
@@ -212,10 +254,32 @@ fn spot([position, direction, outer]: [&str; 3]) -> Result<Light, String> {
     })
 }
 
-/// The path of a PNG file.
-fn png(path: PathBuf) -> Result<PathBuf, &'static str> {
-    let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-    if is_png { Ok(path) } else { Err("the name must end in .png") }
+/// The path of a PNG or EXR file, or `-`.
+fn picture(path: PathBuf) -> Result<PathBuf, &'static str> {
+    let is_known = is_standard(&path) || ends_in(&path, "png") || ends_in(&path, "exr");
+    if is_known { Ok(path) } else { Err("the name must end in .png or .exr, or be -") }
+}
+
+/// The path of an EXR file.
+fn exr(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if ends_in(&path, "exr") { Ok(path) } else { Err("the name must end in .exr") }
+}
+
+/// Whether a path stands for standard output.
+pub fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Whether a path has this ending, in lower or upper case.
+pub fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|has| has.eq_ignore_ascii_case(ending))
+}
+
+/// A view's name.
+fn view() -> impl TypedValueParser<Value = View> {
+    PossibleValuesParser::new(View::ALL.map(|(name, _)| name)).try_map(|name| {
+        View::ALL.iter().find(|(known, _)| *known == name).map(|(_, view)| *view).ok_or("unknown view")
+    })
 }
 
 #[cfg(test)]

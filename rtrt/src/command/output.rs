@@ -1,12 +1,13 @@
 //! What a command leaves behind: lines on standard output, and picture files.
 
 use super::Error;
-use image::ImageEncoder;
+use super::console::Console;
+use super::options::is_standard;
 use image::codecs::png::PngEncoder;
-use rtrt_core::backend::Picture;
+use image::{ExtendedColorType, ImageEncoder, ImageResult};
+use rtrt::replace::{folder, replace};
 use std::collections::BTreeMap;
 use std::fmt::Display;
-use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -15,13 +16,21 @@ pub fn print(line: impl Display) -> Result<(), Error> {
     Ok(writeln!(io::stdout(), "{line}")?)
 }
 
+/// The results as one JSON object on one line.
+pub fn json(results: &impl serde::Serialize) -> Result<String, Error> {
+    Ok(serde_json::to_string(results).map_err(io::Error::from)?)
+}
+
 /// Writes the results as one JSON object on one line.
 pub fn print_json(results: &impl serde::Serialize) -> Result<(), Error> {
-    print(serde_json::to_string(results).map_err(io::Error::from)?)
+    print(json(results)?)
 }
 
 /// Whether a picture could be written there, found out before it is rendered.
 pub fn check(path: &Path) -> Result<(), Error> {
+    if is_standard(path) {
+        return Ok(());
+    }
     let refused = |kind, why| Err(Error::Write { path: path.to_owned(), source: io::Error::new(kind, why) });
     if path.exists() && !path.is_file() {
         return refused(io::ErrorKind::AlreadyExists, "it is there, and no file");
@@ -32,43 +41,28 @@ pub fn check(path: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes the picture as a PNG file: all of it, or nothing.
-pub fn write_png(path: &Path, picture: &Picture) -> Result<(), Error> {
+/// The pixels, row by row, as a PNG file.
+pub fn png(pixels: &[u8], [width, height]: [u32; 2], depth: ExtendedColorType) -> ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(picture.bytes(), picture.width, picture.height, image::ExtendedColorType::Rgba8)
-        .map_err(|source| Error::Encode { path: path.to_owned(), source })?;
-    replace(path, &bytes).map_err(|source| Error::Write { path: path.to_owned(), source })
+    PngEncoder::new(&mut bytes).write_image(pixels, width, height, depth)?;
+    Ok(bytes)
 }
 
-/// Makes `path` a file of these bytes. They are written beside it and moved there when all
-/// are on disk, so that nobody ever sees half of them.
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let beside = folder(path).join(format!(".{name}.{}.part", std::process::id()));
-    let written = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(&beside)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&beside, path));
-    if written.is_err() {
-        // The error says enough; a leftover that cannot be removed adds nothing to it.
-        fs::remove_file(&beside).ok();
+/// Writes a file, all of it or nothing, or to standard output.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    if is_standard(path) {
+        let mut to = io::stdout().lock();
+        return Ok(to.write_all(bytes).and_then(|()| to.flush())?);
     }
-    written
-}
-
-/// The folder that a file lies in.
-fn folder(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
+    replace(path, bytes).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
 /// Writes hashes, a line each: of the pixels, then of the deferred buffers.
-pub fn print_hashes(pixels: &str, buffers: Option<BTreeMap<&'static str, String>>) -> Result<(), Error> {
-    print(format_args!("{pixels}  pixels"))?;
-    buffers.into_iter().flatten().try_for_each(|(name, hash)| print(format_args!("{hash}  {name}")))
+pub fn print_hashes(
+    console: &Console,
+    pixels: &str,
+    buffers: Option<BTreeMap<&'static str, String>>,
+) -> Result<(), Error> {
+    console.print(format_args!("{pixels}  pixels"))?;
+    buffers.into_iter().flatten().try_for_each(|(name, hash)| console.print(format_args!("{hash}  {name}")))
 }

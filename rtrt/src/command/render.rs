@@ -2,13 +2,17 @@
 
 use super::Error;
 use super::console::Console;
+use super::exr;
 use super::job::{Job, open};
-use super::options::Render;
-use super::output;
+use super::options::{Render, ends_in, is_standard};
+use super::output::{self, png};
 use super::report::{Machine, PerStage, buffer_hashes, pixel_hash};
-use rtrt_core::backend::Picture;
+use bytemuck::cast_slice;
+use image::ExtendedColorType::{Rgba8, Rgba16};
+use rtrt::layers::Layers;
+use rtrt_core::backend::{Backend, Picture};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Sub-rays a pixel if not given: a picture is looked at.
@@ -37,28 +41,41 @@ struct Report<'a> {
 
 /// Renders.
 pub fn run(options: &Render) -> Result<(), Error> {
-    let console = Console::new(4);
-    if let Some(path) = &options.output {
-        output::check(path)?;
-    }
-    let job = Job::load(&options.common, SAMPLES, options.hash, &console)?;
+    check(options)?;
+    let console = Console::new(2 + 3 * u64::from(options.frames));
+    let start = options.common.time.or((options.frames > 1).then_some(0.0));
+    let mut job = Job::load(&options.common, SAMPLES, keeps_buffers(options), start, &console)?;
     let (mut backend, machine) = open(&options.common.backend, &console)?;
-
-    console.step(format_args!("rendering on {machine}"));
     let mut picture = Picture::default();
-    let start = Instant::now();
-    job.render(&mut *backend, &job.request(options.hash), &mut picture)?;
-    let frame_ms = start.elapsed().as_secs_f64() * 1e3;
-
-    if let Some(path) = &options.output {
-        console.step(format_args!("writing {}", path.display()));
-        output::write_png(path, &picture)?;
+    for frame in 0..options.frames {
+        if let Some(start) = start.filter(|_| frame > 0) {
+            job.play(start + f64::from(frame) / options.fps)?;
+        }
+        console.step(format_args!("rendering frame {frame} on {machine}"));
+        render(options, &job, frame, (&mut *backend, &machine), &mut picture, &console)?;
     }
-    drop(console);
-    let (hash, buffers) = (pixel_hash(&picture), buffer_hashes(&picture));
+    Ok(())
+}
+
+/// Renders a frame, writes its files, and prints what was asked for.
+fn render(
+    options: &Render,
+    job: &Job<'_>,
+    frame: u32,
+    (backend, machine): (&mut dyn Backend, &Machine),
+    picture: &mut Picture,
+    console: &Console,
+) -> Result<(), Error> {
+    let start = Instant::now();
+    job.render(backend, &job.request(keeps_buffers(options)), picture)?;
+    let frame_ms = start.elapsed().as_secs_f64() * 1e3;
+    let name = |path: &PathBuf| numbered(path, frame);
+    let (output, aov) = (options.output.as_ref().map(name), options.aov.as_ref().map(name));
+    write(options, output.as_deref(), aov.as_deref(), job, picture, console)?;
+    let (hash, buffers) = (pixel_hash(picture), buffer_hashes(picture).filter(|_| options.hash));
     if options.common.json {
-        return output::print_json(&Report {
-            machine,
+        return console.print(output::json(&Report {
+            machine: machine.clone(),
             size: job.size,
             samples: job.samples,
             stages_ms: PerStage(picture.stages_ms),
@@ -69,11 +86,84 @@ pub fn run(options: &Render) -> Result<(), Error> {
             objects: job.scene.objects().len(),
             hash,
             buffers,
-            output: options.output.as_deref(),
-        });
+            output: output.as_deref(),
+        })?);
     }
-    if options.hash {
-        output::print_hashes(&hash, buffers)?;
+    if options.hash { output::print_hashes(console, &hash, buffers) } else { Ok(()) }
+}
+
+/// What stands for a frame's number in a file's name.
+const FRAME: &str = "{frame}";
+
+/// The name of a frame's file.
+fn numbered(path: &Path, frame: u32) -> PathBuf {
+    match path.to_str() {
+        Some(name) => name.replace(FRAME, &format!("{frame:04}")).into(),
+        None => path.to_owned(),
     }
-    Ok(())
+}
+
+/// Whether the options go together, and files can be written where they say.
+fn check(options: &Render) -> Result<(), Error> {
+    let output = options.output.as_deref();
+    if output.is_some_and(is_standard) && (options.hash || options.common.json) {
+        return Err(Error::Usage(
+            "the picture (-o -) and results (--hash, --json) both go to standard output",
+        ));
+    }
+    if output.is_some_and(|path| ends_in(path, "exr")) && (options.debug.is_some() || options.bits != 8) {
+        return Err(Error::Usage("--debug and --bits are for PNG, and the picture is to be an EXR file"));
+    }
+    if options.debug.is_some() && options.bits != 8 {
+        return Err(Error::Usage("--debug has 8 bits a channel"));
+    }
+    let mut files = output.into_iter().chain(options.aov.as_deref());
+    let is_numbered = |path: &Path| path.to_str().is_some_and(|name| name.contains(FRAME));
+    if options.frames > 1 && !files.clone().all(is_numbered) {
+        return Err(Error::Usage("every frame wants a file of its own, so the names need {frame} in them"));
+    }
+    files.try_for_each(|path| output::check(&numbered(path, 0)))
+}
+
+/// Whether what is to be written is made from the deferred buffers.
+fn keeps_buffers(options: &Render) -> bool {
+    let is_exr = options.output.as_deref().is_some_and(|path| ends_in(path, "exr"));
+    options.hash || options.aov.is_some() || options.debug.is_some() || options.bits != 8 || is_exr
+}
+
+/// Writes the picture's files.
+fn write(
+    options: &Render,
+    output: Option<&Path>,
+    aov: Option<&Path>,
+    job: &Job<'_>,
+    picture: &Picture,
+    console: &Console,
+) -> Result<(), Error> {
+    let layers = || Layers::new(&job.scene, picture, job.samples).unwrap_or_default();
+    if let Some(path) = aov {
+        console.step(format_args!("writing {}", path.display()));
+        output::write(path, &exr::all(&layers()).map_err(encode(path))?)?;
+    }
+    let Some(path) = output else { return Ok(()) };
+    console.step(format_args!("writing {}", path.display()));
+    let bytes = if ends_in(path, "exr") {
+        exr::color(&layers()).map_err(encode(path))?
+    } else if let Some(view) = options.debug {
+        let shown = job.show(view, picture)?;
+        if let Some(legend) = &shown.legend {
+            console.say(legend);
+        }
+        png(cast_slice(&shown.pixels), job.size, Rgba8).map_err(encode(path))?
+    } else if options.bits == 16 {
+        png(cast_slice(&layers().encoded16()), job.size, Rgba16).map_err(encode(path))?
+    } else {
+        png(picture.bytes(), job.size, Rgba8).map_err(encode(path))?
+    };
+    output::write(path, &bytes)
+}
+
+/// What is said where a file could not be encoded.
+fn encode<E: Into<Box<dyn std::error::Error + Send + Sync>>>(path: &Path) -> impl FnOnce(E) -> Error {
+    |source| Error::Encode { path: path.to_owned(), source: source.into() }
 }

@@ -77,7 +77,7 @@ pub fn run(options: &Verify) -> Result<(), Error> {
     let common = &options.common;
     let variants = variants(&common.backend)?;
     let console = Console::new(variants.len() as u64 + 2);
-    let job = Job::load(common, SAMPLES, true, &console)?;
+    let job = Job::load(common, SAMPLES, true, common.time, &console)?;
     console.step(format_args!("rendering the reference: {REFERENCE}"));
     let mut expected = Picture::default();
     job.render(&mut *REFERENCE.open()?, &job.request(true), &mut expected)?;
@@ -91,15 +91,22 @@ pub fn run(options: &Verify) -> Result<(), Error> {
         }
         verdicts.push(verdict);
     }
-    drop(console);
     let failure = failure(&verdicts, &common.scene);
     let (hash, buffers) = (pixel_hash(&expected), buffer_hashes(&expected));
     if common.json {
         let equal = verdicts.iter().all(|verdict| verdict.result != Outcome::Differs);
         let (reference, size, samples) = (REFERENCE.to_string(), job.size, job.samples);
-        output::print_json(&Report { reference, size, samples, hash, buffers, equal, variants: verdicts })?;
+        console.print(output::json(&Report {
+            reference,
+            size,
+            samples,
+            hash,
+            buffers,
+            equal,
+            variants: verdicts,
+        })?)?;
     } else if options.hash {
-        output::print_hashes(&hash, buffers)?;
+        output::print_hashes(&console, &hash, buffers)?;
     }
     failure.map_or(Ok(()), Err)
 }

@@ -1,9 +1,11 @@
 //! What both formats fill: a scene, within limits, with warnings.
 
+use super::shape::Deform;
 use super::{ImportError, picture};
+use crate::cache::Cache;
 use rtrt_core::layout::{Attribute, Texture, Wrap};
 use rtrt_core::scene::{
-    Content, Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, Scene, SceneError,
+    Content, Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, ObjectIndex, Scene, SceneError,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -17,19 +19,24 @@ const OBJECTS: u64 = 1 << 22;
 const TEXELS: u64 = 1 << 30;
 /// The most warnings.
 const WARNINGS: usize = 40;
+/// The most vertices that meshes which change their shape may have, once for each target: at
+/// some 30 bytes each, 2 GB.
+const DEFORMED: u64 = 1 << 26;
 
 /// Positions, attributes and indices of a mesh that is not checked yet.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Geometry {
     pub positions: Vec<[f32; 3]>,
     pub attributes: Vec<Attribute>,
     pub indices: Vec<u32>,
     pub second_uv: Option<Vec<[f32; 2]>>,
     pub tangents: Tangents,
+    /// What changes its shape.
+    pub deform: Deform,
 }
 
 /// The tangents of a mesh's vertices, which normal maps need.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) enum Tangents {
     /// Nothing needs them.
     #[default]
@@ -53,11 +60,13 @@ pub(crate) struct Builder<'a, J> {
     /// The file, for messages.
     pub path: PathBuf,
     join: &'a J,
+    cache: Option<&'a Cache>,
     texels: u64,
+    deformed: u64,
 }
 
 impl<'a, J: Join> Builder<'a, J> {
-    pub fn new(path: &Path, join: &'a J) -> Self {
+    pub fn new(path: &Path, join: &'a J, cache: Option<&'a Cache>) -> Self {
         Self {
             scene: Scene::new(),
             warnings: Vec::new(),
@@ -65,7 +74,9 @@ impl<'a, J: Join> Builder<'a, J> {
             tree_build_ms: 0.0,
             path: path.to_owned(),
             join,
+            cache,
             texels: 0,
+            deformed: 0,
         }
     }
 
@@ -93,7 +104,7 @@ impl<'a, J: Join> Builder<'a, J> {
     pub fn add_mesh(&mut self, name: &str, geometry: Geometry) -> Result<MeshIndex, ImportError> {
         let refused =
             |source: MeshError| ImportError::Mesh { path: self.path.clone(), mesh: name.into(), source };
-        let Geometry { positions, attributes, indices, second_uv, tangents } = geometry;
+        let Geometry { positions, attributes, indices, second_uv, tangents, deform: _ } = geometry;
         let mut mesh = Mesh::new(positions, attributes, indices).map_err(refused)?;
         if let Some(uv) = second_uv {
             mesh = mesh.with_second_uv(uv).map_err(refused)?;
@@ -107,10 +118,22 @@ impl<'a, J: Join> Builder<'a, J> {
             return Err(self.limit("triangles", TRIANGLES));
         }
         let start = Instant::now();
-        let tree = MeshTree::build(&mesh, self.join);
+        let tree = match self.cache {
+            Some(cache) => cache.tree(&mesh, self.join).unwrap_or_else(|(tree, error)| {
+                self.warn(format!("a mesh's tree is not kept for the next time: {error}"));
+                tree
+            }),
+            None => MeshTree::build(&mesh, self.join),
+        };
         self.tree_build_ms += start.elapsed().as_secs_f64() * 1e3;
         let path = &self.path;
         self.scene.add_mesh(&mesh, &tree).map_err(|source| ImportError::Scene { path: path.clone(), source })
+    }
+
+    /// Whether there is room for so many more vertices that change their places.
+    pub fn deform(&mut self, vertices: u64) -> Result<(), ImportError> {
+        self.deformed = self.deformed.saturating_add(vertices);
+        if self.deformed > DEFORMED { Err(self.limit("vertices that change", DEFORMED)) } else { Ok(()) }
     }
 
     /// Places a mesh. One whose transform cannot be inverted has no volume to be seen: it
@@ -121,18 +144,39 @@ impl<'a, J: Join> Builder<'a, J> {
         mesh: MeshIndex,
         material: MaterialIndex,
         to_world: glam::Mat4,
-    ) -> Result<(), ImportError> {
+    ) -> Result<Option<ObjectIndex>, ImportError> {
         if self.scene.objects().len() as u64 >= OBJECTS {
             return Err(self.limit("objects", OBJECTS));
         }
         match self.scene.add_object(mesh, material, to_world) {
-            Ok(_) => Ok(()),
+            Ok(object) => Ok(Some(object)),
             Err(SceneError::Transform) => {
                 self.warn(format!("{name} is left out: its transform cannot be inverted"));
-                Ok(())
+                Ok(None)
             }
             Err(source) => Err(ImportError::Scene { path: self.path.clone(), source }),
         }
+    }
+
+    /// Places a mesh that will move. One whose transform cannot be inverted is there, and hidden
+    /// until it has another.
+    pub fn add_moving(
+        &mut self,
+        name: &str,
+        mesh: MeshIndex,
+        material: MaterialIndex,
+        to_world: glam::Mat4,
+    ) -> Result<ObjectIndex, ImportError> {
+        let refused = |path: &Path, source| ImportError::Scene { path: path.to_owned(), source };
+        if to_world.as_dmat4().determinant() != 0.0
+            && let Some(object) = self.add_object(name, mesh, material, to_world)?
+        {
+            return Ok(object);
+        }
+        let object = self.scene.add_object(mesh, material, glam::Mat4::IDENTITY);
+        let object = object.map_err(|source| refused(&self.path, source))?;
+        self.scene.hide(object).map_err(|source| refused(&self.path, source))?;
+        Ok(object)
     }
 
     /// Adds a texture. One that could not be read becomes a checker of magenta and black,

@@ -1,5 +1,6 @@
 //! The camera and the light of scenes that bring none.
 
+use super::{Animation, ImportError};
 use glam::{DVec3, Vec3};
 use rtrt_core::scene::{Camera, Light, Projection, Scene};
 
@@ -16,7 +17,30 @@ const FILL: f64 = 0.95;
 /// as a picture of this `aspect` (width / height) allows, 5% left free. The same scene gives
 /// the same camera on every host.
 pub fn framing(scene: &Scene, aspect: f32) -> Camera {
-    let (low, high) = scene.extent().unwrap_or((Vec3::splat(-1.0), Vec3::splat(1.0)));
+    around(scene.extent(), aspect)
+}
+
+/// [`framing`] of everywhere that the animation takes the scene: of its bounds at 33 times, evenly
+/// apart. The scene is then at the end of the animation.
+///
+/// # Errors
+/// The animation takes it out of range.
+pub fn framing_played(scene: &mut Scene, animation: &Animation, aspect: f32) -> Result<Camera, ImportError> {
+    const STEPS: u32 = 32;
+    let mut extent: Option<(Vec3, Vec3)> = None;
+    for step in 0..=STEPS {
+        animation.at(animation.end() * f64::from(step) / f64::from(STEPS))?.apply(scene)?;
+        extent = match (extent, scene.extent()) {
+            (Some((low, high)), Some((a, b))) => Some((low.min(a), high.max(b))),
+            (all, now) => all.or(now),
+        };
+    }
+    Ok(around(extent, aspect))
+}
+
+/// A camera that has these bounds in view.
+fn around(extent: Option<(Vec3, Vec3)>, aspect: f32) -> Camera {
+    let (low, high) = extent.unwrap_or((Vec3::splat(-1.0), Vec3::splat(1.0)));
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let center = (low + high) * 0.5;
     let back = unit(FROM);

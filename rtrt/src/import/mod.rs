@@ -15,6 +15,7 @@
 //! Scenes without lights are lit as by [`light_by_default`], scenes without a camera are
 //! seen as by [`framing`], and what no surface covers is dark blue.
 
+mod animation;
 pub(crate) mod builder;
 mod environment;
 mod error;
@@ -23,11 +24,14 @@ mod framing;
 mod gltf;
 mod obj;
 mod picture;
+mod shape;
 
+pub use animation::{Animation, Pose};
 pub use environment::surround;
 pub use error::ImportError;
-pub use framing::{framing, light_by_default};
+pub use framing::{framing, framing_played, light_by_default};
 
+use crate::cache::Cache;
 use rtrt_core::scene::{Camera, Join, Scene};
 use std::path::Path;
 
@@ -52,9 +56,11 @@ pub struct Loaded {
     /// Whether the file has no lights, and [`light_by_default`] was asked for
     /// [`Loaded::camera`]. Who looks from elsewhere may ask again.
     pub lit_by_default: bool,
+    /// What moves, if something does. The scene is as the file has it at rest.
+    pub animation: Option<Animation>,
     /// What the file has that is not drawn as it says, a line each.
     pub warnings: Vec<String>,
-    /// Time taken to build mesh trees, in milliseconds.
+    /// Time taken to build mesh trees, or to take them from the cache, in milliseconds.
     pub tree_build_ms: f64,
 }
 
@@ -65,13 +71,22 @@ pub struct Loaded {
 /// # Errors
 /// The file cannot be read, drawn, or is too large; see [`ImportError`].
 pub fn load(path: &Path, join: &impl Join) -> Result<Loaded, ImportError> {
+    load_cached(path, join, None)
+}
+
+/// [`load`], with the trees of meshes taken from a cache where they are there, and kept in it
+/// where not.
+///
+/// # Errors
+/// As for [`load`]. A cache that cannot be used is a warning.
+pub fn load_cached(path: &Path, join: &impl Join, cache: Option<&Cache>) -> Result<Loaded, ImportError> {
     let bytes = file::read(path, file::LONGEST)
         .map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
     let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    let mut builder = builder::Builder::new(path, join);
-    let cameras = match ending.as_deref() {
+    let mut builder = builder::Builder::new(path, join, cache);
+    let (cameras, animation) = match ending.as_deref() {
         Some("glb" | "gltf") => gltf::load(&mut builder, &bytes)?,
-        Some("obj") => obj::load(&mut builder, &bytes)?,
+        Some("obj") => (obj::load(&mut builder, &bytes)?, None),
         _ if gltf::looks_like(&bytes) => gltf::load(&mut builder, &bytes)?,
         _ => return Err(ImportError::Format { path: path.to_owned() }),
     };
@@ -87,5 +102,5 @@ pub fn load(path: &Path, join: &impl Join) -> Result<Loaded, ImportError> {
         warnings.push(format!("not drawn: {}", list.join(", ")));
     }
     let tree_build_ms = builder.tree_build_ms;
-    Ok(Loaded { scene, cameras, camera, lit_by_default, warnings, tree_build_ms })
+    Ok(Loaded { scene, cameras, camera, lit_by_default, animation, warnings, tree_build_ms })
 }

@@ -117,6 +117,12 @@ impl<'a> Column<'a> {
         core::array::from_fn(|k| if k < self.width { self.number(&bytes[k * size..]) } else { 0.0 })
     }
 
+    /// All numbers of element `i`, below `count`; zeros where it has no bytes.
+    pub fn all(&self, i: usize) -> Vec<f32> {
+        let (size, bytes) = (self.component.size(), self.element(i));
+        (0..self.width).map(|k| bytes.map_or(0.0, |bytes| self.number(&bytes[k * size..]))).collect()
+    }
+
     fn number(&self, bytes: &[u8]) -> f32 {
         let number = number_at(bytes, self.component);
         let scale = match self.component {

@@ -109,15 +109,17 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), &'static str> {
 ///
 /// Those refuse some things that the format allows, or that no picture depends on. If they
 /// do, they get a second try with numbers such as `1.0` written as integers, which they are
-/// in this format, and without animations, which are not drawn.
+/// in this format, and a third one without animations.
 fn parse(json: &[u8]) -> Result<Root, gltf_json::Error> {
     gltf_json::deserialize::from_slice(json).or_else(|error| {
         let mut value: Value = gltf_json::deserialize::from_slice(json)?;
         whole_numbers(&mut value);
-        if let Some(root) = value.as_object_mut() {
-            root.remove("animations");
-        }
-        gltf_json::deserialize::from_value(value).map_err(|_| error)
+        gltf_json::deserialize::from_value(value.clone()).or_else(|_| {
+            if let Some(root) = value.as_object_mut() {
+                root.remove("animations");
+            }
+            gltf_json::deserialize::from_value(value).map_err(|_| error)
+        })
     })
 }
 

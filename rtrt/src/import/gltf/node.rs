@@ -1,15 +1,16 @@
 //! The node hierarchy: where everything is.
 
-use super::Import;
 use super::accessor::Column;
-use super::light;
+use super::{Import, Track, light};
 use crate::import::ImportError;
+use crate::import::animation::{self, Local};
 use crate::import::error::quoted;
-use glam::{DMat4, DQuat, DVec3, Vec3};
+use glam::{DMat4, DQuat, DVec3, Mat4};
 use gltf_json::accessor::{Accessor, Type};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Node, camera};
-use rtrt_core::scene::{Camera, Join, Projection};
+use rtrt_core::scene::{Join, Projection};
+use std::collections::HashMap;
 
 impl<J: Join> Import<'_, '_, J> {
     /// Draws the file's scene: the one it names, else the first, else all nodes that are
@@ -23,8 +24,15 @@ impl<J: Join> Import<'_, '_, J> {
             None => root.scenes.first(),
         };
         let mut met = vec![false; root.nodes.len()];
-        let mut next: Vec<(usize, DMat4)> = match scene {
-            Some(scene) => scene.nodes.iter().rev().map(|node| (node.value(), DMat4::IDENTITY)).collect(),
+        let mut tracks: HashMap<usize, Vec<Track>> = HashMap::new();
+        for track in self.tracks() {
+            tracks.entry(track.node).or_default().push(track);
+        }
+        let mut worlds: Vec<(DMat4, bool)> = vec![];
+        // Where the nodes of the file are among those met.
+        let mut places = HashMap::new();
+        let mut next: Vec<(usize, Option<usize>)> = match scene {
+            Some(scene) => scene.nodes.iter().rev().map(|node| (node.value(), None)).collect(),
             None => {
                 let mut is_child = vec![false; root.nodes.len()];
                 let children = root.nodes.iter().flat_map(|node| node.children.iter().flatten());
@@ -33,7 +41,7 @@ impl<J: Join> Import<'_, '_, J> {
                         *is_child = true;
                     }
                 }
-                (0..root.nodes.len()).rev().filter(|&i| !is_child[i]).map(|i| (i, DMat4::IDENTITY)).collect()
+                (0..root.nodes.len()).rev().filter(|&i| !is_child[i]).map(|i| (i, None)).collect()
             }
         };
         // Depth first, children in their order, and no recursion: a chain may be long.
@@ -44,38 +52,85 @@ impl<J: Join> Import<'_, '_, J> {
             if std::mem::replace(&mut met[number], true) {
                 return Err(self.invalid(format!("node {number} has two parents or is its own ancestor")));
             }
-            let to_world = parent * local(node);
-            self.draw_node(number, node, &to_world)?;
-            next.extend(node.children.iter().flatten().rev().map(|child| (child.value(), to_world)));
+            let (from, is_carried) = parent.map_or((DMat4::IDENTITY, false), |place: usize| worlds[place]);
+            let (local, tracks) = (local(node), tracks.remove(&number).unwrap_or_default());
+            let to_world = from * local.matrix();
+            let moves = is_carried || !tracks.is_empty();
+            worlds.push((to_world, moves));
+            let mut placed = animation::Node {
+                parent,
+                local,
+                tracks,
+                objects: vec![],
+                shapes: vec![],
+                camera: None,
+                light: None,
+            };
+            self.draw_node(number, node, &to_world, moves, &mut placed)?;
+            self.nodes.push(placed);
+            let place = self.nodes.len() - 1;
+            places.insert(number, place);
+            next.extend(node.children.iter().flatten().rev().map(|child| (child.value(), Some(place))));
+        }
+        let skins = self.nodes.iter_mut().flat_map(|node| &mut node.shapes).filter_map(|s| s.skin.as_mut());
+        for joint in skins.flat_map(|skin| &mut skin.joints) {
+            *joint = places.get(joint).copied().unwrap_or(usize::MAX);
         }
         Ok(())
     }
 
-    fn draw_node(&mut self, number: usize, node: &Node, to_world: &DMat4) -> Result<(), ImportError> {
+    /// Draws what hangs on a node, and keeps it in `placed`, for the node to carry along if it
+    /// moves.
+    fn draw_node(
+        &mut self,
+        number: usize,
+        node: &Node,
+        to_world: &DMat4,
+        moves: bool,
+        placed: &mut animation::Node,
+    ) -> Result<(), ImportError> {
         let name = match &node.name {
             Some(name) => format!("node {number} ({})", quoted(name)),
             None => format!("node {number}"),
         };
         if let Some(index) = node.mesh {
-            if node.skin.is_some() {
-                self.builder.not_drawn.insert("skins");
+            let skin = node.skin.map(|skin| self.skin(skin)).transpose()?;
+            let is_skinned = skin.is_some();
+            let has_targets = self.source(index)?.primitives.iter().any(|p| p.targets.is_some());
+            let parts = if is_skinned || has_targets {
+                self.shapes(index, node.weights.as_ref(), skin, &mut placed.shapes)?
+            } else {
+                self.mesh(index)?
+            };
+            // A skin puts its mesh where the joints are, wherever its node is.
+            for &(mesh, material) in parts.iter().filter(|_| is_skinned) {
+                self.builder.add_object(&name, mesh, material, Mat4::IDENTITY)?;
             }
-            let parts = self.mesh(index)?;
-            for to_world in self.instances(node, to_world)? {
-                let to_world = to_world.as_mat4();
+            let instances = if is_skinned { vec![] } else { self.instances(node)? };
+            for instance in instances {
+                let to_world = (*to_world * instance).as_mat4();
                 for &(mesh, material) in parts.iter() {
-                    self.builder.add_object(&name, mesh, material, to_world)?;
+                    let object = if moves {
+                        Some(self.builder.add_moving(&name, mesh, material, to_world)?)
+                    } else {
+                        self.builder.add_object(&name, mesh, material, to_world)?
+                    };
+                    placed.objects.extend(object.map(|object| (object, instance)));
                 }
             }
         }
         if let Some(index) = node.camera {
             let missing = || self.invalid(format!("{name} has a camera that is not there"));
             let source = self.root.get(index).ok_or_else(missing)?;
-            match camera(source, to_world) {
-                Some(camera) => self.cameras.push(crate::import::NamedCamera {
-                    name: source.name.clone().or(node.name.clone()).unwrap_or_default(),
-                    camera,
-                }),
+            let projection = projection(source);
+            match projection.and_then(|projection| animation::camera(projection, to_world)) {
+                Some(camera) => {
+                    placed.camera = projection.map(|projection| (self.cameras.len(), projection));
+                    self.cameras.push(crate::import::NamedCamera {
+                        name: source.name.clone().or(node.name.clone()).unwrap_or_default(),
+                        camera,
+                    });
+                }
                 None => self.builder.warn(format!("the camera of {name} is left out: it shows nothing")),
             }
         }
@@ -85,16 +140,18 @@ impl<J: Join> Import<'_, '_, J> {
             let source = lights.and_then(|lights| lights.lights.get(light.light.value()));
             let source =
                 source.ok_or_else(|| self.invalid(format!("{name} has a light that is not there")))?;
+            let before = self.builder.scene.lights().len();
             light::add(self.builder, source, to_world);
+            placed.light = (self.builder.scene.lights().len() > before).then_some(before);
         }
         Ok(())
     }
 
-    /// Where the node's mesh is: once, or as often as EXT_mesh_gpu_instancing says.
-    fn instances(&self, node: &Node, to_world: &DMat4) -> Result<Vec<DMat4>, ImportError> {
+    /// Where the node's mesh is, seen from the node: once, or as often as EXT_mesh_gpu_instancing says.
+    fn instances(&self, node: &Node) -> Result<Vec<DMat4>, ImportError> {
         let extension = node.extensions.as_ref().and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
         let Some(attributes) = extension.and_then(|extension| extension.get("attributes")) else {
-            return Ok(vec![*to_world]);
+            return Ok(vec![DMat4::IDENTITY]);
         };
         let column = |name: &str, kind: Type| {
             let index = attributes.get(name).and_then(|index| index.as_u64());
@@ -121,57 +178,39 @@ impl<J: Join> Import<'_, '_, J> {
         };
         let instance = |i: usize| {
             let rotation = rotations.as_ref().map(|column| column.at(i));
-            *to_world * compose(three(&translations, i), rotation, three(&scales, i))
+            parts(three(&translations, i), rotation, three(&scales, i)).matrix()
         };
         Ok((0..count).map(instance).collect())
     }
 }
 
-/// The node's own transform, in double precision: long chains multiply many.
-fn local(node: &Node) -> DMat4 {
+/// The node's own transform.
+fn local(node: &Node) -> Local {
     match &node.matrix {
-        Some(matrix) => DMat4::from_cols_array(&matrix.map(f64::from)),
-        None => compose(node.translation, node.rotation.as_ref().map(|q| q.0), node.scale),
+        Some(matrix) => Local::Matrix(DMat4::from_cols_array(&matrix.map(f64::from))),
+        None => parts(node.translation, node.rotation.as_ref().map(|q| q.0), node.scale),
     }
 }
 
 /// Scaled, then turned, then moved.
-fn compose(translation: Option<[f32; 3]>, rotation: Option<[f32; 4]>, scale: Option<[f32; 3]>) -> DMat4 {
+fn parts(translation: Option<[f32; 3]>, rotation: Option<[f32; 4]>, scale: Option<[f32; 3]>) -> Local {
     let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-    let rotation = DQuat::from_array(rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]).map(f64::from));
-    let length = libm::sqrt(rotation.length_squared());
-    let rotation = if length > 0.0 { rotation * (1.0 / length) } else { DQuat::IDENTITY };
-    DMat4::from_cols(
-        (rotation * DVec3::X).extend(0.0),
-        (rotation * DVec3::Y).extend(0.0),
-        (rotation * DVec3::Z).extend(0.0),
-        translation.map_or(DVec3::ZERO, vector).extend(1.0),
-    ) * DMat4::from_scale(scale.map_or(DVec3::ONE, vector))
+    Local::Parts {
+        translation: translation.map_or(DVec3::ZERO, vector),
+        rotation: DQuat::from_array(rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]).map(f64::from)),
+        scale: scale.map_or(DVec3::ONE, vector),
+    }
 }
 
-/// A camera at its node's place; none if it shows nothing. The aspect ratio is the frame's.
-fn camera(source: &camera::Camera, to_world: &DMat4) -> Option<Camera> {
-    let projection = match source.type_ {
+/// What a camera shows; none if the file does not say.
+fn projection(source: &camera::Camera) -> Option<Projection> {
+    match source.type_ {
         Checked::Valid(camera::Type::Perspective) => {
-            Projection::Perspective { fov_y: source.perspective.as_ref()?.yfov }
+            Some(Projection::Perspective { fov_y: source.perspective.as_ref()?.yfov })
         }
         Checked::Valid(camera::Type::Orthographic) => {
-            Projection::Orthographic { height: 2.0 * source.orthographic.as_ref()?.ymag.abs() }
+            Some(Projection::Orthographic { height: 2.0 * source.orthographic.as_ref()?.ymag.abs() })
         }
-        Checked::Invalid => return None,
-    };
-    let usable = match projection {
-        Projection::Perspective { fov_y } => fov_y > 0.0 && fov_y < std::f32::consts::PI,
-        Projection::Orthographic { height } => height > 0.0 && height.is_finite(),
-    };
-    let eye = to_world.w_axis.truncate();
-    let up = to_world.y_axis.truncate().as_vec3();
-    let forward = -to_world.z_axis.truncate();
-    let length = libm::sqrt(forward.length_squared());
-    // Far enough to be another point in single precision.
-    let distance = eye.abs().max_element().max(1.0);
-    let look_at = (eye + forward * (distance / length)).as_vec3();
-    let across = up.cross(forward.as_vec3());
-    let usable = usable && look_at.is_finite() && up.is_finite() && across != Vec3::ZERO;
-    usable.then_some(Camera { eye: eye.as_vec3(), look_at, up, projection })
+        Checked::Invalid => None,
+    }
 }

@@ -4,9 +4,10 @@ use super::accessor::Column;
 use super::buffer::Buffers;
 use crate::import::ImportError;
 use crate::import::builder::{Geometry, Tangents};
+use crate::import::shape::{Deform, Target};
 use glam::Vec3;
 use gltf_json::accessor::{Accessor, Type};
-use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 use rtrt_core::layout::Attribute;
@@ -103,6 +104,7 @@ pub(super) fn geometry(
         Attribute { normal: [normal[0], normal[1], normal[2]], uv, color }
     });
     let attributes = attributes.collect();
+    let positions_count = positions.count;
     let positions = vertices.iter().map(|vertex| {
         let [x, y, z, _] = positions.at(at(vertex));
         [x, y, z]
@@ -114,10 +116,56 @@ pub(super) fn geometry(
         (Some(given), _) => Tangents::Given(vertices.iter().map(|vertex| given.at(at(vertex))).collect()),
         (None, Some(slot)) => Tangents::Made { second: slot == 1 },
     };
-    let geometry = Geometry { positions, attributes, indices, second_uv, tangents };
+    let deform = Deform {
+        joints: joints(primitive, &column, positions_count, &vertices)?,
+        targets: targets(primitive, &column, &vertices)?,
+    };
+    let geometry = Geometry { positions, attributes, indices, second_uv, tangents, deform };
     // A normal map turns a normal, so there has to be one.
     let is_flat = coordinates.bump.is_some() && normals.is_none();
     Ok(Ok(if is_flat { faceted(geometry) } else { geometry }))
+}
+
+/// The joints that the vertices of a skin hang on: the first four.
+fn joints<'a>(
+    primitive: &Primitive,
+    column: &impl Fn(Index<Accessor>, &[Type]) -> Result<Column<'a>, ImportError>,
+    count: usize,
+    vertices: &[u32],
+) -> Result<Vec<([u32; 4], [f32; 4])>, ImportError> {
+    let get = |semantic| primitive.attributes.get(&Checked::Valid(semantic));
+    let (Some(&joints), Some(&weights)) = (get(Semantic::Joints(0)), get(Semantic::Weights(0))) else {
+        return Ok(vec![]);
+    };
+    let (joints, weights) = (column(joints, &[Type::Vec4])?, column(weights, &[Type::Vec4])?);
+    if joints.count != count || weights.count != count {
+        return Ok(vec![]);
+    }
+    let vertex = |&i: &u32| (joints.at(i as usize).map(|joint| joint as u32), weights.at(i as usize));
+    Ok(vertices.iter().map(vertex).collect())
+}
+
+/// The morph targets of the vertices.
+fn targets<'a>(
+    primitive: &Primitive,
+    column: &impl Fn(Index<Accessor>, &[Type]) -> Result<Column<'a>, ImportError>,
+    vertices: &[u32],
+) -> Result<Vec<Target>, ImportError> {
+    let pick = |index: Option<Index<Accessor>>| match index {
+        Some(index) => {
+            let column = column(index, &[Type::Vec3])?;
+            let three = |i: usize| {
+                let [x, y, z, _] = if i < column.count { column.at(i) } else { [0.0; 4] };
+                [x, y, z]
+            };
+            Ok(vertices.iter().map(|&i| three(i as usize)).collect())
+        }
+        None => Ok(vec![]),
+    };
+    let target = |target: &MorphTarget| {
+        Ok(Target { positions: pick(target.positions)?, normals: pick(target.normals)? })
+    };
+    primitive.targets.iter().flatten().map(target).collect()
 }
 
 /// The same triangles, each with vertices of its own that have the triangle's normal.
@@ -139,6 +187,7 @@ fn faceted(geometry: Geometry) -> Geometry {
             .collect(),
         positions: corners.iter().map(|corner| corner.to_array()).collect(),
         second_uv: geometry.second_uv.map(|uv| geometry.indices.iter().map(|i| uv[at(i)]).collect()),
+        deform: geometry.deform.kept(&geometry.indices),
         indices: (0..geometry.indices.len() as u32).collect(),
         tangents: geometry.tangents,
     }

@@ -1,0 +1,130 @@
+//! Scenes that change between frames: a frame is the same whether what moved was moved, on a
+//! backend that has seen the frames before, or the scene is a new one.
+
+use conformance::shape::{Build, Random, Shape};
+use conformance::variants::{all, present, requires_gpu};
+use conformance::{compare, reference};
+use glam::{Mat4, Vec3};
+use rtrt_core::backend::{Backend, Picture, Request};
+use rtrt_core::layout::Attribute;
+use rtrt_core::scene::{
+    Camera, Light, Mesh, MeshIndex, MeshTree, Motion, ObjectIndex, Projection, Scene, Sequential,
+};
+
+const CAMERA: Camera = Camera {
+    eye: Vec3::new(0.0, 4.0, 9.0),
+    look_at: Vec3::new(0.0, 0.5, 0.0),
+    up: Vec3::Y,
+    projection: Projection::Perspective { fov_y: 0.9 },
+};
+
+/// Objects that move.
+const MOVING: u32 = 24;
+
+/// A cloth that waves.
+fn cloth(time: f64) -> Mesh {
+    const SIDE: u32 = 12;
+    let place = |i: u32| {
+        let [x, z] = [i % SIDE, i / SIDE].map(|n| f64::from(n) / f64::from(SIDE - 1) * 4.0 - 2.0);
+        let [height, slope] = [libm::sin(2.0 * x + time), libm::cos(2.0 * x + time)];
+        let normal = [-slope as f32, 1.0, 0.0];
+        ([x as f32, (0.5 * height) as f32, z as f32], Attribute { normal, uv: [0.0; 2], color: u32::MAX })
+    };
+    let (positions, attributes) = (0..SIDE * SIDE).map(place).unzip();
+    let quads = (0..(SIDE - 1) * (SIDE - 1)).map(|n| n / (SIDE - 1) * SIDE + n % (SIDE - 1));
+    let indices = quads.flat_map(|i| [i, i + SIDE, i + 1, i + 1, i + SIDE, i + SIDE + 1]).collect();
+    Mesh::new(positions, attributes, indices).unwrap()
+}
+
+/// Where the moving objects are.
+fn places(time: f64) -> Vec<Mat4> {
+    let mut random = Random(11);
+    let place = |_| {
+        let start = Mat4::from_translation(random.vector(3.0)) * Mat4::from_scale(Vec3::splat(0.4));
+        let motion =
+            Motion { velocity: random.vector(0.5), axis: random.vector(1.0), rate: random.within(0.0, 3.0) };
+        motion.at(start, time)
+    };
+    (0..MOVING).map(place).collect()
+}
+
+/// Whether an object is not to be seen.
+fn is_hidden(object: u32, time: f64) -> bool {
+    object % 5 == 2 && time > 1.0
+}
+
+/// A scene made at a time: the cloth, its tree built at the start; moving boxes; a floor.
+fn scene(time: f64) -> (Scene, MeshIndex) {
+    let mut build = Build::default();
+    let start = cloth(0.0);
+    let tree = MeshTree::build(&start, &Sequential);
+    let now = cloth(time);
+    let tree = MeshTree::from_links(&now, &tree.links(), tree.triangles).unwrap();
+    let cloth = build.scene.add_mesh(&now, &tree).unwrap();
+    let cube = build.mesh(Shape::cube());
+    for (object, place) in places(time).into_iter().enumerate() {
+        let object = build.object(if object % 6 == 0 { cloth } else { cube }, place);
+        if is_hidden(object.0, time) {
+            build.scene.hide(object).unwrap();
+        }
+    }
+    let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.6) };
+    let lamp = Light::Point {
+        position: Vec3::new(2.0, 5.0, 3.0),
+        color: Vec3::splat(0.7),
+        reach: Some(20.0),
+        inverse_square: false,
+    };
+    (build.shape(Shape::floor(9.0, -3.0)).light(sun).light(lamp).scene, cloth)
+}
+
+#[test]
+fn a_moved_scene_is_a_new_one_made_there() {
+    let request = Request { camera: &CAMERA, size: [97, 55], samples: 4, shadows: true, deferred: true };
+    let mut reference = reference();
+    let mut variants = present(all(), requires_gpu());
+    assert_eq!(variants.failed, 0);
+    let (mut moved, cloth_index) = scene(0.0);
+    let (mut expected, mut before, mut actual) = (Picture::default(), Picture::default(), Picture::default());
+    for time in [0.0, 0.4, 1.7, 1.8, 0.4, 0.0] {
+        moved.reshape(cloth_index, &cloth(time)).unwrap();
+        let (hidden, seen): (Vec<_>, Vec<_>) = places(time)
+            .into_iter()
+            .enumerate()
+            .map(|(object, place)| (ObjectIndex(object as u32), place))
+            .partition(|(object, _)| is_hidden(object.0, time));
+        moved.set_transforms(seen).unwrap();
+        hidden.into_iter().for_each(|(object, _)| moved.hide(object).unwrap());
+        let (fresh, _) = scene(time);
+        assert_eq!((moved.extent(), moved.objects()), (fresh.extent(), fresh.objects()));
+        assert_eq!((moved.nodes(), moved.positions()), (fresh.nodes(), fresh.positions()));
+        reference.render(&fresh, &request, &mut expected).unwrap();
+        assert_ne!(expected.pixels, before.pixels, "nothing has moved until {time}");
+        before.clone_from(&expected);
+        for (variant, backend) in &mut variants.backends {
+            backend.render(&moved, &request, &mut actual).unwrap();
+            let agrees = compare(&request, &expected, &actual);
+            agrees.unwrap_or_else(|difference| panic!("{variant}, {time} seconds: {difference}"));
+        }
+    }
+}
+
+#[test]
+fn a_shape_with_other_triangles_is_refused() {
+    let (mut scene, cloth_index) = scene(0.0);
+    let other = Mesh::new(vec![], vec![], vec![]).unwrap();
+    let before = scene.versions();
+    assert!(scene.reshape(cloth_index, &other).is_err());
+    assert_eq!(scene.versions(), before);
+}
+
+#[test]
+fn a_scene_of_hidden_objects_is_an_empty_one() {
+    let mut build = Build::default();
+    let cube = build.mesh(Shape::cube());
+    let object = build.object(cube, Mat4::from_translation(Vec3::splat(5.0)));
+    build.scene.hide(object).unwrap();
+    assert_eq!(build.scene.extent(), None);
+    build.scene.set_transform(object, Mat4::IDENTITY).unwrap();
+    assert_eq!(build.scene.extent(), Some((Vec3::splat(-1.0), Vec3::ONE)));
+}

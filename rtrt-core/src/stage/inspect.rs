@@ -1,0 +1,174 @@
+//! Inspect: what it takes to find the closest hit of one ray, counted. For pictures of how the
+//! lists work, never for frames.
+
+use crate::kernel::lists::Lists;
+use crate::kernel::ray::Ray;
+use crate::kernel::slab::{Around, meets};
+use crate::kernel::traverse::{Best, Geometry, STACK};
+use crate::kernel::triangle::meet;
+use crate::lane::{V3, Word};
+use crate::layout::{Hit, Node, Object};
+
+/// What it took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inspection {
+    /// Entries in the list of the ray's block.
+    pub entries: u32,
+    /// Those that the ray was asked for before nothing nearer could follow.
+    pub asked: u32,
+    /// Boxes asked, of objects and of nodes.
+    pub boxes: u32,
+    /// Triangles asked.
+    pub triangles: u32,
+    /// Whether the ray meets the bounding sphere of an entry.
+    pub sphere: bool,
+    /// The closest hit: that of the stage `visibility`, bit for bit.
+    pub hit: Hit,
+}
+
+/// Follows one ray of the camera through the list of its block, as an invocation of a GPU does.
+/// (A packet asks fewer boxes, for all of its rays at once, and more triangles.)
+pub fn inspect(lists: &Lists<'_>, geometry: &Geometry<'_>, block: u32, ray: &Ray<f32>) -> Inspection {
+    let mut best = Best::new(&Hit::MISS);
+    let [first, last] = lists.range(block);
+    let mut found =
+        Inspection { entries: last - first, asked: 0, boxes: 0, triangles: 0, sphere: false, hit: Hit::MISS };
+    for entry in first..last {
+        let entry = lists.entry(entry);
+        let object = &geometry.objects[entry.object as usize];
+        found.sphere |= meets_sphere(ray, object);
+        if best.t < f32::from_bits(entry.key) {
+            continue;
+        }
+        found.asked += 1;
+        found.boxes += 1;
+        let (low, high) = object.widened(geometry.magnitude);
+        if meets(ray, &Around::new(ray.origin, &low, &high), best.t) {
+            let ray = if object.is_identity == 1 { *ray } else { ray.to_object(object) };
+            descend(geometry, entry.object, &ray, &mut best, &mut found);
+        }
+    }
+    found.hit = best.rows().hit(0);
+    found
+}
+
+/// Whether the ray's line passes within the radius of the object's bounding sphere:
+/// `|(c − o) × d|² ≤ r² · |d|²`.
+fn meets_sphere(ray: &Ray<f32>, object: &Object) -> bool {
+    let across = (V3::splat((), object.center) - ray.origin).cross(ray.direction);
+    across.dot(across) <= object.radius * object.radius * ray.direction.dot(ray.direction)
+}
+
+/// [`traverse`](crate::kernel::traverse::traverse) for one ray, counting.
+fn descend(
+    geometry: &Geometry<'_>,
+    object_index: u32,
+    ray: &Ray<f32>,
+    best: &mut Best<f32>,
+    found: &mut Inspection,
+) {
+    let object = &geometry.objects[object_index as usize];
+    let rising = [ray.direction.x, ray.direction.y, ray.direction.z];
+    let asked = |index: u32, best: &Best<f32>, found: &mut Inspection| {
+        let node = &geometry.nodes[index as usize];
+        found.boxes += 1;
+        meets(ray, &Around::new(ray.origin, &node.low, &node.high), best.t)
+    };
+    let mut stack = [0_u32; STACK];
+    let (mut waiting, mut stale) = (0_usize, 0_usize);
+    let mut index = object.root;
+    loop {
+        let node = geometry.nodes[index as usize];
+        if node.is_leaf() {
+            if leaf(geometry, object_index, &node, ray, best, found) {
+                stale = waiting;
+            }
+        } else {
+            let far_first = u32::from(rising[node.kind as usize] < 0.0);
+            let children = object.root + node.first;
+            let (near, far) = (children + far_first, children + 1 - far_first);
+            let (meets_near, meets_far) = (asked(near, best, found), asked(far, best, found));
+            if meets_near && meets_far {
+                stack[waiting] = far;
+                waiting += 1;
+            }
+            if meets_near || meets_far {
+                index = if meets_near { near } else { far };
+                continue;
+            }
+        }
+        loop {
+            if waiting == 0 {
+                return;
+            }
+            waiting -= 1;
+            index = stack[waiting];
+            if waiting >= stale {
+                break;
+            }
+            stale = waiting;
+            if asked(index, best, found) {
+                break;
+            }
+        }
+    }
+}
+
+/// Asks the triangles of a leaf; whether one is the closest so far.
+fn leaf(
+    geometry: &Geometry<'_>,
+    object_index: u32,
+    node: &Node,
+    ray: &Ray<f32>,
+    best: &mut Best<f32>,
+    found: &mut Inspection,
+) -> bool {
+    let object = &geometry.objects[object_index as usize];
+    let mut is_met = false;
+    for id in node.first..node.first + node.triangles() {
+        found.triangles += 1;
+        let triangle = geometry.triangle(object, id);
+        let met = meet(ray, &triangle, &triangle.seen_from(ray.origin), best.t);
+        let is_earlier = (object_index, id) < (best.object.0, best.triangle.0);
+        if met.mask && (met.t < best.t || (met.t <= best.t && is_earlier)) {
+            *best = Best { t: met.t, object: Word(object_index), triangle: Word(id), u: met.u, v: met.v };
+        }
+        is_met |= met.mask;
+    }
+    is_met
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::{Attribute, NONE, Texture};
+    use crate::scene::{Mesh, MeshTree, Scene, Sequential, phong};
+    use bytemuck::Zeroable;
+    use std::vec;
+
+    #[test]
+    fn a_ray_past_a_triangle_meets_its_sphere_only() {
+        let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::new(corners, vec![Attribute::zeroed(); 3], vec![0, 1, 2]).unwrap();
+        let mut scene = Scene::new();
+        let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]));
+        let stored = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
+        scene.add_object(stored, white, glam::Mat4::IDENTITY).unwrap();
+        let geometry = Geometry {
+            objects: scene.objects(),
+            nodes: scene.nodes(),
+            words: scene.words(),
+            positions: scene.positions(),
+            magnitude: 1.0,
+        };
+        let lists = Lists { words: &[0, 1, 0, 0], blocks: 1 };
+        let along = |x: f32, y: f32| Ray::new(V3::splat((), [x, y, 1.0]), V3::splat((), [0.0, 0.0, -1.0]));
+        let hit = inspect(&lists, &geometry, 0, &along(0.25, 0.25));
+        assert_eq!((hit.hit.object, hit.entries, hit.asked), (0, 1, 1));
+        assert_eq!((hit.boxes, hit.triangles, hit.sphere), (1, 1, true));
+        let past = inspect(&lists, &geometry, 0, &along(0.9, 0.9));
+        assert_eq!((past.hit.object, past.boxes, past.triangles, past.sphere), (NONE, 1, 1, true));
+        let far = inspect(&lists, &geometry, 0, &along(3.0, 3.0));
+        assert_eq!((far.boxes, far.triangles, far.sphere), (1, 0, false));
+    }
+}

@@ -1,0 +1,240 @@
+//! Trees of meshes, kept in files, so that a mesh that was loaded once is loaded faster.
+//!
+//! A file is named by the SHA-256 of what it was built from: the version of the format, and the
+//! mesh's positions and indices. It holds, in little-endian words:
+//!
+//! ```text
+//! magic "rtrttree", version, that SHA-256, number of nodes, number of triangles,
+//! [first, kind] of each node, the triangles in the order of the leaves,
+//! SHA-256 of all that
+//! ```
+//!
+//! Nothing in it is trusted. A file that is not of this mesh and version, is cut off, or has one
+//! bit that is not as it was written is built anew, and so is one whose words make no tree
+//! ([`MeshTree::from_links`]). Boxes are not in it: they are computed from the mesh. So the worst
+//! that a file made on purpose can do is to be slow, and to say which of two triangles at exactly
+//! the same distance is seen.
+
+use crate::replace::replace;
+use rtrt_core::scene::{Join, Mesh, MeshTree};
+use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+const MAGIC: &[u8; 8] = b"rtrttree";
+/// Counts up when the format changes, or the trees that [`MeshTree::build`] makes.
+const VERSION: u32 = 1;
+/// Bytes before the nodes.
+const HEADER: usize = 8 + 4 + 32 + 4 + 4;
+/// Bytes of a SHA-256.
+const DIGEST: usize = 32;
+
+/// A folder of trees.
+#[derive(Debug, Clone)]
+pub struct Cache {
+    folder: PathBuf,
+}
+
+impl Cache {
+    /// The cache in a folder, which is made if it is not there.
+    ///
+    /// # Errors
+    /// The folder cannot be made.
+    pub fn new(folder: &Path) -> io::Result<Self> {
+        std::fs::create_dir_all(folder)?;
+        Ok(Self { folder: folder.to_owned() })
+    }
+
+    /// The mesh's tree: from its file if that is whole, else built, and kept. The same tree either
+    /// way.
+    ///
+    /// # Errors
+    /// The tree was built and could not be kept; it comes with the error.
+    pub fn tree(&self, mesh: &Mesh, join: &impl Join) -> Result<MeshTree, (MeshTree, io::Error)> {
+        let key = key(mesh);
+        let path = self.path(&key);
+        if let Some(tree) = read(&path, mesh, &key) {
+            return Ok(tree);
+        }
+        let tree = MeshTree::build(mesh, join);
+        match replace(&path, &encode(&tree, &key)) {
+            Ok(()) => Ok(tree),
+            Err(error) => Err((tree, error)),
+        }
+    }
+
+    fn path(&self, key: &[u8; DIGEST]) -> PathBuf {
+        let name: String = key.iter().map(|byte| format!("{byte:02x}")).collect();
+        self.folder.join(name + ".tree")
+    }
+}
+
+/// What the tree of a mesh follows from.
+fn key(mesh: &Mesh) -> [u8; DIGEST] {
+    let mut digest = Sha256::new();
+    digest.update(MAGIC);
+    digest.update(VERSION.to_le_bytes());
+    digest.update((mesh.positions().len() as u64).to_le_bytes());
+    for position in mesh.positions() {
+        digest.update(position.map(f32::to_le_bytes).as_flattened());
+    }
+    for index in mesh.indices() {
+        digest.update(index.to_le_bytes());
+    }
+    digest.finalize().into()
+}
+
+fn encode(tree: &MeshTree, key: &[u8; DIGEST]) -> Vec<u8> {
+    let links = tree.links();
+    let mut bytes = Vec::with_capacity(length(links.len(), tree.triangles.len()));
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(key);
+    for number in [links.len() as u32, tree.triangles.len() as u32] {
+        bytes.extend_from_slice(&number.to_le_bytes());
+    }
+    for word in links.as_flattened().iter().chain(&tree.triangles) {
+        bytes.extend_from_slice(&word.to_le_bytes());
+    }
+    let digest = Sha256::digest(&bytes);
+    bytes.extend_from_slice(&digest);
+    bytes
+}
+
+/// Bytes of a file.
+fn length(nodes: usize, triangles: usize) -> usize {
+    HEADER + 8 * nodes + 4 * triangles + DIGEST
+}
+
+/// The tree in a file; none if there is no such file, or it is not exactly as it was written.
+fn read(path: &Path, mesh: &Mesh, key: &[u8; DIGEST]) -> Option<MeshTree> {
+    // A tree of n triangles has at most 2n − 1 nodes; an empty one has one.
+    let longest = length(2 * mesh.triangles() + 1, mesh.triangles()) as u64;
+    let file = File::open(path).ok()?;
+    if !file.metadata().ok()?.is_file() {
+        return None;
+    }
+    let mut bytes = Vec::new();
+    file.take(longest + 1).read_to_end(&mut bytes).ok()?;
+    decode(&bytes, mesh, key)
+}
+
+fn decode(bytes: &[u8], mesh: &Mesh, key: &[u8; DIGEST]) -> Option<MeshTree> {
+    let (content, digest) = bytes.split_at_checked(bytes.len().checked_sub(DIGEST)?)?;
+    let (header, words) = content.split_at_checked(HEADER)?;
+    if !header.starts_with(MAGIC) || header[8..12] != VERSION.to_le_bytes() || header[12..44] != key[..] {
+        return None;
+    }
+    let word = |bytes: &[u8]| bytes.try_into().map(u32::from_le_bytes);
+    let [nodes, triangles] = [word(&header[44..48]).ok()? as usize, word(&header[48..52]).ok()? as usize];
+    if triangles != mesh.triangles() || nodes > 2 * triangles + 1 || bytes.len() != length(nodes, triangles) {
+        return None;
+    }
+    if Sha256::digest(content)[..] != *digest {
+        return None;
+    }
+    let words = words.chunks_exact(4).map(word).collect::<Result<Vec<_>, _>>().ok()?;
+    let (links, triangles) = words.split_at(2 * nodes);
+    let links: Vec<[u32; 2]> = links.chunks_exact(2).map(|link| [link[0], link[1]]).collect();
+    MeshTree::from_links(mesh, &links, triangles.to_vec()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rtrt_core::layout::Attribute;
+    use rtrt_core::scene::Sequential;
+
+    fn mesh(count: u32) -> Mesh {
+        let corner = |i: u32| [(i * 37 % 101) as f32, (i * 53 % 89) as f32, (i * 29 % 97) as f32];
+        let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: 0 };
+        let positions: Vec<_> = (0..3 * count).map(corner).collect();
+        Mesh::new(positions, vec![attribute; 3 * count as usize], (0..3 * count).collect()).unwrap()
+    }
+
+    /// A cache of the test's own.
+    fn cache(test: &str) -> Cache {
+        let folder = std::env::temp_dir().join(format!("rtrt-cache-{test}-{}", std::process::id()));
+        std::fs::remove_dir_all(&folder).ok();
+        Cache::new(&folder).unwrap()
+    }
+
+    #[test]
+    fn what_is_kept_is_what_was_built() {
+        let cache = cache("kept");
+        for count in [0, 1, 2, 300] {
+            let mesh = mesh(count);
+            let (built, path) = (MeshTree::build(&mesh, &Sequential), cache.path(&key(&mesh)));
+            assert_eq!(read(&path, &mesh, &key(&mesh)), None);
+            assert_eq!(cache.tree(&mesh, &Sequential).unwrap(), built);
+            assert_eq!(read(&path, &mesh, &key(&mesh)), Some(built.clone()));
+            assert_eq!(cache.tree(&mesh, &Sequential).unwrap(), built);
+        }
+        std::fs::remove_dir_all(&cache.folder).unwrap();
+    }
+
+    #[test]
+    fn no_damaged_byte_is_trusted() {
+        let mesh = mesh(25);
+        let (tree, key) = (MeshTree::build(&mesh, &Sequential), key(&mesh));
+        let whole = encode(&tree, &key);
+        assert_eq!(decode(&whole, &mesh, &key), Some(tree));
+        for end in 0..whole.len() {
+            assert_eq!(decode(&whole[..end], &mesh, &key), None, "cut off at {end}");
+        }
+        for bit in 0..8 * whole.len() {
+            let mut damaged = whole.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(decode(&damaged, &mesh, &key), None, "bit {bit}");
+        }
+        let longer = [&whole[..], &[0]].concat();
+        assert_eq!(decode(&longer, &mesh, &key), None);
+    }
+
+    #[test]
+    fn a_file_with_the_right_sums_and_the_wrong_words_is_no_tree() {
+        let mesh = mesh(25);
+        let (tree, key) = (MeshTree::build(&mesh, &Sequential), key(&mesh));
+        let whole = encode(&tree, &key);
+        let mut refused = 0;
+        for at in (HEADER..whole.len() - DIGEST).step_by(4) {
+            for value in [0, 1, 3, 7, 24, 25, u32::MAX] {
+                let mut forged = whole.clone();
+                forged[at..at + 4].copy_from_slice(&value.to_le_bytes());
+                let content = forged.len() - DIGEST;
+                let digest = Sha256::digest(&forged[..content]);
+                forged[content..].copy_from_slice(&digest);
+                // The axis of a node may be another one: that is a tree too, of the same boxes.
+                match decode(&forged, &mesh, &key) {
+                    Some(other) => {
+                        assert!(other.triangles == tree.triangles && other.nodes[0].low == tree.nodes[0].low)
+                    }
+                    None => refused += 1,
+                }
+            }
+        }
+        assert!(refused > 100, "{refused}");
+    }
+
+    #[test]
+    fn a_damaged_or_stale_file_is_written_anew() {
+        let cache = cache("anew");
+        let mesh = mesh(40);
+        let tree = cache.tree(&mesh, &Sequential).unwrap();
+        let path = cache.path(&key(&mesh));
+        let whole = std::fs::read(&path).unwrap();
+        let other = encode(&MeshTree::build(&self::mesh(41), &Sequential), &key(&self::mesh(41)));
+        for bad in [&whole[..100], b"", &other] {
+            std::fs::write(&path, bad).unwrap();
+            assert_eq!(cache.tree(&mesh, &Sequential).unwrap(), tree);
+            assert_eq!(std::fs::read(&path).unwrap(), whole);
+        }
+        // Where nothing can be kept, there is a tree all the same.
+        std::fs::remove_file(&path).unwrap();
+        std::fs::create_dir(&path).unwrap();
+        let (built, _) = cache.tree(&mesh, &Sequential).unwrap_err();
+        assert_eq!(built, tree);
+        std::fs::remove_dir_all(&cache.folder).unwrap();
+    }
+}

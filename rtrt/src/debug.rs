@@ -1,0 +1,241 @@
+//! Pictures of what a frame is made of, instead of the frame. They follow from the deferred
+//! buffers, and so are the same whichever backend made those.
+
+use crate::layers::Layers;
+use rtrt_core::backend::{Picture, Request};
+use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::traverse::Geometry;
+use rtrt_core::kernel::view::camera_ray;
+use rtrt_core::layout::{Frame, NONE};
+use rtrt_core::num::srgb_encode;
+use rtrt_core::scene::{Scene, Setup, SetupError};
+use rtrt_core::stage::inspect::{Inspection, inspect};
+
+/// What to look at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum View {
+    /// Base colors without light.
+    Albedo,
+    /// World space normals: x is red, y green, z blue, from −1 (dark) to 1.
+    Normal,
+    /// Depth: what is nearest is white, what is farthest dark gray.
+    Depth,
+    /// A color for each object, in shades for its triangles.
+    Ids,
+    /// The share of lights that reach the surface.
+    Shadow,
+    /// Texture coordinates, their whole part left out: u is red, v green.
+    Uv,
+    /// Figure 1a of the paper: black where the block's list is empty, blue where the ray misses
+    /// all bounding spheres of the list, white where it misses all meshes, else the picture.
+    Blocks,
+    /// How many entries the list of the pixel's block has.
+    Heat,
+    /// How many boxes and triangles the pixel's first ray is asked for.
+    Tests,
+}
+
+impl View {
+    /// All, with their names.
+    pub const ALL: [(&'static str, Self); 9] = [
+        ("albedo", Self::Albedo),
+        ("normal", Self::Normal),
+        ("depth", Self::Depth),
+        ("ids", Self::Ids),
+        ("shadow", Self::Shadow),
+        ("uv", Self::Uv),
+        ("blocks", Self::Blocks),
+        ("heat", Self::Heat),
+        ("tests", Self::Tests),
+    ];
+}
+
+/// A view of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shown {
+    /// As in [`Picture::pixels`].
+    pub pixels: Vec<u32>,
+    /// What the colors stand for, where that depends on the frame.
+    pub legend: Option<String>,
+}
+
+/// Where no surface is, in views in which black is a value.
+const NOTHING: [f32; 3] = [0.03, 0.03, 0.12];
+
+/// The view of a picture of the scene that was rendered as `request` says; none if its deferred
+/// buffers were not kept.
+///
+/// # Errors
+/// The request makes no picture.
+pub fn show(
+    view: View,
+    scene: &Scene,
+    request: &Request<'_>,
+    picture: &Picture,
+) -> Result<Option<Shown>, SetupError> {
+    let Some(layers) = Layers::new(scene, picture, request.samples) else { return Ok(None) };
+    let mut legend = None;
+    let is_hit = |i: usize| layers.object[i] != NONE;
+    let all = 0..layers.object.len();
+    let map = |color: &dyn Fn(usize) -> [f32; 3]| all.clone().map(|i| pack(color(i))).collect();
+    let pixels = match view {
+        View::Albedo => map(&|i| layers.albedo[i].map(srgb_encode)),
+        View::Normal => map(&|i| if is_hit(i) { layers.normal[i].map(|n| n * 0.5 + 0.5) } else { NOTHING }),
+        View::Depth => {
+            let depths = || layers.depth.iter().copied().filter(|depth| depth.is_finite());
+            let (near, far) = (depths().fold(f32::MAX, f32::min), depths().fold(0.0, f32::max));
+            legend = Some(format!("white is {near}, dark gray {far} away"));
+            let scale = 0.9 / (far - near).max(f32::MIN_POSITIVE);
+            map(&|i| if is_hit(i) { [1.0 - (layers.depth[i] - near) * scale; 3] } else { NOTHING })
+        }
+        View::Ids => map(&|i| if is_hit(i) { id(layers.object[i], layers.triangle[i]) } else { [0.0; 3] }),
+        View::Shadow => map(&|i| if is_hit(i) { [layers.shadow[i]; 3] } else { NOTHING }),
+        View::Uv => map(&|i| {
+            let [u, v] = layers.uv[i].map(|c| c - c.floor());
+            if is_hit(i) { [u, v, 0.0] } else { NOTHING }
+        }),
+        View::Blocks => {
+            let colors = inspected(scene, request, picture)?;
+            colors.zip(&picture.pixels).map(|(found, &pixel)| block(&found).map_or(pixel, pack)).collect()
+        }
+        View::Heat => {
+            let counts: Vec<u32> = inspected(scene, request, picture)?.map(|found| found.entries).collect();
+            legend = Some(format!("white is {} entries", most(&counts)));
+            heat_map(&counts)
+        }
+        View::Tests => {
+            let counts: Vec<u32> =
+                inspected(scene, request, picture)?.map(|found| found.boxes + found.triangles).collect();
+            legend = Some(format!("white is {} tests of boxes and triangles", most(&counts)));
+            heat_map(&counts)
+        }
+    };
+    Ok(Some(Shown { pixels, legend }))
+}
+
+/// What it takes to follow the first sub-ray of each pixel.
+fn inspected<'a>(
+    scene: &'a Scene,
+    request: &Request<'_>,
+    picture: &'a Picture,
+) -> Result<impl Iterator<Item = Inspection> + 'a, SetupError> {
+    let mut setup = Setup::default();
+    setup.prepare(scene, request.camera, request.size, request.samples, request.shadows)?;
+    let frame = setup.frame;
+    let (grid, camera) = (frame.grid(), setup.views[Frame::CAMERA as usize]);
+    let words = picture.deferred.as_ref().map_or(&[][..], |deferred| &deferred.lists);
+    let lists = Lists { words, blocks: frame.blocks };
+    let geometry = Geometry {
+        objects: scene.objects(),
+        nodes: scene.nodes(),
+        words: scene.words(),
+        positions: scene.positions(),
+        magnitude: frame.magnitude,
+    };
+    Ok((0..frame.width * frame.height).map(move |number| {
+        let [x, y] = grid.pixel(number).map(|place| place * grid.side);
+        let ray = camera_ray(&camera, x as f32, y as f32);
+        inspect(&lists, &geometry, grid.block(grid.index([x, y])).0, &ray)
+    }))
+}
+
+/// The color of a ray in figure 1a; none for one that hits.
+fn block(found: &Inspection) -> Option<[f32; 3]> {
+    match found {
+        Inspection { hit, .. } if hit.object != NONE => None,
+        Inspection { entries: 0, .. } => Some([0.0; 3]),
+        Inspection { sphere: false, .. } => Some([0.0, 0.0, 1.0]),
+        _ => Some([1.0; 3]),
+    }
+}
+
+/// The counts, from black over blue, red and yellow to white for the most.
+fn heat_map(counts: &[u32]) -> Vec<u32> {
+    let scale = 1.0 / most(counts).max(1) as f32;
+    counts.iter().map(|&count| pack(heat(count as f32 * scale))).collect()
+}
+
+fn most(counts: &[u32]) -> u32 {
+    counts.iter().copied().max().unwrap_or(0)
+}
+
+/// The color of a share of 0 ..= 1: black, blue, red, yellow, white.
+pub fn heat(share: f32) -> [f32; 3] {
+    const STEPS: [[f32; 3]; 5] =
+        [[0.0, 0.0, 0.0], [0.1, 0.1, 0.8], [0.85, 0.1, 0.2], [1.0, 0.85, 0.1], [1.0, 1.0, 1.0]];
+    let place = share.clamp(0.0, 1.0) * (STEPS.len() - 1) as f32;
+    let step = (place as usize).min(STEPS.len() - 2);
+    let (from, to, weight) = (STEPS[step], STEPS[step + 1], place - step as f32);
+    [0, 1, 2].map(|channel| from[channel] + (to[channel] - from[channel]) * weight)
+}
+
+/// The color of a triangle of an object: the object's own, in one of a few shades.
+pub fn id(object: u32, triangle: u32) -> [f32; 3] {
+    let shade = 0.7 + (hash(triangle) & 3) as f32 * 0.1;
+    let bits = hash(object);
+    [bits, bits >> 8, bits >> 16].map(|bits| (0.2 + (bits & 255) as f32 * (0.8 / 255.0)) * shade)
+}
+
+/// Bits that look random (Wellons, "hash32", 2018).
+fn hash(x: u32) -> u32 {
+    let x = (x.wrapping_add(1) ^ x.wrapping_add(1) >> 16).wrapping_mul(0x7feb_352d);
+    let x = (x ^ x >> 15).wrapping_mul(0x846c_a68b);
+    x ^ x >> 16
+}
+
+/// A color of 0 ..= 1 as a pixel.
+fn pack(color: [f32; 3]) -> u32 {
+    let [r, g, b] = color.map(|value| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+    u32::from_le_bytes([r, g, b, 255])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rtrt_core::backend::Backend;
+    use rtrt_cpu::{Cpu, Options};
+
+    #[test]
+    fn a_ray_that_is_followed_once_more_finds_the_same() {
+        let loaded = crate::demo::matchbox(&rtrt_core::scene::Sequential).unwrap();
+        let mut cpu = Cpu::new(Options { lanes: None, threads: None }).unwrap();
+        for samples in [1, 4] {
+            let request =
+                Request { camera: &loaded.camera, size: [97, 55], samples, shadows: true, deferred: true };
+            let mut picture = Picture::default();
+            cpu.render(&loaded.scene, &request, &mut picture).unwrap();
+            let layers = Layers::new(&loaded.scene, &picture, samples).unwrap();
+            let mut asked = 0;
+            for (i, found) in inspected(&loaded.scene, &request, &picture).unwrap().enumerate() {
+                let hit = found.hit;
+                let t = if hit.object == NONE { f32::INFINITY } else { hit.t };
+                assert_eq!((hit.object, hit.triangle), (layers.object[i], layers.triangle[i]));
+                assert_eq!(
+                    ([t, hit.u, hit.v]),
+                    [layers.depth[i], layers.barycentrics[i][0], layers.barycentrics[i][1]]
+                );
+                assert!(found.asked <= found.entries && found.asked <= found.boxes);
+                assert!(found.sphere || hit.object == NONE);
+                asked += found.entries - found.asked;
+            }
+            assert!(asked > 0, "no list is left before its end");
+            let views =
+                View::ALL.map(|(_, view)| show(view, &loaded.scene, &request, &picture).unwrap().unwrap());
+            for (i, view) in views.iter().enumerate() {
+                assert!(
+                    view.pixels.len() == 97 * 55 && view.pixels.iter().any(|p| *p != view.pixels[0]),
+                    "{i}"
+                );
+                assert!(views[..i].iter().all(|other| other.pixels != view.pixels), "{i}");
+            }
+        }
+    }
+
+    #[test]
+    fn counts_are_warmer_where_they_are_more() {
+        assert_eq!((heat(0.0), heat(1.0)), ([0.0; 3], [1.0; 3]));
+        let brightness = |share: f32| heat(share).iter().sum::<f32>();
+        assert!((0..100).all(|n| brightness(n as f32 / 100.0) < brightness((n + 1) as f32 / 100.0)));
+    }
+}

@@ -1,0 +1,223 @@
+//! What moves in a file: where everything is at a time.
+
+use super::ImportError;
+use super::gltf::Track;
+use super::shape::Shape;
+use glam::{DMat4, DQuat, DVec3, Mat4, Vec3};
+use gltf_json::animation::Property;
+use rtrt_core::scene::{Camera, Light, Mesh, MeshIndex, ObjectIndex, Projection, Scene, SceneError};
+use std::path::{Path, PathBuf};
+
+/// The animation of a file: its nodes, and how they move.
+#[derive(Debug, Clone)]
+pub struct Animation {
+    path: PathBuf,
+    /// Parents come before their children.
+    nodes: Vec<Node>,
+}
+
+/// A node, and what hangs on it.
+#[derive(Debug, Clone)]
+pub(super) struct Node {
+    /// Among the nodes.
+    pub parent: Option<usize>,
+    pub local: Local,
+    pub tracks: Vec<Track>,
+    /// Objects, and where they are seen from the node.
+    pub objects: Vec<(ObjectIndex, DMat4)>,
+    /// Meshes that change their shape.
+    pub shapes: Vec<Shape>,
+    /// A camera of the file, by its place in [`super::Loaded::cameras`].
+    pub camera: Option<(usize, Projection)>,
+    /// A light, by its place in the scene.
+    pub light: Option<usize>,
+}
+
+/// A node's own transform, in double precision: long chains multiply many.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Local {
+    Matrix(DMat4),
+    /// Scaled, then turned (by a rotation of any length), then moved.
+    Parts {
+        translation: DVec3,
+        rotation: DQuat,
+        scale: DVec3,
+    },
+}
+
+impl Local {
+    pub const IDENTITY: Self =
+        Self::Parts { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
+
+    /// The transform as a matrix.
+    pub fn matrix(&self) -> DMat4 {
+        let Self::Parts { translation, rotation, scale } = *self else {
+            let Self::Matrix(matrix) = *self else { return DMat4::IDENTITY };
+            return matrix;
+        };
+        let length = libm::sqrt(rotation.length_squared());
+        let rotation = if length > 0.0 { rotation * (1.0 / length) } else { DQuat::IDENTITY };
+        DMat4::from_cols(
+            (rotation * DVec3::X).extend(0.0),
+            (rotation * DVec3::Y).extend(0.0),
+            (rotation * DVec3::Z).extend(0.0),
+            translation.extend(1.0),
+        ) * DMat4::from_scale(scale)
+    }
+
+    /// The transform at a time. A matrix that is animated all the same counts for nothing.
+    fn at(&self, tracks: &[Track], time: f64) -> Self {
+        let Some(Self::Parts { mut translation, mut rotation, mut scale }) = (match self {
+            Self::Matrix(_) if tracks.is_empty() => None,
+            Self::Matrix(_) => Some(Self::IDENTITY),
+            Self::Parts { .. } => Some(*self),
+        }) else {
+            return *self;
+        };
+        for track in tracks {
+            match (track.property, track.at(time)[..].as_ref()) {
+                (Property::Translation, &[x, y, z]) => translation = DVec3::new(x, y, z),
+                (Property::Scale, &[x, y, z]) => scale = DVec3::new(x, y, z),
+                (Property::Rotation, &[x, y, z, w]) => rotation = DQuat::from_xyzw(x, y, z, w),
+                _ => {}
+            }
+        }
+        Self::Parts { translation, rotation, scale }
+    }
+}
+
+/// Where everything that moves is at a time.
+#[derive(Debug, Clone, Default)]
+pub struct Pose {
+    /// Objects, and their way to world space.
+    pub objects: Vec<(ObjectIndex, Mat4)>,
+    /// Meshes, and the shape that they have.
+    pub shapes: Vec<(MeshIndex, Mesh)>,
+    /// Cameras, by their place in [`super::Loaded::cameras`].
+    pub cameras: Vec<(usize, Camera)>,
+    /// Lights, by their place in the scene; where they are, and where they shine.
+    pub lights: Vec<(usize, Vec3, Vec3)>,
+    path: PathBuf,
+}
+
+impl Animation {
+    pub(super) fn new(path: &Path, nodes: Vec<Node>) -> Self {
+        Self { path: path.to_owned(), nodes }
+    }
+
+    /// Whether something moves.
+    pub(super) fn moves(&self) -> bool {
+        self.nodes.iter().any(|node| !node.tracks.is_empty())
+    }
+
+    /// When the last thing comes to rest, seconds.
+    pub fn end(&self) -> f64 {
+        self.nodes.iter().flat_map(|node| &node.tracks).map(Track::end).fold(0.0, f64::max)
+    }
+
+    /// Where everything that moves is `time` seconds after the start. What moves by nothing that
+    /// the file says is not in it.
+    ///
+    /// # Errors
+    /// A mesh would have a shape that cannot be drawn.
+    pub fn at(&self, time: f64) -> Result<Pose, ImportError> {
+        self.pose(Some(time))
+    }
+
+    /// The shapes that meshes have at rest, where nothing moves.
+    pub(super) fn rest(&self) -> Result<Pose, ImportError> {
+        self.pose(None)
+    }
+
+    fn pose(&self, time: Option<f64>) -> Result<Pose, ImportError> {
+        let mut pose = Pose { path: self.path.clone(), ..Pose::default() };
+        let (mut worlds, mut moving): (Vec<DMat4>, Vec<bool>) = (vec![], vec![]);
+        for node in &self.nodes {
+            let tracks = if time.is_some() { &node.tracks[..] } else { &[] };
+            let parent = node.parent.map_or(DMat4::IDENTITY, |place| worlds[place]);
+            worlds.push(parent * node.local.at(tracks, time.unwrap_or(0.0)).matrix());
+            moving.push(node.parent.is_some_and(|place| moving[place]) || !tracks.is_empty());
+        }
+        for (place, node) in self.nodes.iter().enumerate() {
+            let weights = node.tracks.iter().find(|track| track.property == Property::MorphTargetWeights);
+            let weights = time.and_then(|time| Some(weights?.at(time)));
+            for shape in &node.shapes {
+                let joints = shape.skin.iter().flat_map(|skin| &skin.joints);
+                let is_bent = joints.into_iter().any(|&joint| moving.get(joint) == Some(&true));
+                if time.is_none() || is_bent || weights.is_some() {
+                    let weights = weights.as_ref().unwrap_or(&shape.weights);
+                    pose.shapes.push((shape.mesh, shape.at(&self.path, weights, &worlds)?));
+                }
+            }
+            if !moving[place] {
+                continue;
+            }
+            let to_world = worlds[place];
+            pose.objects
+                .extend(node.objects.iter().map(|(object, from)| (*object, (to_world * *from).as_mat4())));
+            if let Some((index, projection)) = node.camera {
+                pose.cameras.extend(camera(projection, &to_world).map(|camera| (index, camera)));
+            }
+            let (position, direction) =
+                (to_world.w_axis.truncate().as_vec3(), -to_world.z_axis.truncate().as_vec3());
+            if direction.length_squared() > 0.0 && direction.is_finite() && position.is_finite() {
+                pose.lights.extend(node.light.map(|index| (index, position, direction)));
+            }
+        }
+        Ok(pose)
+    }
+}
+
+impl Pose {
+    /// Moves the scene's objects. One without volume, because its transform has no inverse, is
+    /// not seen.
+    ///
+    /// # Errors
+    /// An object would be out of range.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), ImportError> {
+        let refused = |source: SceneError| ImportError::Scene { path: self.path.clone(), source };
+        let (seen, hidden): (Vec<_>, Vec<_>) =
+            self.objects.iter().partition(|(_, to_world)| has_inverse(to_world));
+        for (mesh, shape) in &self.shapes {
+            scene.reshape(*mesh, shape).map_err(refused)?;
+        }
+        scene.set_transforms(seen).map_err(refused)?;
+        hidden.into_iter().try_for_each(|(object, _)| scene.hide(object)).map_err(refused)
+    }
+
+    /// Moves the lights, which are those of the file.
+    pub fn aim(&self, lights: &mut [Light]) {
+        for &(index, place, along) in &self.lights {
+            match lights.get_mut(index) {
+                Some(Light::Point { position, .. }) => *position = place,
+                Some(Light::Sun { direction, .. }) => *direction = along,
+                Some(Light::Spot { position, direction, .. }) => (*position, *direction) = (place, along),
+                None => {}
+            }
+        }
+    }
+}
+
+/// Whether an object can be placed so.
+fn has_inverse(to_world: &Mat4) -> bool {
+    let m = to_world.as_dmat4();
+    m.determinant() != 0.0 && m.is_finite() && m.inverse().as_mat4().is_finite()
+}
+
+/// A camera at its node's place; none if it shows nothing. The aspect ratio is the frame's.
+pub(super) fn camera(projection: Projection, to_world: &DMat4) -> Option<Camera> {
+    let usable = match projection {
+        Projection::Perspective { fov_y } => fov_y > 0.0 && fov_y < std::f32::consts::PI,
+        Projection::Orthographic { height } => height > 0.0 && height.is_finite(),
+    };
+    let eye = to_world.w_axis.truncate();
+    let up = to_world.y_axis.truncate().as_vec3();
+    let forward = -to_world.z_axis.truncate();
+    let length = libm::sqrt(forward.length_squared());
+    // Far enough to be another point in single precision.
+    let distance = eye.abs().max_element().max(1.0);
+    let look_at = (eye + forward * (distance / length)).as_vec3();
+    let across = up.cross(forward.as_vec3());
+    let usable = usable && look_at.is_finite() && up.is_finite() && across != Vec3::ZERO;
+    usable.then_some(Camera { eye: eye.as_vec3(), look_at, up, projection })
+}

@@ -1,0 +1,99 @@
+//! The deferred buffers of a frame as layers of pixels, for compositing and for looking at.
+
+use rtrt_core::backend::{Deferred, Picture};
+use rtrt_core::grid::Grid;
+use rtrt_core::kernel::texture::Maps;
+use rtrt_core::layout::{NONE, Surface};
+use rtrt_core::num::srgb_encode;
+use rtrt_core::scene::{ObjectIndex, Scene};
+use rtrt_core::stage::resolve::average;
+use rtrt_core::stage::shade::base;
+use rtrt_core::stage::surface::Surfaces;
+
+/// What is known of each pixel, row by row from the upper left.
+///
+/// `color`, `albedo` and `shadow` are averages of a pixel's sub-rays. The others are those of its
+/// first sub-ray, the upper left one: an average of two ids, or of the normals on either side of
+/// an edge, is of no surface, and what is of one sub-ray fits together.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Layers {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Linear RGB and alpha, before it is encoded.
+    pub color: Vec<[f32; 4]>,
+    /// Depth along the view, world units; infinite where nothing is hit.
+    pub depth: Vec<f32>,
+    /// Unit normals on the viewer's side, world space; 0 where nothing is hit.
+    pub normal: Vec<[f32; 3]>,
+    /// Base color, linear RGB: material, texture and vertex color, without light.
+    pub albedo: Vec<[f32; 3]>,
+    /// Objects, or [`NONE`].
+    pub object: Vec<u32>,
+    /// Triangles of the object's mesh, in the order of its tree's leaves, or [`NONE`].
+    pub triangle: Vec<u32>,
+    /// The same triangles as the source numbers them ([`Scene::source_triangle`]), or [`NONE`].
+    pub source: Vec<u32>,
+    /// Barycentric weights of the triangle's second and third corner.
+    pub barycentrics: Vec<[f32; 2]>,
+    /// Texture coordinates.
+    pub uv: Vec<[f32; 2]>,
+    /// The share of the scene's lights that reach the surface; one that it faces away from does
+    /// not. 0 where nothing is hit.
+    pub shadow: Vec<f32>,
+}
+
+impl Layers {
+    /// The layers of a picture of the scene with `samples` sub-rays a pixel; none if its deferred
+    /// buffers were not kept.
+    pub fn new(scene: &Scene, picture: &Picture, samples: u32) -> Option<Self> {
+        let deferred = picture.deferred.as_ref()?;
+        let grid = Grid { width: picture.width, height: picture.height, side: samples.isqrt() };
+        let maps = Maps { materials: scene.materials(), texels: scene.texels() };
+        let lights = scene.lights().len().max(1) as f32;
+        let mut layers = Self { width: picture.width, height: picture.height, ..Self::default() };
+        for pixel in (0..grid.width * grid.height).map(|number| grid.pixel(number)) {
+            let index = grid.index(pixel.map(|place| place * grid.side)).0 as usize;
+            let (hit, surface) = (&deferred.hits[index], &deferred.surfaces[index]);
+            layers.color.push(average(grid, pixel, &|ray| deferred.colors[ray.0 as usize]));
+            layers.depth.push(if hit.object == NONE { f32::INFINITY } else { hit.t });
+            layers.normal.push(surface.normal);
+            layers.object.push(hit.object);
+            layers.triangle.push(hit.triangle);
+            let source = scene.source_triangle(ObjectIndex(hit.object), hit.triangle);
+            layers.source.push(source.unwrap_or(NONE));
+            layers.barycentrics.push([hit.u, hit.v]);
+            layers.uv.push(surface.uv);
+            let [r, g, b, lit] = average(grid, pixel, &|ray| {
+                let [r, g, b] = albedo(&maps, &deferred.surfaces[ray.0 as usize]);
+                [r, g, b, reached(deferred, ray.0 as usize)]
+            });
+            layers.albedo.push([r, g, b]);
+            layers.shadow.push(lit / lights);
+        }
+        Some(layers)
+    }
+
+    /// The color with 16 bits a channel: sRGB, and alpha as it is.
+    pub fn encoded16(&self) -> Vec<[u16; 4]> {
+        let round = |value: f32| (value * 65535.0 + 0.5) as u16;
+        let encode = |value: f32| round(srgb_encode(value));
+        self.color.iter().map(|&[r, g, b, a]| [encode(r), encode(g), encode(b), round(a)]).collect()
+    }
+}
+
+/// The base color of a surface; black where nothing was hit.
+fn albedo(maps: &Maps<'_>, surface: &Surface) -> [f32; 3] {
+    if surface.material == 0 {
+        return [0.0; 3];
+    }
+    let base = base::<f32>(maps, &Surfaces::new(surface));
+    [base.x, base.y, base.z]
+}
+
+/// How many lights reach the surface of a ray.
+fn reached(deferred: &Deferred, ray: usize) -> f32 {
+    let words = deferred.mask_words as usize;
+    deferred.masks[ray * words..][..words].iter().map(|word| word.count_ones()).sum::<u32>() as f32
+}
