@@ -1,7 +1,8 @@
 //! The scene: everything a backend reads, in the arrays it reads them from.
 
 use crate::kernel::environment::Sky;
-use crate::layout::{Attribute, Material, Node, Object, Texture, Wrap};
+use crate::kernel::pane;
+use crate::layout::{AlphaMode, Attribute, Material, Node, Object, Texture, Wrap};
 use crate::num::flush;
 use crate::scene::camera::single;
 use crate::scene::floor::floored;
@@ -84,6 +85,10 @@ struct Stored {
     first_tangent: u32,
     first_second_uv: u32,
     first_source: usize,
+    vertices: u32,
+    /// For each set of texture coordinates, where the vertices of panes start in the words; 0
+    /// where no object has asked for them.
+    panes: [u32; 2],
     triangles: u32,
     bounds: Bounds,
     center: DVec3,
@@ -112,6 +117,7 @@ pub struct Scene {
     meshes: Vec<Stored>,
     lights: Vec<Light>,
     sky: Sky,
+    see_through: AlphaMode,
     bounds: Bounds,
     /// Light from everywhere, linear RGB; an environment takes its place.
     pub ambient: Vec3,
@@ -149,6 +155,7 @@ impl Scene {
             meshes: vec![],
             lights: vec![],
             sky: Sky::default(),
+            see_through: AlphaMode::Opaque,
             bounds: Bounds::EMPTY,
             ambient: Vec3::splat(0.1),
             background: Vec3::new(0.02, 0.025, 0.035),
@@ -198,9 +205,20 @@ impl Scene {
 
     /// Adds a material. Colors too small to count are black.
     pub fn add_material(&mut self, mut material: Material) -> MaterialIndex {
-        let Material { base, specular, emission, shininess, metallic, roughness, bump, occlusion, .. } =
-            &mut material;
-        let numbers = [shininess, metallic, roughness, bump, occlusion];
+        let Material {
+            base,
+            specular,
+            emission,
+            shininess,
+            metallic,
+            roughness,
+            bump,
+            occlusion,
+            alpha,
+            cutoff,
+            ..
+        } = &mut material;
+        let numbers = [shininess, metallic, roughness, bump, occlusion, alpha, cutoff];
         for value in base.iter_mut().chain(specular).chain(emission).chain(numbers) {
             *value = floored(*value);
         }
@@ -248,6 +266,8 @@ impl Scene {
             first_tangent: after(indices.len(), tangents),
             first_second_uv: after(indices.len() + tangents, second_uv),
             first_source: self.sources.len(),
+            vertices: order.vertices.len() as u32,
+            panes: [0; 2],
             triangles: mesh.triangles() as u32,
             bounds: Bounds { low: root.low, high: root.high },
             center,
@@ -286,6 +306,8 @@ impl Scene {
         }
         let stored = self.mesh(mesh.0)?;
         let object = place(stored, material.0, to_world)?;
+        let pane = self.pane(mesh.0, material.0)?;
+        let object = Object { pane, ..object };
         // Here the bounds only grow; going through all objects for each would take hours for
         // a million of them.
         self.bounds = self.bounds.union(&Bounds { low: object.low, high: object.high });
@@ -304,11 +326,59 @@ impl Scene {
         let Some(old) = self.objects.get(index) else {
             return Err(SceneError::Index { what: "object", index: object.0 });
         };
-        let material = old.material;
+        let (material, pane) = (old.material, old.pane);
         let stored = self.mesh(self.object_meshes[index])?;
-        self.objects[index] = place(stored, material, to_world)?;
+        self.objects[index] = Object { pane, ..place(stored, material, to_world)? };
         self.objects_changed();
         Ok(())
+    }
+
+    /// Where the pane of an object of this mesh and material is in the words (see
+    /// [`crate::kernel::pane`]), which it is added to; 0 for a material that is opaque.
+    fn pane(&mut self, mesh: u32, material: u32) -> Result<u32, SceneError> {
+        let material = self.materials[material as usize];
+        if material.alpha_mode == AlphaMode::Opaque as u32 {
+            return Ok(0);
+        }
+        if self.see_through != AlphaMode::Blend {
+            let blends = material.alpha_mode == AlphaMode::Blend as u32;
+            self.see_through = if blends { AlphaMode::Blend } else { AlphaMode::Mask };
+        }
+        let map = material.textures[Material::COLOR];
+        let stored = *self.mesh(mesh)?;
+        let set = usize::from(map.set == 1 && stored.first_second_uv > 0);
+        let more = (pane::VERTEX * stored.vertices + pane::RECORD) as usize;
+        if self.words.len() + more > u32::MAX as usize / 4 {
+            return Err(SceneError::TooLarge { what: "triangles" });
+        }
+        self.versions.geometry += 1;
+        if stored.panes[set] == 0 && stored.vertices > 0 {
+            self.meshes[mesh as usize].panes[set] = self.words.len() as u32;
+            for vertex in 0..stored.vertices {
+                let attribute = self.attributes[(stored.first_vertex + vertex) as usize];
+                let second = (stored.first_second_uv + 2 * vertex) as usize;
+                let uv = match set {
+                    0 => attribute.uv.map(f32::to_bits),
+                    _ => [self.words[second], self.words[second + 1]],
+                };
+                self.words.extend([uv[0], uv[1], attribute.color]);
+            }
+        }
+        let at = self.words.len() as u32;
+        let [r, g, b] = material.base.map(f32::to_bits);
+        self.words.extend([
+            material.alpha_mode,
+            material.cutoff.to_bits(),
+            r,
+            g,
+            b,
+            material.alpha.to_bits(),
+        ]);
+        let size = if map.levels > 0 { [map.width, map.height] } else { [0; 2] };
+        self.words.extend([self.meshes[mesh as usize].panes[set], map.first, size[0], size[1]]);
+        self.words.extend([map.wrap_u, map.wrap_v]);
+        self.words.extend(map.turn.as_flattened().iter().chain(&map.shift).map(|n| n.to_bits()));
+        Ok(at)
     }
 
     fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
@@ -347,7 +417,8 @@ impl Scene {
         bytemuck::cast_slice(&self.nodes)
     }
     /// Of all meshes: vertex indices, three a triangle, in the order of their trees' leaves, and,
-    /// where there are some, packed tangents and second texture coordinates.
+    /// where there are some, packed tangents and second texture coordinates; and the panes of
+    /// objects that are not opaque.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
@@ -391,6 +462,10 @@ impl Scene {
             m.textures[Material::NORMAL].levels > 0 || m.textures.iter().any(|t| t.levels > 0 && t.set > 0)
         };
         self.materials.iter().any(asks)
+    }
+    /// What alpha does in the scene: the most that it does to one of its objects.
+    pub(super) fn see_through(&self) -> AlphaMode {
+        self.see_through
     }
     /// The largest coordinate of an object's bounds, in magnitude.
     pub(super) fn magnitude(&self) -> f32 {
@@ -505,6 +580,7 @@ fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneEr
         slack: (SLACK * condition(&m, &inverse)) as f32,
         first_tangent: mesh.first_tangent,
         first_second_uv: mesh.first_second_uv,
+        pane: 0,
     })
 }
 

@@ -3,6 +3,7 @@
 
 pub mod bin;
 pub mod detail;
+pub mod layers;
 pub mod light;
 pub mod occlusion;
 pub mod prepare;

@@ -25,6 +25,8 @@ pub struct Job<'a> {
     pub size: [u32; 2],
     pub samples: u32,
     pub shadows: bool,
+    /// The most layers of surfaces that a ray looks at.
+    pub layers: u32,
     /// Rays from the camera.
     pub rays: u64,
     /// Milliseconds.
@@ -68,6 +70,7 @@ impl<'a> Job<'a> {
             samples,
             rays,
             shadows: !common.no_shadows,
+            layers: common.transparency_depth,
             tree_build_ms: loaded.tree_build_ms,
             name: &common.scene,
         })
@@ -80,6 +83,7 @@ impl<'a> Job<'a> {
             size: self.size,
             samples: self.samples,
             shadows: self.shadows,
+            layers: self.layers,
             deferred,
         }
     }
@@ -102,6 +106,7 @@ fn load(name: &Path, threads: Option<usize>) -> Result<Loaded, Error> {
     let pool = Cpu::new(rtrt_cpu::Options { lanes: None, threads }).map_err(ChooseError::Cpu)?;
     match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
         Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
+        Some("glass") => Ok(pool.install(|| demo::glass(&Parallel))?),
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
         None => Ok(pool.install(|| import::load(name, &Parallel))?),
     }
