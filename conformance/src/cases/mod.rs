@@ -8,6 +8,7 @@ mod material;
 mod shadow;
 mod surface;
 mod texture;
+mod transparency;
 mod visibility;
 
 use crate::case::Case;
@@ -24,6 +25,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         shadow::CASES,
         light::CASES,
         environment::CASES,
+        transparency::CASES,
     ];
     files.into_iter().flatten()
 }
