@@ -36,7 +36,7 @@ const CORNER: Vec3 = vec3(-1.9, 0.35, -1.35);
 /// # Errors
 /// As for [`crate::import::load`]; nothing in the scene gives rise to any.
 pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut stage = Stage { builder: Builder::new(Path::new(GLASS), join) };
+    let mut stage = Stage { builder: Builder::new(Path::new(GLASS), join, None) };
     stage.room()?;
     stage.window()?;
     stage.sheets()?;
@@ -62,6 +62,7 @@ pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
         camera,
         lit_by_default: false,
         warnings: Vec::new(),
+        animation: None,
         tree_build_ms: stage.builder.tree_build_ms,
     })
 }
@@ -82,7 +83,8 @@ impl<J: Join> Stage<'_, J> {
     }
     fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
         let mesh = self.builder.add_mesh(GLASS, shape.0)?;
-        self.builder.add_object(GLASS, mesh, material, Mat4::IDENTITY)
+        self.builder.add_object(GLASS, mesh, material, Mat4::IDENTITY)?;
+        Ok(())
     }
 
     /// A closed room with an opening for the window.
