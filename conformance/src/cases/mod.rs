@@ -5,6 +5,7 @@ mod camera;
 mod environment;
 mod light;
 mod material;
+mod motion;
 mod shadow;
 mod surface;
 mod texture;
@@ -24,6 +25,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         shadow::CASES,
         light::CASES,
         environment::CASES,
+        motion::CASES,
     ];
     files.into_iter().flatten()
 }

@@ -37,6 +37,12 @@ impl Lists<'_> {
     pub fn range(&self, block: u32) -> [u32; 2] {
         [self.words[block as usize], self.words[block as usize + 1]]
     }
+    /// Whether a block has no entry.
+    #[inline(always)]
+    pub fn is_empty(&self, block: u32) -> bool {
+        let [first, last] = self.range(block);
+        first == last
+    }
     /// An entry.
     #[inline(always)]
     pub fn entry(&self, index: u32) -> Entry {

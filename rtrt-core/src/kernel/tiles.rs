@@ -52,7 +52,7 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
     const VECTORS: usize = G / TILE;
 
     /// The bounds of those rays whose limit is not negative, in the tiles whose bits are set
-    /// in `among`; each of them has such a ray. Nothing for a packet of one group, which needs
+    /// in `among`, at least one; each of them has such a ray. Nothing for a packet of one group, which needs
     /// none.
     #[inline(always)]
     pub fn of<O: Lane>(rays: &[Ray<L, O>; G], best: &[Best<L>; G], among: u32) -> Self {

@@ -11,7 +11,7 @@ use crate::kernel::traverse::{Best, BestRows};
 use crate::lane::{Bits, Lane, Mask, Select, V3};
 use crate::layout::{Material, NONE, Object};
 use crate::num::{FLOOR, flush, flush3, recip, sqrt};
-use crate::stage::surface::{Identity, OfObject, Space, Surfaces, Vertices};
+use crate::stage::surface::{Identity, OfObject, Space, Surfaces, Vertices, triangles};
 
 /// The surfaces with what their materials ask for.
 #[inline(always)]
@@ -42,8 +42,7 @@ fn with_second_set<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, surfaces: &
     if !has.any() {
         return *surfaces;
     }
-    let [sa, ta, sb, tb, sc, tc, area] = L::gather(
-        token,
+    let [sa, ta, sb, tb, sc, tc, area] = triangles(best, &found, has).gather(
         #[inline(always)]
         |lane| second_set(vertices, &found, lane),
     );
@@ -132,16 +131,17 @@ fn normal<L: Lane>(
     let zero = surfaces.footprint.like(0.0);
     let chosen = Chosen::new(surfaces.material);
     let [levels, scale] = chosen.numbers::<Bumps, 2>(token, maps);
-    if !zero.less_than(levels).any() {
+    let wanted = zero.less_than(levels);
+    if !wanted.any() {
         return surfaces.normal;
     }
     let found = best.rows();
-    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz, sa, ta, sb, tb, sc, tc, sign] = L::gather(
-        token,
-        #[inline(always)]
-        |lane| corners(vertices, &found, lane),
-    );
-    let has = zero.less_than(levels) & zero.less_than(sign.abs());
+    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz, sa, ta, sb, tb, sc, tc, sign] =
+        triangles(best, &found, wanted).gather(
+            #[inline(always)]
+            |lane| corners(vertices, &found, lane),
+        );
+    let has = wanted & zero.less_than(sign.abs());
     if !has.any() {
         return surfaces.normal;
     }

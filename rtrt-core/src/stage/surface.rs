@@ -209,15 +209,7 @@ pub fn surface<L: Lane>(
     }
     let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
     let found = best.rows();
-    let triangles = Distinct::of(
-        token,
-        !missed,
-        #[inline(always)]
-        |lane| {
-            best.object.equal(best.object.like(found.object(lane)))
-                & best.triangle.equal(best.triangle.like(found.triangle(lane)))
-        },
-    );
+    let triangles = triangles(best, &found, !missed);
     let [ax, ay, az, bx, by, bz, cx, cy, cz] = triangles.gather(
         #[inline(always)]
         |lane| places(geometry, &found, lane),
@@ -274,6 +266,20 @@ pub fn surface<L: Lane>(
         second_uv: [zero; 2],
         second_footprint: zero,
     }
+}
+
+/// The different triangles that the lanes in `wanted` have hit.
+#[inline(always)]
+pub(super) fn triangles<L: Lane>(best: &Best<L>, found: &BestRows<L>, wanted: L::Mask) -> Distinct<L> {
+    Distinct::of(
+        best.t.token(),
+        wanted,
+        #[inline(always)]
+        |lane| {
+            best.object.equal(best.object.like(found.object(lane)))
+                & best.triangle.equal(best.triangle.like(found.triangle(lane)))
+        },
+    )
 }
 
 /// `v`, turned to the side that `toward` is on.

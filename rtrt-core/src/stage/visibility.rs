@@ -74,6 +74,9 @@ pub fn visibility<L: Lane, const G: usize>(
         },
     );
     let block = camera.first_block + grid.block(first).0;
+    if lists.is_empty(block) {
+        return best;
+    }
     if G > 1 && camera.w_offset == 0.0 {
         let rays: [Ray<L, f32>; G] = groups(
             #[inline(always)]
@@ -103,9 +106,15 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY:
     rays: &[Ray<L, O>; G],
     best: &mut [Best<L>; G],
 ) {
+    if lists.is_empty(block) {
+        return;
+    }
     let token = best[0].t.token();
     let mut limits = if G == 1 { [0.0; TILES] } else { Tiles::<L, G>::limits(best) };
     let searching = if G == 1 { 1 } else { Tiles::<L, G>::searching(token, &limits) };
+    if searching == 0 {
+        return;
+    }
     let tiles = Tiles::of(rays, best, searching);
     let [mut next, last] = lists.range(block);
     while next < last {
