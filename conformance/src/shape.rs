@@ -140,6 +140,19 @@ impl Shape {
         self
     }
 
+    /// With its corners where `bend` takes them. Normals stay.
+    pub fn bent(mut self, bend: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
+        for p in &mut self.positions {
+            *p = bend(*p);
+        }
+        self
+    }
+
+    /// The mesh. Panics where a case has a mistake.
+    pub fn mesh(self) -> Mesh {
+        Mesh::new(self.positions, self.attributes, self.indices).expect("a case's mesh")
+    }
+
     /// With a color of its own at each vertex.
     pub fn painted(mut self, random: &mut Random) -> Self {
         for attribute in &mut self.attributes {
@@ -198,8 +211,7 @@ impl Build {
     }
     /// Adds a mesh with what `more` adds to it.
     pub fn mesh_of(&mut self, shape: Shape, more: impl Fn(Mesh) -> Mesh) -> MeshIndex {
-        let Shape { positions, attributes, indices } = shape;
-        let mesh = more(Mesh::new(positions, attributes, indices).expect("a case's mesh"));
+        let mesh = more(shape.mesh());
         let tree = MeshTree::build(&mesh, &Sequential);
         self.scene.add_mesh(&mesh, &tree).expect("room")
     }

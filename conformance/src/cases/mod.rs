@@ -5,6 +5,7 @@ mod camera;
 mod environment;
 mod light;
 mod material;
+mod motion;
 mod shadow;
 mod surface;
 mod texture;
@@ -26,6 +27,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         light::CASES,
         environment::CASES,
         transparency::CASES,
+        motion::CASES,
     ];
     files.into_iter().flatten()
 }

@@ -1,0 +1,60 @@
+//! Scenes whose objects have moved, are hidden, or have another shape than at first.
+
+use crate::case::{Case, look};
+use crate::shape::{Build, Shape, bulb};
+use glam::{Mat4, Vec3};
+use rtrt_core::scene::{Motion, ObjectIndex};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "motion/moved_and_turned",
+        claim: "Objects that were moved are met, and throw shadows, where they are.",
+        scene: || {
+            let mut build = Build::default().shape(Shape::floor(5.0, -1.0));
+            let cube = build.mesh(Shape::cube());
+            let starts = [-1.5_f32, 0.0, 1.5]
+                .map(|x| Mat4::from_translation(Vec3::new(x, 0.0, 0.0)) * Mat4::from_scale(Vec3::splat(0.4)));
+            let objects = starts.map(|start| build.object(cube, start));
+            let moved = objects.iter().zip(starts).enumerate().map(|(i, (object, start))| {
+                let i = i as f32;
+                let motion =
+                    Motion { velocity: Vec3::new(0.1, 0.3 * i, -0.2), axis: Vec3::ONE, rate: 0.5 + i };
+                (*object, motion.at(start, 1.25))
+            });
+            build.scene.set_transforms(moved).expect("within range");
+            build.light(bulb([2.0, 3.0, 3.0])).scene
+        },
+        camera: look([0.0, 1.0, 4.0], [0.0; 3]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "motion/hidden",
+        claim: "A hidden object is not met and throws no shadow; the others keep their numbers.",
+        scene: || {
+            let mut build = Build::default().shape(Shape::floor(5.0, -1.0));
+            let ball = build.mesh(Shape::ball(4));
+            for x in [-1.2, 0.0, 1.2] {
+                build.object(ball, Mat4::from_translation(Vec3::new(x, 0.0, 0.0)));
+            }
+            build.scene.hide(ObjectIndex(2)).expect("it is there");
+            build.light(bulb([2.0, 3.0, 3.0])).scene
+        },
+        ..Case::USUAL
+    },
+    Case {
+        name: "motion/reshaped",
+        claim: "A refitted tree loses no hit, however far corners have gone from where it was built.",
+        scene: || {
+            let mut build = Build::default();
+            let ball = build.mesh(Shape::ball(9));
+            build.object(ball, Mat4::IDENTITY);
+            let twist = |p: [f32; 3]| {
+                let (sin, cos) = (libm::sinf(4.0 * p[1]), libm::cosf(4.0 * p[1]));
+                [p[0] * cos - p[2] * sin + 0.5 * sin, 1.3 * p[1], 0.2 * p[0] * sin + p[2] * cos]
+            };
+            build.scene.reshape(ball, &Shape::ball(9).bent(twist).mesh()).expect("within range");
+            build.shape(Shape::floor(5.0, -1.5)).light(bulb([2.0, 3.0, 3.0])).scene
+        },
+        ..Case::USUAL
+    },
+];
