@@ -147,19 +147,21 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usi
             continue;
         }
         let is_identity = object.is_identity == 1;
-        if G > 1 && is_identity {
-            traverse(geometry, entry.object, rays, &tiles, met, &mut limits, searches, best);
-            continue;
-        }
-        let local_rays: [Ray<L, O>; G] = groups(
-            #[inline(always)]
-            |g| {
-                let is_met = G == 1 || met >> Tiles::<L, G>::tile(g) & 1 == 1;
-                if is_met && !is_identity { rays[g].to_object(object) } else { rays[g] }
-            },
-        );
-        let local_tiles = Tiles::of(&local_rays, best, met);
-        traverse(geometry, entry.object, &local_rays, &local_tiles, met, &mut limits, searches, best);
+        let (local_rays, local_tiles);
+        let (here, here_tiles) = if G > 1 && is_identity {
+            (rays, &tiles)
+        } else {
+            local_rays = groups(
+                #[inline(always)]
+                |g| {
+                    let is_met = G == 1 || met >> Tiles::<L, G>::tile(g) & 1 == 1;
+                    if is_met && !is_identity { rays[g].to_object(object) } else { rays[g] }
+                },
+            );
+            local_tiles = Tiles::of(&local_rays, best, met);
+            (&local_rays, &local_tiles)
+        };
+        traverse(geometry, entry.object, here, here_tiles, met, &mut limits, searches, best);
     }
 }
 
