@@ -133,7 +133,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let light = vector(light)?.to_array();
     let mut setup = Setup::default();
-    setup.prepare(&loaded.scene, &camera, SIZE, 1, true)?;
+    setup.prepare(&loaded.scene, &camera, SIZE, 1, true, 1)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build()?;
     let isa = isa.first().map_or("avx2", String::as_str);
     let config = CString::new(format!("threads={THREADS},isa={isa}"))?;

@@ -34,7 +34,14 @@ fn main() {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.9 },
     };
-    let request = Request { camera: &camera, size: [1280, 720], samples: 1, shadows: true, deferred: false };
+    let request = Request {
+        camera: &camera,
+        size: [1280, 720],
+        samples: 1,
+        shadows: true,
+        layers: rtrt_core::backend::LAYERS,
+        deferred: false,
+    };
     let mut backends: Vec<Box<dyn Backend>> =
         vec![Box::new(rtrt_cpu::Cpu::new(rtrt_cpu::Options::default()).expect("a processor"))];
     match rtrt_gpu::Gpu::new(rtrt_gpu::Options::default()) {

@@ -1,7 +1,7 @@
 //! What a case is.
 
 use glam::Vec3;
-use rtrt_core::backend::Request;
+use rtrt_core::backend::{LAYERS, Request};
 use rtrt_core::scene::{Camera, Projection, Scene};
 
 /// How exactly a backend must agree with the reference.
@@ -29,6 +29,8 @@ pub struct Case {
     pub samples: u32,
     /// Whether lights cast shadows.
     pub shadows: bool,
+    /// The most layers of surfaces that a ray looks at.
+    pub layers: u32,
     /// How exactly.
     pub agree: Agree,
     /// Whether the picture is of a single color. Any other picture that is one is red: it
@@ -58,6 +60,7 @@ impl Case {
         size: [37, 21],
         samples: 1,
         shadows: true,
+        layers: LAYERS,
         agree: Agree::Bits,
         blank: false,
         known: None,
@@ -70,6 +73,7 @@ impl Case {
             size: self.size,
             samples: self.samples,
             shadows: self.shadows,
+            layers: self.layers,
             deferred: true,
         }
     }

@@ -161,6 +161,14 @@ impl Shape {
         self
     }
 
+    /// The same with an alpha of its own too.
+    pub fn painted_through(mut self, random: &mut Random) -> Self {
+        for attribute in &mut self.attributes {
+            attribute.color = random.bits() << 1;
+        }
+        self
+    }
+
     /// With texture coordinates scaled, then moved.
     pub fn textured(mut self, scale: [f32; 2], offset: [f32; 2]) -> Self {
         for attribute in &mut self.attributes {

@@ -80,7 +80,14 @@ fn scene(time: f64) -> (Scene, MeshIndex) {
 
 #[test]
 fn a_moved_scene_is_a_new_one_made_there() {
-    let request = Request { camera: &CAMERA, size: [97, 55], samples: 4, shadows: true, deferred: true };
+    let request = Request {
+        camera: &CAMERA,
+        size: [97, 55],
+        samples: 4,
+        shadows: true,
+        layers: rtrt_core::backend::LAYERS,
+        deferred: true,
+    };
     let mut reference = reference();
     let mut variants = present(all(), requires_gpu());
     assert_eq!(variants.failed, 0);

@@ -9,7 +9,8 @@ use conformance::variants::{all, present, requires_gpu};
 use glam::{Mat4, Quat, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request};
 use rtrt_core::compare::compare;
-use rtrt_core::scene::{Camera, Light, Projection, Scene};
+use rtrt_core::layout::{AlphaMode, Material, Texture, Wrap};
+use rtrt_core::scene::{Camera, Image, Light, MaterialIndex, Projection, Scene, phong};
 use std::ops::Range;
 
 fn seeds() -> Range<u64> {
@@ -80,12 +81,36 @@ fn shape_of_few(random: &mut Random) -> Shape {
     if random.below(3) == 0 { Shape::cube() } else { one }
 }
 
+/// A material that blends or is masked, some with a texture whose alpha varies.
+fn see_through(random: &mut Random, build: &mut Build) -> MaterialIndex {
+    let mut material = phong((random.vector(0.5) + 0.5).to_array(), 0.0, 0.5, Texture::NONE, [0.0; 3]);
+    material.alpha = random.within(0.0, 1.2);
+    material.alpha_mode =
+        [AlphaMode::Mask, AlphaMode::Blend, AlphaMode::Blend][random.below(3) as usize] as u32;
+    if random.below(2) == 0 {
+        let rgba = (0..4 * 7 * 5).map(|_| random.bits() as u8).collect();
+        let wrap = [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror][random.below(3) as usize];
+        let map = build.scene.add_texture(&Image { width: 7, height: 5, rgba }, [wrap; 2]).expect("room");
+        material.textures[Material::COLOR] = map;
+    }
+    build.scene.add_material(material)
+}
+
 fn scene(random: &mut Random) -> Scene {
     let mut build = Build::default();
     let meshes: Vec<_> = (0..1 + random.below(4)).map(|_| shape(random)).map(|s| build.mesh(s)).collect();
+    let materials: Vec<_> = (0..3).map(|_| see_through(random, &mut build)).collect();
+    // In half of the scenes everything is opaque.
+    let clear = random.below(2);
     for _ in 0..1 + random.below(20) {
         let mesh = meshes[random.below(meshes.len() as u32) as usize];
-        build.object(mesh, transform(random));
+        let place = transform(random);
+        if clear * random.below(3) == 0 {
+            build.object(mesh, place);
+        } else {
+            let material = materials[random.below(3) as usize];
+            build.scene.add_object(mesh, material, place).expect("a transform that was tried");
+        }
     }
     (0..random.below(5)).fold(build, |build, _| build.light(light(random))).scene
 }
@@ -124,6 +149,7 @@ fn every_variant_equals_the_oracles_on_random_scenes() {
             size: if is_swarm { [61, 45] } else { [1 + random.below(40), 1 + random.below(30)] },
             samples: [1, 1, 1, 4][random.below(4) as usize],
             shadows: random.below(8) != 0,
+            layers: [1, 2, 3, 8][random.below(4) as usize],
             deferred: true,
         };
         reference.render(&scene, &request, &mut expected).unwrap_or_else(|why| panic!("seed {seed}: {why}"));
@@ -140,5 +166,5 @@ fn every_variant_equals_the_oracles_on_random_scenes() {
             compared.unwrap_or_else(|why| panic!("seed {seed}, {name}: {why}"));
         }
     }
-    assert!(hits * 5 > cast && judged * 2 > rays, "{hits} hits on {cast} rays, {judged} of {rays} judged");
+    assert!(hits * 5 > cast && judged * 4 > rays, "{hits} hits on {cast} rays, {judged} of {rays} judged");
 }

@@ -39,8 +39,14 @@ fn every_variant_agrees_on_real_scenes() {
         let loaded =
             rtrt::import::load(&path, &rtrt_cpu::Parallel).unwrap_or_else(|why| panic!("{name}: {why}"));
         for samples in [1, 4] {
-            let request =
-                Request { camera: &loaded.camera, size: [97, 55], samples, shadows: true, deferred: true };
+            let request = Request {
+                camera: &loaded.camera,
+                size: [97, 55],
+                samples,
+                shadows: true,
+                layers: 8,
+                deferred: true,
+            };
             reference.render(&loaded.scene, &request, &mut expected).unwrap();
             let is_blank = expected.pixels.iter().all(|&pixel| pixel == expected.pixels[0]);
             assert!(!is_blank, "{name} shows nothing");

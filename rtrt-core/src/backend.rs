@@ -7,8 +7,11 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 /// The stages of a frame, in order. [`Picture::stages_ms`] is indexed alike.
-pub const STAGES: [&str; 8] =
-    ["prepare", "bin", "visibility", "surface", "occlusion", "light", "shade", "resolve"];
+pub const STAGES: [&str; 9] =
+    ["prepare", "bin", "visibility", "surface", "occlusion", "light", "shade", "layers", "resolve"];
+
+/// The usual number of layers of surfaces that a ray looks at.
+pub const LAYERS: u32 = 8;
 
 /// What to render.
 #[derive(Debug, Clone, Copy)]
@@ -21,12 +24,16 @@ pub struct Request<'a> {
     pub samples: u32,
     /// Whether lights cast shadows.
     pub shadows: bool,
+    /// The most layers of surfaces that a ray looks at, 1 ..= [`crate::scene::Setup::MAX_LAYERS`];
+    /// [`LAYERS`] is usual. The last of them counts as opaque.
+    pub layers: u32,
     /// Whether to keep the deferred buffers.
     pub deferred: bool,
 }
 
 /// The deferred buffers of a frame, one record a ray in the order of
-/// [`crate::grid::Grid`], and the lists they came from.
+/// [`crate::grid::Grid`], and the lists they came from. Those up to `lit` are of the first
+/// layer of surfaces.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Deferred {
     /// The lists of all blocks of all views, as words (see
@@ -38,12 +45,21 @@ pub struct Deferred {
     pub surfaces: Vec<Surface>,
     /// Which lights reach them: [`Deferred::mask_words`] words a ray.
     pub masks: Vec<u32>,
+    /// The color of each light's shadow (see [`crate::kernel::tint`]), a word a light; nothing
+    /// where every object is opaque.
+    pub tints: Vec<u32>,
     /// The light that arrives.
     pub lit: Vec<Lit>,
-    /// Linear RGB and alpha.
+    /// Linear RGB and alpha of all layers.
     pub colors: Vec<[f32; 4]>,
+    /// The surfaces behind the first, nearest first: [`Deferred::layer_count`] a ray.
+    pub layers: Vec<Hit>,
     /// Words of the shadow mask a ray.
     pub mask_words: u32,
+    /// Layers a ray behind the first.
+    pub layer_count: u32,
+    /// Words of the shadow colors a ray.
+    pub tint_words: u32,
 }
 
 /// A rendered frame. Give the same one again, and its memory is used again.

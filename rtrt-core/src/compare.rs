@@ -113,13 +113,17 @@ static NONE: Deferred = Deferred {
     hits: Vec::new(),
     surfaces: Vec::new(),
     masks: Vec::new(),
+    tints: Vec::new(),
     lit: Vec::new(),
     colors: Vec::new(),
+    layers: Vec::new(),
     mask_words: 0,
+    layer_count: 0,
+    tint_words: 0,
 };
 
 /// The buffers of a picture, in the order of the stages.
-fn buffers(picture: &Picture) -> [Buffer<'_>; 7] {
+fn buffers(picture: &Picture) -> [Buffer<'_>; 9] {
     let d = picture.deferred.as_ref().unwrap_or(&NONE);
     let records = |stage, name, words, fields: &'static [&'static str]| Buffer {
         stage,
@@ -129,12 +133,16 @@ fn buffers(picture: &Picture) -> [Buffer<'_>; 7] {
         fields,
     };
     let masks = d.mask_words.max(1) as usize;
+    let tints = d.tint_words.max(1) as usize;
+    let layers = 5 * d.layer_count.max(1) as usize;
     [
         records("bin", "lists", &d.lists, ENTRY),
         records("visibility", "hits", cast_slice(&d.hits), HIT),
         records("surface", "surfaces", cast_slice(&d.surfaces), SURFACE),
         Buffer { stage: "occlusion", name: "masks", words: &d.masks, stride: masks, fields: &[] },
+        Buffer { stage: "occlusion", name: "tints", words: &d.tints, stride: tints, fields: &[] },
         records("light", "lit", cast_slice(&d.lit), LIT),
+        Buffer { stage: "layers", name: "layers", words: cast_slice(&d.layers), stride: layers, fields: &[] },
         records("shade", "colors", cast_slice(&d.colors), COLOR),
         Buffer { stage: "resolve", name: "pixels", words: &picture.pixels, stride: 1, fields: &[] },
     ]
@@ -250,7 +258,7 @@ mod tests {
     };
 
     fn request() -> Request<'static> {
-        Request { camera: &CAMERA, size: [5, 3], samples: 4, shadows: true, deferred: true }
+        Request { camera: &CAMERA, size: [5, 3], samples: 4, shadows: true, layers: 8, deferred: true }
     }
 
     /// A frame of one block, in whose lists a second block (of a light) holds two entries.
@@ -263,6 +271,7 @@ mod tests {
             lit: vec![Lit::zeroed(); 256],
             colors: vec![[0.0; 4]; 256],
             mask_words: 2,
+            ..Deferred::default()
         };
         Picture { width: 5, height: 3, pixels: vec![0; 15], deferred: Some(deferred), ..Picture::default() }
     }

@@ -398,6 +398,12 @@ impl<L: Lane> Neg for V3<L> {
     }
 }
 
+/// The product of each component.
+#[inline(always)]
+pub fn times<L: Lane>(a: V3<L>, b: V3<L>) -> V3<L> {
+    V3 { x: a.x * b.x, y: a.y * b.y, z: a.z * b.z }
+}
+
 /// `[f(0), f(1), …]`; `core::array::from_fn` does not compile for GPUs.
 #[inline(always)]
 pub fn groups<T: Copy, const G: usize>(f: impl Fn(usize) -> T) -> [T; G] {

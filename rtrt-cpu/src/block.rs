@@ -7,10 +7,11 @@ use rtrt_core::backend::STAGES;
 use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
 use rtrt_core::kernel::lists::Lists;
 use rtrt_core::kernel::texture::Maps;
-use rtrt_core::kernel::traverse::Geometry;
-use rtrt_core::lane::{Bits, Lane, Row, groups};
-use rtrt_core::layout::{Attribute, Frame, Hit, Lit, Material, Surface, View};
+use rtrt_core::kernel::traverse::{Best, Geometry};
+use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, groups};
+use rtrt_core::layout::{Attribute, Frame, Hit, Lit, Material, NONE, Surface, View};
 use rtrt_core::stage::detail::detail;
+use rtrt_core::stage::layers::{blend, is_covered, layer};
 use rtrt_core::stage::light::{Arriving, light};
 use rtrt_core::stage::surface::{Surfaces, Vertices, surface};
 use rtrt_core::stage::visibility::{hit, rays, visibility};
@@ -33,8 +34,10 @@ pub struct Records<'a> {
     pub hits: &'a mut [Hit],
     pub surfaces: &'a mut [Surface],
     pub masks: &'a mut [u32],
+    pub tints: &'a mut [u32],
     pub lit: &'a mut [Lit],
     pub colors: &'a mut [[f32; 4]],
+    pub layers: &'a mut [Hit],
 }
 
 /// Time spent in each stage.
@@ -108,12 +111,12 @@ impl Work for Block<'_> {
                 *pixel = bits.lane(lane);
             }
         }
-        clock.lap(7, &mut start);
+        clock.lap(8, &mut start);
         clock
     }
 }
 
-/// The colors of one packet.
+/// The colors of one packet: the first layer of surfaces, and those behind it that can be seen.
 #[inline(always)]
 fn packet_colors<L: Lane, const G: usize>(
     token: L::Token,
@@ -121,76 +124,167 @@ fn packet_colors<L: Lane, const G: usize>(
     ray: RayIndex,
     first: usize,
     colors: &mut [[f32; 4]],
-    records: Option<&mut Records<'_>>,
+    mut records: Option<&mut Records<'_>>,
     clock: &mut Clock,
 ) {
-    let Job { frame, views, lists, geometry, attributes, materials, texels } = job;
+    let Job { views, lists, geometry, attributes, materials, texels, .. } = job;
+    let mut frame = *job.frame;
     let camera = &views[Frame::CAMERA as usize];
     let maps = Maps { materials, texels };
     let mut start = Instant::now();
-    let best = visibility::<L, G>(token, frame, views, lists, geometry, ray);
-    clock.lap(2, &mut start);
-    let rays = rays::<L, G>(token, frame, camera, ray);
-    let surfaces: [Surfaces<L>; G] = groups(
+    let rays = rays::<L, G>(token, &frame, camera, ray);
+    let zero = L::splat(token, 0.0);
+    let none = zero.bits_like(0);
+    let mut best: [Best<L>; G] = groups(
         #[inline(always)]
-        |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
+        |_| Best { t: zero, object: none, triangle: none, u: zero, v: zero },
     );
-    let surfaces = if frame.details == 0 {
-        surfaces
-    } else {
-        let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
-        groups(
+    let mut sums = [[zero; 4]; G];
+    for number in 0.. {
+        // The stages of a layer have the names of the first one's, the time does not.
+        let stage = |stage: usize| if number == 0 { stage } else { LAYERS };
+        best = if frame.layers == 0 {
+            visibility::<L, G>(token, &frame, views, lists, geometry, ray)
+        } else {
+            layer::<L, G>(token, &frame, views, lists, geometry, ray, &best)
+        };
+        clock.lap(stage(2), &mut start);
+        let surfaces: [Surfaces<L>; G] = groups(
             #[inline(always)]
-            |g| detail(&maps, &vertices, &best[g], &surfaces[g]),
-        )
-    };
-    clock.lap(3, &mut start);
-    // The usual scene has one word of lights; more are kept in order.
-    let words = frame.mask_words;
-    let mask = occlusion::word::<L, G>(frame, views, lists, geometry, 0, &surfaces);
-    let more: Vec<[L::Bits; G]> =
-        (1..words).map(|w| occlusion::word::<L, G>(frame, views, lists, geometry, w, &surfaces)).collect();
-    let word = |w: u32| if w == 0 { &mask } else { &more[w as usize - 1] };
-    clock.lap(4, &mut start);
-    let arriving: [Arriving<L>; G] = groups(
-        #[inline(always)]
-        |g| {
-            light(
-                frame,
-                views,
-                &maps,
+            |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
+        );
+        let surfaces = if frame.details == 0 {
+            surfaces
+        } else {
+            let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
+            groups(
                 #[inline(always)]
-                |w| word(w)[g],
-                &rays[g],
-                &surfaces[g],
+                |g| detail(&maps, &vertices, &best[g], &surfaces[g]),
             )
-        },
-    );
-    clock.lap(5, &mut start);
+        };
+        clock.lap(stage(3), &mut start);
+        let shadows = Shadows::<L, G>::new(&frame, job, &surfaces);
+        clock.lap(stage(4), &mut start);
+        let arriving: [Arriving<L>; G] = groups(
+            #[inline(always)]
+            |g| {
+                light(
+                    &frame,
+                    views,
+                    &maps,
+                    #[inline(always)]
+                    |w| shadows.words[w as usize][g],
+                    #[inline(always)]
+                    |light| shadows.tints[light as usize][g],
+                    &rays[g],
+                    &surfaces[g],
+                )
+            },
+        );
+        clock.lap(stage(5), &mut start);
+        for g in 0..G {
+            let shaded = shade(&frame, &maps, &rays[g], &surfaces[g], &arriving[g]);
+            sums[g] = if frame.layers == 0 { shaded } else { blend(&frame, sums[g], shaded) };
+        }
+        clock.lap(stage(6), &mut start);
+        if let Some(records) = &mut records {
+            for g in 0..G {
+                for lane in 0..L::WIDTH {
+                    let at = first + g * L::WIDTH + lane;
+                    if number > 0 {
+                        let behind = job.frame.layers as usize - 1;
+                        records.layers[at * behind + number - 1] = hit(&best[g], lane);
+                        continue;
+                    }
+                    records.hits[at] = hit(&best[g], lane);
+                    records.surfaces[at] = surfaces[g].lane(lane);
+                    let words = frame.mask_words;
+                    for w in 0..words {
+                        records.masks[(at as u32 * words + w) as usize] =
+                            shadows.words[w as usize][g].lane(lane);
+                    }
+                    for (light, tint) in shadows.tints.iter().enumerate() {
+                        records.tints[at * shadows.tints.len() + light] = tint[g].lane(lane);
+                    }
+                    records.lit[at] = arriving[g].lane(lane);
+                }
+            }
+        }
+        if frame.layers <= 1 {
+            break;
+        }
+        frame.layers -= 1;
+        // What nothing shines through looks for nothing more.
+        let mut is_done = true;
+        for g in 0..G {
+            let missing = none.like(NONE);
+            best[g].object = is_covered(sums[g][3]).select(missing, best[g].object);
+            is_done &= !(!best[g].object.equal(missing)).any();
+        }
+        if is_done {
+            break;
+        }
+    }
     for g in 0..G {
         let start_of_group = first + g * L::WIDTH;
-        let shaded = shade(frame, &maps, &rays[g], &surfaces[g], &arriving[g]);
+        let sum = sums[g];
         let [r, g, b, a] = groups(
             #[inline(always)]
-            |channel| shaded[channel].row(),
+            |channel| sum[channel].row(),
         );
         for lane in 0..L::WIDTH {
             colors[start_of_group + lane] = [r.at(lane), g.at(lane), b.at(lane), a.at(lane)];
         }
     }
+    if let Some(records) = &mut records {
+        let range = first..first + G * L::WIDTH;
+        records.colors[range.clone()].copy_from_slice(&colors[range]);
+    }
     clock.lap(6, &mut start);
-    let Some(records) = records else { return };
-    for g in 0..G {
-        for lane in 0..L::WIDTH {
-            let at = first + g * L::WIDTH + lane;
-            records.hits[at] = hit(&best[g], lane);
-            records.surfaces[at] = surfaces[g].lane(lane);
-            for w in 0..words {
-                records.masks[at * words as usize + w as usize] = word(w)[g].lane(lane);
+}
+
+/// The stage that layers behind the first belong to.
+const LAYERS: usize = 7;
+
+/// Which lights reach a packet's surfaces.
+struct Shadows<L: Lane, const G: usize> {
+    /// The words of the shadow mask.
+    words: Vec<[L::Bits; G]>,
+    /// What is left of each light, where not every object is opaque.
+    tints: Vec<[L::Bits; G]>,
+}
+
+impl<L: Lane, const G: usize> Shadows<L, G> {
+    #[inline(always)]
+    fn new(frame: &Frame, job: &Job<'_>, surfaces: &[Surfaces<L>; G]) -> Self {
+        let Job { views, lists, geometry, .. } = job;
+        let mut words = Vec::with_capacity(frame.mask_words as usize);
+        let mut tints = Vec::new();
+        if frame.layers == 0 {
+            for word in 0..frame.mask_words {
+                words.push(occlusion::word::<L, G>(frame, views, lists, geometry, word, surfaces));
             }
-            records.lit[at] = arriving[g].lane(lane);
-            records.colors[at] = colors[at];
+            return Self { words, tints };
         }
+        let none = surfaces[0].material.like(0);
+        words.resize(frame.mask_words as usize, [none; G]);
+        let origins = groups(
+            #[inline(always)]
+            |g| surfaces[g].origin,
+        );
+        for number in 0..frame.lights {
+            let asked = groups(
+                #[inline(always)]
+                |g| occlusion::ask(frame, views, number, &surfaces[g]),
+            );
+            let tint = occlusion::tint::<L, G>(frame, views, lists, geometry, number, &origins, &asked);
+            let (word, bit) = occlusion::place(frame, 0, number);
+            for (mask, tint) in words[word as usize].iter_mut().zip(&tint) {
+                *mask = *mask | occlusion::bit::<L>(*tint, bit);
+            }
+            tints.push(tint);
+        }
+        Self { words, tints }
     }
 }
 

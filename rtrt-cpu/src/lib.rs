@@ -13,7 +13,7 @@
 //!     up: [0.0, 1.0, 0.0].into(),
 //!     projection: Projection::Perspective { fov_y: 1.0 },
 //! };
-//! let request = Request { camera: &camera, size: [32, 20], samples: 1, shadows: true, deferred: false };
+//! let request = Request { camera: &camera, size: [32, 20], samples: 1, shadows: true, layers: 8, deferred: false };
 //! let mut picture = Picture::default();
 //! let mut cpu = rtrt_cpu::Cpu::new(rtrt_cpu::Options::default())?;
 //! cpu.render(&Scene::new(), &request, &mut picture)?;
@@ -141,6 +141,7 @@ impl Memory {
                 nodes: scene.nodes(),
                 words: scene.words(),
                 positions: scene.positions(),
+                texels: scene.texels(),
                 magnitude: frame.magnitude,
             },
             attributes: scene.attributes(),
@@ -153,6 +154,7 @@ impl Memory {
         self.tiles.resize(grid.blocks() as usize * tile, 0);
         let start = Instant::now();
         let tiles = self.tiles.par_chunks_mut(tile);
+        let blocks = grid.blocks() as usize;
         let busy = match deferred {
             None => tiles
                 .enumerate()
@@ -161,19 +163,22 @@ impl Memory {
             Some(deferred) => {
                 let rays = BLOCK_RAYS as usize;
                 let words = frame.mask_words as usize;
-                reset(deferred, &frame, &self.bins.words);
+                deferred_room(deferred, &frame, &self.bins.words);
+                let [tints, behind] = [deferred.tint_words, deferred.layer_count].map(|n| n as usize);
                 (
                     tiles,
                     deferred.hits.par_chunks_mut(rays),
                     deferred.surfaces.par_chunks_mut(rays),
                     deferred.masks.par_chunks_mut(rays * words),
+                    chunks(&mut deferred.tints, blocks, rays * tints),
                     deferred.lit.par_chunks_mut(rays),
                     deferred.colors.par_chunks_mut(rays),
+                    chunks(&mut deferred.layers, blocks, rays * behind),
                 )
                     .into_par_iter()
                     .enumerate()
-                    .map(|(block, (tile, hits, surfaces, masks, lit, colors))| {
-                        let records = Records { hits, surfaces, masks, lit, colors };
+                    .map(|(block, (tile, hits, surfaces, masks, tints, lit, colors, layers))| {
+                        let records = Records { hits, surfaces, masks, tints, lit, colors, layers };
                         level.run(Block { job: &job, index: block as u32, tile, records: Some(records) })
                     })
                     .reduce(Clock::default, Clock::plus)
@@ -185,15 +190,29 @@ impl Memory {
     }
 }
 
+/// `count` parts of `length` elements; empty ones where there are none.
+fn chunks<T: Send>(all: &mut [T], count: usize, length: usize) -> Vec<&mut [T]> {
+    if length == 0 {
+        return (0..count).map(|_| Default::default()).collect();
+    }
+    all.chunks_mut(length).collect()
+}
+
 /// Makes room for a frame.
-fn reset(deferred: &mut Deferred, frame: &Frame, lists: &[u32]) {
+fn deferred_room(deferred: &mut Deferred, frame: &Frame, lists: &[u32]) {
     let rays = frame.rays as usize;
     deferred.mask_words = frame.mask_words;
+    deferred.tint_words = if frame.layers == 0 { 0 } else { frame.lights };
+    deferred.layer_count = frame.layers.max(1) - 1;
     deferred.lists.clear();
     deferred.lists.extend_from_slice(lists);
     deferred.hits.resize(rays, Hit::MISS);
     deferred.surfaces.resize(rays, Zeroable::zeroed());
     deferred.masks.resize(rays * frame.mask_words as usize, 0);
+    deferred.tints.clear();
+    deferred.tints.resize(rays * deferred.tint_words as usize, 0);
+    deferred.layers.clear();
+    deferred.layers.resize(rays * deferred.layer_count as usize, Hit::MISS);
     deferred.lit.resize(rays, Zeroable::zeroed());
     deferred.colors.resize(rays, [0.0; 4]);
 }
@@ -215,7 +234,14 @@ impl Backend for Cpu {
         picture: &mut Picture,
     ) -> Result<(), RenderError> {
         let Self { pool, level, memory } = self;
-        memory.setup.prepare(scene, request.camera, request.size, request.samples, request.shadows)?;
+        memory.setup.prepare(
+            scene,
+            request.camera,
+            request.size,
+            request.samples,
+            request.shadows,
+            request.layers,
+        )?;
         let mut deferred = request.deferred.then(|| picture.deferred.take().unwrap_or_default());
         let mut clock = Clock::default();
         pool.install(|| {

@@ -26,8 +26,10 @@ pub(crate) enum Slot {
     Hits,
     Surfaces,
     Masks,
+    Tints,
     Lit,
     Colors,
+    Layers,
     Pixels,
 }
 
@@ -53,8 +55,10 @@ impl Slot {
             "hits",
             "surfaces",
             "masks",
+            "tints",
             "lit",
             "colors",
+            "layers",
             "pixels",
         ];
         NAMES[self as usize]

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::buffers::{Buffers, Slot};
 use crate::device::Device;
-use crate::pipeline::{FIRST_OF_BAND, PASSES, Pipeline, ZEROED, groups};
+use crate::pipeline::{FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, groups};
 use crate::timer::Timer;
 use bytemuck::Pod;
 use rtrt_core::backend::{Deferred, Picture, STAGES};
@@ -28,6 +28,8 @@ pub(crate) struct Renderer {
     pub device: Device,
     pipelines: Vec<Pipeline>,
     buffers: Buffers,
+    /// The numbers of the frame for each layer of surfaces behind the first.
+    layers: Vec<wgpu::Buffer>,
     read_back: Option<wgpu::Buffer>,
     timer: Timer,
     capacity: u32,
@@ -38,7 +40,15 @@ pub(crate) struct Renderer {
 impl Renderer {
     /// Compiles all entry points.
     pub fn new(device: Device, band_bytes: Option<u64>) -> Result<Self, Error> {
-        let pipelines = PASSES.iter().map(|pass| device.pipeline(pass.entry, pass.accesses())).collect();
+        let mut pipelines: Vec<Pipeline> = Vec::with_capacity(PASSES.len());
+        for (number, pass) in PASSES.iter().enumerate() {
+            let known = PASSES[..number].iter().position(|earlier| earlier.entry == pass.entry);
+            let pipeline = match known {
+                Some(earlier) => pipelines[earlier].clone(),
+                None => device.pipeline(pass.entry, pass.accesses()),
+            };
+            pipelines.push(pipeline);
+        }
         let timer = Timer::new(&device)?;
         device.check()?;
         Ok(Self {
@@ -46,6 +56,7 @@ impl Renderer {
             device,
             pipelines,
             buffers: Buffers::default(),
+            layers: Vec::new(),
             read_back: None,
             timer,
             capacity: FIRST_CAPACITY,
@@ -80,7 +91,12 @@ impl Renderer {
         picture.width = frame.width;
         picture.height = frame.height;
         picture.pixels.resize((frame.width * frame.height) as usize, 0);
-        picture.deferred = deferred.then(|| Deferred { mask_words: frame.mask_words, ..Deferred::default() });
+        let empty = || {
+            let tint_words = if frame.layers == 0 { 0 } else { frame.lights };
+            let layer_count = frame.layers.max(1) - 1;
+            let mask_words = frame.mask_words;
+            deferred.then(|| Deferred { mask_words, tint_words, layer_count, ..Deferred::default() })
+        };
         picture.stages_ms = [0.0; STAGES.len()];
         self.buffers.upload_scene(&self.device, scene)?;
         self.buffers.upload::<View>(&self.device, Slot::Views, &setup.views)?;
@@ -91,6 +107,7 @@ impl Renderer {
         let mut bands = bands(&frame, self.band_bytes);
         let Some(first) = bands.next() else { return Ok(()) };
         let entries = loop {
+            picture.deferred = empty();
             let entries = self.band(&Frame { capacity: self.capacity, ..first }, 0, picture)?;
             if entries <= self.capacity {
                 break entries;
@@ -99,11 +116,9 @@ impl Renderer {
             self.capacity = entries.saturating_add(entries / 4);
             picture.stages_ms = [0.0; STAGES.len()];
         };
-        self.fetch_band(&first, &mut picture.deferred)?;
         for band in bands {
             let band = Frame { capacity: self.capacity, ..band };
             self.band(&band, FIRST_OF_BAND, picture)?;
-            self.fetch_band(&band, &mut picture.deferred)?;
         }
         if let Some(deferred) = &mut picture.deferred {
             let words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(entries);
@@ -119,12 +134,24 @@ impl Renderer {
         let [first_pixel, pixel_count] = frame.grid().pixels(RayIndex(frame.first_ray), frame.rays);
         let rays = u64::from(frame.rays);
         let list_words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(frame.capacity);
+        let behind = frame.layers.max(1) - 1;
+        let kept = if picture.deferred.is_some() { u64::from(behind) } else { 0 };
+        let tints = if frame.layers == 0 { 0 } else { 3 + u64::from(frame.lights) };
         self.buffers.upload(device, Slot::Frame, &[*frame])?;
+        while self.layers.len() < behind as usize {
+            let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+            self.layers.push(device.buffer("frame of a layer", size_of::<Frame>() as u64, usage)?);
+        }
+        for (layers, buffer) in (1..frame.layers).rev().zip(&self.layers) {
+            device.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&Frame { layers, ..*frame }));
+        }
         self.buffers.reserve::<Entry>(device, Slot::Placed, u64::from(frame.capacity))?;
         self.buffers.reserve::<u32>(device, Slot::Lists, list_words)?;
         self.buffers.reserve::<Hit>(device, Slot::Hits, rays)?;
         self.buffers.reserve::<Surface>(device, Slot::Surfaces, rays)?;
         self.buffers.reserve::<u32>(device, Slot::Masks, rays * u64::from(frame.mask_words))?;
+        self.buffers.reserve::<u32>(device, Slot::Tints, rays * tints)?;
+        self.buffers.reserve::<Hit>(device, Slot::Layers, rays * kept)?;
         self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;
         self.buffers.reserve::<[f32; 4]>(device, Slot::Colors, rays)?;
         self.buffers.reserve::<u32>(device, Slot::Pixels, u64::from(pixel_count))?;
@@ -136,7 +163,13 @@ impl Renderer {
 
         let mut commands = device.device.create_command_encoder(&Default::default());
         for stage in first_stage..STAGES.len() {
-            self.encode(&mut commands, frame, stage);
+            if stage == LAYERS && picture.deferred.is_some() {
+                // The layers behind the first take its buffers.
+                let next = device.device.create_command_encoder(&Default::default());
+                device.queue.submit([std::mem::replace(&mut commands, next).finish()]);
+                self.fetch_first_layer(frame, &mut picture.deferred)?;
+            }
+            self.encode(&mut commands, frame, stage, kept > 0);
             self.timer.end_stage(device, &mut commands, stage, &mut picture.stages_ms)?;
         }
         let (Some(read_back), Some(lists), Some(made)) =
@@ -155,35 +188,96 @@ impl Renderer {
             let range = first_pixel as usize..(first_pixel + pixel_count) as usize;
             bytemuck::cast_slice_mut(&mut picture.pixels[range]).copy_from_slice(&mapped[PIXELS as usize..]);
         })?;
+        self.fetch_colors(frame, &mut picture.deferred)?;
         Ok(entries)
     }
 
-    /// Appends the dispatches of a stage to the commands.
-    fn encode(&self, commands: &mut wgpu::CommandEncoder, frame: &Frame, stage: usize) {
-        for (_, slot) in ZEROED.iter().filter(|(of, _)| *of == stage) {
+    /// Appends the dispatches of a stage to the commands. With `keep`, what each layer has hit
+    /// is copied.
+    fn encode(&self, commands: &mut wgpu::CommandEncoder, frame: &Frame, stage: usize, keep: bool) {
+        for (_, slot) in ZEROED.iter().filter(|(of, slot)| *of == stage && is_zeroed(frame, *slot)) {
             if let Some(buffer) = self.buffers.get(*slot) {
                 commands.clear_buffer(buffer, 0, None);
             }
         }
-        let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(STAGES[stage]),
-            timestamp_writes: self.timer.writes(stage),
-        });
-        for (row, pipeline) in PASSES.iter().zip(&self.pipelines).filter(|(row, _)| row.stage == stage) {
-            let buffers = row.slots().filter_map(|slot| self.buffers.get(slot));
-            pipeline.dispatch(&self.device.device, &mut pass, buffers, groups((row.work)(frame)));
+        if stage != LAYERS {
+            return self.encode_pass(commands, frame, stage, None, self.timer.writes(stage));
+        }
+        let Some(last) = (frame.layers.max(1) as usize - 1).checked_sub(1) else {
+            // Nothing but its time.
+            _ = commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(STAGES[stage]),
+                timestamp_writes: self.timer.writes(stage),
+            });
+            return;
+        };
+        let bytes = u64::from(frame.rays) * size_of::<Hit>() as u64;
+        for (number, uniform) in self.layers[..=last].iter().enumerate() {
+            let writes = self.timer.writes_of(stage, number == 0, number == last);
+            self.encode_pass(commands, frame, stage, Some(uniform), writes);
+            if let (true, Some(hits), Some(layers)) =
+                (keep, self.buffers.get(Slot::Hits), self.buffers.get(Slot::Layers))
+            {
+                commands.copy_buffer_to_buffer(hits, 0, layers, number as u64 * bytes, bytes);
+            }
         }
     }
 
-    /// Appends what a band has left to the deferred buffers, if they were asked for.
-    fn fetch_band(&self, frame: &Frame, deferred: &mut Option<Deferred>) -> Result<(), Error> {
+    /// Appends the dispatches of a stage once; `uniform` is what they get for the numbers of
+    /// the frame, if not those.
+    fn encode_pass(
+        &self,
+        commands: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        stage: usize,
+        uniform: Option<&wgpu::Buffer>,
+        timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        let label = Some(STAGES[stage]);
+        let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+        for (row, pipeline) in PASSES.iter().zip(&self.pipelines).filter(|(row, _)| row.stage == stage) {
+            let groups = groups((row.work)(frame));
+            if groups.contains(&0) {
+                continue;
+            }
+            let buffers = row.slots().filter_map(|slot| match (slot, uniform) {
+                (Slot::Frame, Some(uniform)) => Some(uniform),
+                _ => self.buffers.get(slot),
+            });
+            pipeline.dispatch(&self.device.device, &mut pass, buffers, groups);
+        }
+    }
+
+    /// Appends what a band's first layer has left to the deferred buffers, if they were asked
+    /// for.
+    fn fetch_first_layer(&self, frame: &Frame, deferred: &mut Option<Deferred>) -> Result<(), Error> {
         let Some(deferred) = deferred else { return Ok(()) };
         let rays = u64::from(frame.rays);
         self.fetch(Slot::Hits, rays, &mut deferred.hits)?;
         self.fetch(Slot::Surfaces, rays, &mut deferred.surfaces)?;
         self.fetch(Slot::Masks, rays * u64::from(frame.mask_words), &mut deferred.masks)?;
         self.fetch(Slot::Lit, rays, &mut deferred.lit)?;
-        self.fetch(Slot::Colors, rays, &mut deferred.colors)
+        if deferred.tint_words > 0 {
+            let mut tints: Vec<u32> = Vec::new();
+            self.fetch(Slot::Tints, rays * u64::from(3 + frame.lights), &mut tints)?;
+            // Before them are the starts of the shadow rays.
+            deferred.tints.extend_from_slice(&tints[3 * rays as usize..]);
+        }
+        Ok(())
+    }
+
+    /// Appends a band's colors and what its layers have hit to the deferred buffers, if they
+    /// were asked for.
+    fn fetch_colors(&self, frame: &Frame, deferred: &mut Option<Deferred>) -> Result<(), Error> {
+        let Some(deferred) = deferred else { return Ok(()) };
+        let (rays, count) = (frame.rays as usize, deferred.layer_count as usize);
+        self.fetch(Slot::Colors, rays as u64, &mut deferred.colors)?;
+        if count > 0 {
+            let mut layers: Vec<Hit> = Vec::new();
+            self.fetch(Slot::Layers, (rays * count) as u64, &mut layers)?;
+            deferred.layers.extend((0..rays * count).map(|at| layers[at % count * rays + at / count]));
+        }
+        Ok(())
     }
 
     /// Appends the first `count` elements of a buffer to `to`.
@@ -195,12 +289,22 @@ impl Renderer {
     }
 }
 
+/// Whether a buffer of [`ZEROED`] has to be zero in this frame.
+fn is_zeroed(frame: &Frame, slot: Slot) -> bool {
+    match slot {
+        Slot::Hits => frame.layers > 0,
+        Slot::Masks => frame.layers == 0,
+        _ => true,
+    }
+}
+
 /// The frame in bands: whole rows of blocks, as many as no buffer of more than `bytes`
 /// needs, but at least one.
 fn bands(frame: &Frame, bytes: u64) -> impl Iterator<Item = Frame> + use<> {
     let frame = *frame;
     let row = frame.grid().blocks_x() * BLOCK_RAYS;
-    let largest = (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words));
+    let tints = if frame.layers == 0 { 0 } else { 4 * (3 + u64::from(frame.lights)) };
+    let largest = (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words)).max(tints);
     let rows = (bytes / largest / u64::from(row)).max(1);
     let step = (rows * u64::from(row)).min(u64::from(frame.rays)) as u32;
     (0..frame.rays).step_by(step as usize).map(move |first_ray| Frame {
@@ -241,7 +345,14 @@ mod tests {
             up: [0.0, 1.0, 0.0].into(),
             projection: Projection::Perspective { fov_y: 1.0 },
         };
-        let request = Request { camera: &camera, size: [40, 30], samples: 1, shadows: true, deferred: false };
+        let request = Request {
+            camera: &camera,
+            size: [40, 30],
+            samples: 1,
+            shadows: true,
+            layers: 8,
+            deferred: false,
+        };
         let limit = std::mem::replace(&mut gpu.renderer.device.limit, 10_000);
         let mut picture = Picture::default();
         let error = gpu.render(&Scene::new(), &request, &mut picture).unwrap_err();

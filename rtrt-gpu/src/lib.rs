@@ -120,7 +120,14 @@ impl Backend for Gpu {
         request: &Request<'_>,
         picture: &mut Picture,
     ) -> Result<(), RenderError> {
-        self.setup.prepare(scene, request.camera, request.size, request.samples, request.shadows)?;
+        self.setup.prepare(
+            scene,
+            request.camera,
+            request.size,
+            request.samples,
+            request.shadows,
+            request.layers,
+        )?;
         self.renderer
             .render(scene, &self.setup, request.deferred, picture)
             .map_err(|source| RenderError::Backend { backend: "gpu", source: Box::new(source) })

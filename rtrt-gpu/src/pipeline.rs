@@ -47,7 +47,8 @@ impl From<u32> for Work {
 }
 
 /// Stages whose dispatches add to a buffer that has to be zero when they begin.
-pub(crate) const ZEROED: [(usize, Slot); 2] = [(1, Slot::Counts), (4, Slot::Masks)];
+/// Hits of zero tell `layer` that nothing has been looked for yet.
+pub(crate) const ZEROED: [(usize, Slot); 3] = [(1, Slot::Counts), (2, Slot::Hits), (4, Slot::Masks)];
 
 impl Pass {
     /// The buffers in the order of their bindings.
@@ -64,6 +65,36 @@ impl Pass {
 /// The first stage that works on rays, and is repeated for each band of them.
 pub(crate) const FIRST_OF_BAND: usize = 2;
 
+/// The stage that is repeated for every layer of surfaces behind the first.
+pub(crate) const LAYERS: usize = 7;
+
+/// What entry points read that are in the table twice.
+const LAYER: &[Slot] = &[
+    Slot::Frame,
+    Slot::Views,
+    Slot::Lists,
+    Slot::Objects,
+    Slot::Nodes,
+    Slot::Words,
+    Slot::Positions,
+    Slot::Texels,
+];
+const TINT: &[Slot] = LAYER;
+const SURFACE: &[Slot] = &[
+    Slot::Frame,
+    Slot::Views,
+    Slot::Hits,
+    Slot::Objects,
+    Slot::Nodes,
+    Slot::Words,
+    Slot::Positions,
+    Slot::Attributes,
+];
+const DETAIL: &[Slot] =
+    &[Slot::Frame, Slot::Hits, Slot::Objects, Slot::Words, Slot::Attributes, Slot::Materials, Slot::Texels];
+const LIGHT: &[Slot] =
+    &[Slot::Frame, Slot::Views, Slot::Materials, Slot::Texels, Slot::Surfaces, Slot::Masks, Slot::Tints];
+
 /// A frame, in order.
 #[rustfmt::skip]
 pub(crate) const PASSES: &[Pass] = {
@@ -74,13 +105,26 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: 1, entry: "scan", reads: &[Frame], writes: &[Counts, Lists], work: one_group },
         Pass { stage: 1, entry: "scatter", reads: &[Frame, Views, Objects, Covers, Lists], writes: &[Counts, Placed], work: shares },
         Pass { stage: 1, entry: "rank", reads: &[Frame, Placed], writes: &[Lists], work: entries },
-        Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions], writes: &[Hits], work: rays },
-        Pass { stage: 3, entry: "surface", reads: &[Frame, Views, Hits, Objects, Nodes, Words, Positions, Attributes], writes: &[Surfaces], work: rays },
-        Pass { stage: 3, entry: "detail", reads: &[Frame, Hits, Objects, Words, Attributes, Materials, Texels], writes: &[Surfaces], work: details },
+        Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions], writes: &[Hits], work: opaque },
+        Pass { stage: 2, entry: "layer", reads: LAYER, writes: &[Hits], work: see_through },
+        Pass { stage: 3, entry: "surface", reads: SURFACE, writes: &[Surfaces], work: rays },
+        Pass { stage: 3, entry: "detail", reads: DETAIL, writes: &[Surfaces], work: details },
         Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: lights },
-        Pass { stage: 5, entry: "light", reads: &[Frame, Views, Materials, Texels, Surfaces, Masks], writes: &[Lit], work: rays },
+        Pass { stage: 4, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Tints], work: colored_lights },
+        Pass { stage: 4, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
+        Pass { stage: 4, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: see_through },
+        Pass { stage: 5, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
         Pass { stage: 6, entry: "shade", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
-        Pass { stage: 7, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
+        Pass { stage: LAYERS, entry: "end", reads: &[Frame, Colors], writes: &[Hits], work: rays },
+        Pass { stage: LAYERS, entry: "layer", reads: LAYER, writes: &[Hits], work: rays },
+        Pass { stage: LAYERS, entry: "surface", reads: SURFACE, writes: &[Surfaces], work: rays },
+        Pass { stage: LAYERS, entry: "detail", reads: DETAIL, writes: &[Surfaces], work: details },
+        Pass { stage: LAYERS, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Tints], work: colored_lights },
+        Pass { stage: LAYERS, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
+        Pass { stage: LAYERS, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: rays },
+        Pass { stage: LAYERS, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
+        Pass { stage: LAYERS, entry: "blend", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
+        Pass { stage: 8, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
     ]
 };
 
@@ -103,10 +147,22 @@ fn rays(frame: &Frame) -> Work {
 fn details(frame: &Frame) -> Work {
     (frame.rays * frame.details).into()
 }
+/// The rays of a frame in which every object is opaque.
+fn opaque(frame: &Frame) -> Work {
+    (if frame.layers == 0 { frame.rays } else { 0 }).into()
+}
+/// The rays of a frame in which not every object is.
+fn see_through(frame: &Frame) -> Work {
+    (if frame.layers == 0 { 0 } else { frame.rays }).into()
+}
+/// The same for each light.
+fn colored_lights(frame: &Frame) -> Work {
+    Work { layers: frame.lights, ..see_through(frame) }
+}
 /// A layer a light: an invocation that asked for all of them would take more loop turns than
 /// some devices allow.
 fn lights(frame: &Frame) -> Work {
-    Work { invocations: frame.rays, layers: frame.lights }
+    Work { layers: frame.lights, ..opaque(frame) }
 }
 fn pixels(frame: &Frame) -> Work {
     frame.grid().pixels(RayIndex(frame.first_ray), frame.rays)[1].into()
@@ -118,6 +174,7 @@ pub(crate) fn groups(Work { invocations, layers }: Work) -> [u32; 3] {
 }
 
 /// A compiled entry point.
+#[derive(Clone)]
 pub(crate) struct Pipeline {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
@@ -216,6 +273,8 @@ mod tests {
     fn the_module_has_the_entry_points_of_the_table_with_their_bindings() {
         let mut expected: Vec<(&str, Vec<Access>)> =
             PASSES.iter().map(|pass| (pass.entry, pass.accesses().collect())).collect();
+        expected.sort_unstable_by_key(|(name, _)| *name);
+        expected.dedup();
         expected.extend([("kernels", KERNELS.to_vec()), ("layout", LAYOUT.to_vec())]);
         let found = entry_points(rtrt_shaders::SPIRV).unwrap();
         assert_eq!(found.len(), expected.len());

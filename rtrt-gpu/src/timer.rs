@@ -44,11 +44,24 @@ impl Timer {
 
     /// What a stage's pass has to write.
     pub fn writes(&self, stage: usize) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        self.writes_of(stage, true, true)
+    }
+
+    /// What one of a stage's passes has to write, the first and the last of them their part.
+    pub fn writes_of(
+        &self,
+        stage: usize,
+        is_first: bool,
+        is_last: bool,
+    ) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let Self::Device { queries, .. } = self else { return None };
+        if !is_first && !is_last {
+            return None;
+        }
         Some(wgpu::ComputePassTimestampWrites {
             query_set: queries,
-            beginning_of_pass_write_index: Some(2 * stage as u32),
-            end_of_pass_write_index: Some(2 * stage as u32 + 1),
+            beginning_of_pass_write_index: is_first.then_some(2 * stage as u32),
+            end_of_pass_write_index: is_last.then_some(2 * stage as u32 + 1),
         })
     }
 

@@ -121,7 +121,7 @@ fn agree(gpu: &mut Gpu, what: &str, scene: &Scene, request: &Request<'_>) -> Pic
 }
 
 fn request(size: [u32; 2], samples: u32) -> Request<'static> {
-    Request { camera: &CAMERA, size, samples, shadows: true, deferred: true }
+    Request { camera: &CAMERA, size, samples, shadows: true, layers: 8, deferred: true }
 }
 
 #[test]

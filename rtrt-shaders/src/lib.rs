@@ -15,12 +15,14 @@
 pub mod bin;
 pub mod canary;
 pub mod detail;
+pub mod layers;
 pub mod light;
 pub mod occlusion;
 pub mod prepare;
 pub mod resolve;
 pub mod shade;
 pub mod surface;
+pub mod tint;
 pub mod visibility;
 
 #[cfg(feature = "reflect")]

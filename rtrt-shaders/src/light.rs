@@ -1,6 +1,7 @@
 //! Light: one invocation a ray.
 
 use crate::index;
+use crate::tint::tint_at;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::lane::Word;
@@ -20,7 +21,8 @@ pub fn light(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] texels: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] surfaces: &[Surface],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] masks: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lit: &mut [Lit],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] tints: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] lit: &mut [Lit],
 ) {
     let index = index(id);
     if index < frame.rays {
@@ -29,8 +31,9 @@ pub fn light(
         let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let mask = |word: u32| Word(masks[(index * frame.mask_words + word) as usize]);
-        let arriving =
-            stage::light::light(frame, views, &Maps { materials, texels }, mask, &rays[0], &surface);
+        let tint = |light: u32| Word(tints[tint_at(frame, index, light) as usize]);
+        let maps = Maps { materials, texels };
+        let arriving = stage::light::light(frame, views, &maps, mask, tint, &rays[0], &surface);
         lit[index as usize] = arriving.lane(0);
     }
 }

@@ -29,7 +29,8 @@ pub fn occlusion(
     let (index, light) = (index(id), id.z);
     if index < frame.rays {
         let lists = Lists { words: lists, blocks: frame.blocks };
-        let geometry = Geometry { objects, nodes, words, positions, magnitude: frame.magnitude };
+        let geometry =
+            Geometry { objects, nodes, words, positions, texels: words, magnitude: frame.magnitude };
         let surface = [Surfaces::new(&surfaces[index as usize])];
         let lit = stage::occlusion::occlusion(frame, views, &lists, &geometry, light, &surface);
         if lit[0].0 == 1 {

@@ -29,7 +29,8 @@ pub fn shade(
         let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let arriving = Arriving::new(&lit[index as usize]);
+        let shaded = stage::shade::shade(frame, &Maps { materials, texels }, &rays[0], &surface, &arriving);
         colors[index as usize] =
-            stage::shade::shade(frame, &Maps { materials, texels }, &rays[0], &surface, &arriving);
+            if frame.layers == 0 { shaded } else { stage::layers::blend(frame, [0.0; 4], shaded) };
     }
 }

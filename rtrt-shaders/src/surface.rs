@@ -24,7 +24,8 @@ pub fn surface(
 ) {
     let index = index(id);
     if index < frame.rays {
-        let geometry = Geometry { objects, nodes, words, positions, magnitude: frame.magnitude };
+        let geometry =
+            Geometry { objects, nodes, words, positions, texels: words, magnitude: frame.magnitude };
         let ray = RayIndex(frame.first_ray + index);
         let camera = &views[Frame::CAMERA as usize];
         let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);

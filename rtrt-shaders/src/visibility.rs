@@ -25,7 +25,8 @@ pub fn visibility(
     let index = index(id);
     if index < frame.rays {
         let lists = Lists { words: lists, blocks: frame.blocks };
-        let geometry = Geometry { objects, nodes, words, positions, magnitude: frame.magnitude };
+        let geometry =
+            Geometry { objects, nodes, words, positions, texels: words, magnitude: frame.magnitude };
         let ray = RayIndex(frame.first_ray + index);
         let best = stage::visibility::visibility::<f32, 1>((), frame, views, &lists, &geometry, ray);
         hits[index as usize] = stage::visibility::hit(&best[0], 0);

@@ -121,7 +121,7 @@ fn inspected<'a>(
     picture: &'a Picture,
 ) -> Result<impl Iterator<Item = Inspection> + 'a, SetupError> {
     let mut setup = Setup::default();
-    setup.prepare(scene, request.camera, request.size, request.samples, request.shadows)?;
+    setup.prepare(scene, request.camera, request.size, request.samples, request.shadows, request.layers)?;
     let frame = setup.frame;
     let (grid, camera) = (frame.grid(), setup.views[Frame::CAMERA as usize]);
     let words = picture.deferred.as_ref().map_or(&[][..], |deferred| &deferred.lists);
@@ -131,6 +131,7 @@ fn inspected<'a>(
         nodes: scene.nodes(),
         words: scene.words(),
         positions: scene.positions(),
+        texels: scene.texels(),
         magnitude: frame.magnitude,
     };
     Ok((0..frame.width * frame.height).map(move |number| {
@@ -201,8 +202,14 @@ mod tests {
         let loaded = crate::demo::matchbox(&rtrt_core::scene::Sequential).unwrap();
         let mut cpu = Cpu::new(Options { lanes: None, threads: None }).unwrap();
         for samples in [1, 4] {
-            let request =
-                Request { camera: &loaded.camera, size: [97, 55], samples, shadows: true, deferred: true };
+            let request = Request {
+                camera: &loaded.camera,
+                size: [97, 55],
+                samples,
+                shadows: true,
+                layers: rtrt_core::backend::LAYERS,
+                deferred: true,
+            };
             let mut picture = Picture::default();
             cpu.render(&loaded.scene, &request, &mut picture).unwrap();
             let layers = Layers::new(&loaded.scene, &picture, samples).unwrap();

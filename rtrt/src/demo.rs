@@ -1,8 +1,11 @@
-//! Scenes built in code: `demo:matchbox`.
+//! Scenes built in code: `demo:matchbox`, `demo:glass`.
 
+mod glass;
 mod noise;
 mod paint;
 mod shape;
+
+pub use glass::{GLASS, glass};
 
 use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded, NamedCamera};

@@ -108,7 +108,14 @@ fn layers_are_the_deferred_buffers() {
         assert_eq!(folder.files().len(), 2);
         let [all, color] = ["all.exr", "color.exr"]
             .map(|name| exr::prelude::read_all_flat_layers_from_file(folder.0.join(name)).unwrap());
-        let request = Request { camera: &camera, size: [37, 21], samples, shadows: true, deferred: true };
+        let request = Request {
+            camera: &camera,
+            size: [37, 21],
+            samples,
+            shadows: true,
+            layers: rtrt_core::backend::LAYERS,
+            deferred: true,
+        };
         let mut picture = Picture::default();
         rtrt_core::backend::Backend::render(&mut backend, &scene, &request, &mut picture).unwrap();
         let deferred = picture.deferred.unwrap();

@@ -9,6 +9,7 @@ mod motion;
 mod shadow;
 mod surface;
 mod texture;
+mod transparency;
 mod visibility;
 
 use crate::case::Case;
@@ -25,6 +26,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         shadow::CASES,
         light::CASES,
         environment::CASES,
+        transparency::CASES,
         motion::CASES,
     ];
     files.into_iter().flatten()

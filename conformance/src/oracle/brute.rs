@@ -4,11 +4,13 @@
 use rtrt_core::backend::{Picture, Request};
 use rtrt_core::compare::{Difference, compare};
 use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::pane::{cutoff, mode, pane};
 use rtrt_core::kernel::ray::Ray;
-use rtrt_core::kernel::traverse::Geometry;
+use rtrt_core::kernel::tint::{Crossing, WHITE};
+use rtrt_core::kernel::traverse::{Best, Geometry, Search};
 use rtrt_core::kernel::triangle::{Meeting, meet};
 use rtrt_core::kernel::view::camera_ray;
-use rtrt_core::layout::{Frame, Hit, Surface};
+use rtrt_core::layout::{AlphaMode, Frame, Hit, NONE, Surface};
 use rtrt_core::scene::{Scene, Setup, SetupError};
 use rtrt_core::stage::occlusion::{LIGHTS_PER_WORD, limit, to_light};
 use rtrt_core::stage::surface::Surfaces;
@@ -27,20 +29,21 @@ impl<'a> Brute<'a> {
     /// The request makes no picture.
     pub fn new(scene: &'a Scene, request: &Request<'_>) -> Result<Self, SetupError> {
         let mut setup = Setup::default();
-        setup.prepare(scene, request.camera, request.size, request.samples, request.shadows)?;
+        setup.prepare(
+            scene,
+            request.camera,
+            request.size,
+            request.samples,
+            request.shadows,
+            request.layers,
+        )?;
         Ok(Self { scene, setup })
     }
 
     /// Calls `visit(object, triangle, meeting)` for everything that the ray meets at
     /// `t ≤ limit`.
     fn each(&self, ray: &Ray<f32>, limit: f32, mut visit: impl FnMut(u32, u32, &Meeting<f32>)) {
-        let geometry = Geometry {
-            objects: self.scene.objects(),
-            nodes: self.scene.nodes(),
-            words: self.scene.words(),
-            positions: self.scene.positions(),
-            magnitude: self.setup.frame.magnitude,
-        };
+        let geometry = self.geometry();
         for (index, object) in (0..).zip(geometry.objects) {
             let local = if object.is_identity == 1 { *ray } else { ray.to_object(object) };
             for id in 0..object.triangles {
@@ -53,8 +56,88 @@ impl<'a> Brute<'a> {
         }
     }
 
+    /// The geometry of the scene.
+    fn geometry(&self) -> Geometry<'_> {
+        Geometry {
+            objects: self.scene.objects(),
+            nodes: self.scene.nodes(),
+            words: self.scene.words(),
+            positions: self.scene.positions(),
+            texels: self.scene.texels(),
+            magnitude: self.setup.frame.magnitude,
+        }
+    }
+
+    /// Whether anything is there where a ray has met an object: what a mask leaves.
+    fn is_there(&self, object: u32, triangle: u32, found: &Meeting<f32>) -> bool {
+        let geometry = self.geometry();
+        if mode(&geometry, object) != AlphaMode::Mask as u32 {
+            return true;
+        }
+        let [_, _, _, alpha] = pane(&geometry, object, triangle, found);
+        alpha >= cutoff(&geometry, object)
+    }
+
+    /// The surfaces along a camera ray up to `count` of them, nearest first: of all hits in
+    /// order, those that are not of the same object and at the same place as the one before.
+    pub fn layers(&self, ray: RayIndex, count: usize) -> Vec<Hit> {
+        let mut all = Vec::new();
+        let grid = self.setup.frame.grid();
+        let at = grid.ray(ray);
+        if grid.contains(at) {
+            let ray = camera_ray(&self.setup.views[Frame::CAMERA as usize], at[0] as f32, at[1] as f32);
+            self.each(&ray, f32::MAX, |object, triangle, found| {
+                if self.is_there(object, triangle, found) {
+                    all.push(Hit { t: found.t, object, triangle, u: found.u, v: found.v });
+                }
+            });
+        }
+        all.sort_by(|a, b| a.t.total_cmp(&b.t).then((a.object, a.triangle).cmp(&(b.object, b.triangle))));
+        let mut layers: Vec<Hit> = Vec::new();
+        for hit in all {
+            let is_same = layers
+                .last()
+                .is_some_and(|last| last.object == hit.object && hit.t <= last.t * (1.0 + 1.0 / 1_048_576.0));
+            if !is_same && layers.len() < count {
+                layers.push(hit);
+            }
+        }
+        layers
+    }
+
+    /// What is left of the light at the surface, as a word (see [`rtrt_core::kernel::tint`]):
+    /// everything between them, in the order of the objects from last to first.
+    pub fn tint(&self, surface: &Surface, light: u32) -> u32 {
+        let frame = &self.setup.frame;
+        let view = &self.setup.views[frame.light_view(light) as usize];
+        let surface = Surfaces::new(surface);
+        let limit = limit(view, &surface);
+        if limit <= 0.0 {
+            return 0;
+        }
+        if frame.shadows == 0 {
+            return WHITE;
+        }
+        let ray = Ray::new(surface.origin, to_light(view, surface.origin).0);
+        let mut met = Vec::new();
+        self.each(&ray, limit, |object, triangle, found| met.push((object, triangle, *found)));
+        let geometry = self.geometry();
+        let mut crossing = Crossing::new(0.0_f32);
+        for (object, triangle, found) in met.iter().rev() {
+            let mut best = Best::new(&Hit::MISS);
+            crossing.keep(&geometry, *object, *triangle, found, &mut best);
+            if best.t < 0.0 {
+                return 0;
+            }
+        }
+        crossing.word().0
+    }
+
     /// The closest hit of a camera ray: the least `(t, object, triangle)`.
     pub fn hit(&self, ray: RayIndex) -> Hit {
+        if self.setup.frame.layers > 0 {
+            return self.layers(ray, 1).first().copied().unwrap_or(Hit::MISS);
+        }
         let mut best = Hit::MISS;
         let grid = self.setup.frame.grid();
         let at = grid.ray(ray);
@@ -85,7 +168,7 @@ impl<'a> Brute<'a> {
     }
 }
 
-/// Compares hits and shadow masks of every `step`-th ray of a picture; shadow rays start at
+/// Compares hits, layers, shadow masks and the colors of shadows of every `step`-th ray of a picture; shadow rays start at
 /// the picture's own surfaces.
 ///
 /// # Errors
@@ -102,8 +185,25 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         deferred.hits[ray] = brute.hit(RayIndex(ray as u32));
         let mask = &mut deferred.masks[ray * words..][..words];
         mask.fill(0);
+        let count = deferred.layer_count as usize;
+        if count > 0 {
+            // How many of them are looked at depends on how much they cover; that, the colors
+            // tell. Here only those are compared that the picture has.
+            let all = brute.layers(RayIndex(ray as u32), count + 1);
+            let behind = &mut deferred.layers[ray * count..][..count];
+            for (number, layer) in behind.iter_mut().enumerate().take_while(|(_, layer)| layer.object != NONE)
+            {
+                *layer = all.get(number + 1).copied().unwrap_or(Hit::MISS);
+            }
+        }
         for light in 0..brute.setup.frame.lights {
-            let lit = brute.is_lit(&deferred.surfaces[ray], light);
+            let lit = if brute.setup.frame.layers > 0 {
+                let tint = brute.tint(&deferred.surfaces[ray], light);
+                deferred.tints[ray * deferred.tint_words as usize + light as usize] = tint;
+                tint != 0
+            } else {
+                brute.is_lit(&deferred.surfaces[ray], light)
+            };
             mask[(light / LIGHTS_PER_WORD) as usize] |= u32::from(lit) << (light % LIGHTS_PER_WORD);
         }
     }

@@ -136,6 +136,40 @@ pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
     )
 }
 
+/// The finest level of a texture.
+pub struct Finest {
+    /// See [`crate::layout::Texture`].
+    pub first: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// [`Wrap`] of the columns.
+    pub wrap_u: u32,
+    /// [`Wrap`] of the rows.
+    pub wrap_v: u32,
+}
+
+/// Linear RGB and alpha of a texture of colors at one point, bilinear in its finest level.
+#[inline(always)]
+pub fn finest(texels: &[u32], map: &Finest, uv: [f32; 2]) -> [f32; 4] {
+    let (x, share_x) = neighbors(uv[0], map.width as f32, map.wrap_u as f32);
+    let (y, share_y) = neighbors(uv[1], map.height as f32, map.wrap_v as f32);
+    let first = texels[map.first as usize];
+    let (row, next_row) = (first + y[0].0 * map.width, first + y[1].0 * map.width);
+    let upper = lerp(
+        decode::<true>(texels, texels[(row + x[0].0) as usize]),
+        decode::<true>(texels, texels[(row + x[1].0) as usize]),
+        share_x,
+    );
+    let lower = lerp(
+        decode::<true>(texels, texels[(next_row + x[0].0) as usize]),
+        decode::<true>(texels, texels[(next_row + x[1].0) as usize]),
+        share_x,
+    );
+    lerp(upper, lower, share_y)
+}
+
 /// The two levels that are looked up.
 struct Sites<L: Lane> {
     /// The materials.

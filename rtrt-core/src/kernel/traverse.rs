@@ -25,6 +25,8 @@ pub struct Geometry<'a> {
     pub words: &'a [u32],
     /// Vertex positions, object space.
     pub positions: &'a [[f32; 3]],
+    /// Texels, for searches that ask what is not opaque; any words for the others.
+    pub texels: &'a [u32],
     /// The frame's magnitude (see [`crate::layout::Frame`]).
     pub magnitude: f32,
 }
@@ -121,10 +123,67 @@ impl Best<f32> {
     }
 }
 
+/// What a search keeps of the triangles that rays meet.
+pub trait Search<L: Lane>: Copy {
+    /// Whether rays are done before they have met everything: they then have the limit −1.
+    const ENDS: bool;
+
+    /// Keeps, in `best` or in itself, what a group of rays has met, if any of them has; whether
+    /// a limit has changed.
+    fn keep(
+        &mut self,
+        geometry: &Geometry<'_>,
+        object: u32,
+        id: u32,
+        found: &Meeting<L>,
+        best: &mut Best<L>,
+    ) -> bool;
+}
+
+/// The least hit, by `(t, object, triangle)`.
+#[derive(Clone, Copy)]
+pub struct Closest;
+
+impl<L: Lane> Search<L> for Closest {
+    const ENDS: bool = false;
+
+    #[inline(always)]
+    fn keep(
+        &mut self,
+        _: &Geometry<'_>,
+        object: u32,
+        id: u32,
+        found: &Meeting<L>,
+        best: &mut Best<L>,
+    ) -> bool {
+        if !found.mask.any() {
+            return false;
+        }
+        keep(found, found.mask, object, id, best);
+        true
+    }
+}
+
+/// Whether there is any hit.
+#[derive(Clone, Copy)]
+pub struct Any;
+
+impl<L: Lane> Search<L> for Any {
+    const ENDS: bool = true;
+
+    #[inline(always)]
+    fn keep(&mut self, _: &Geometry<'_>, _: u32, _: u32, found: &Meeting<L>, best: &mut Best<L>) -> bool {
+        if !found.mask.any() {
+            return false;
+        }
+        best.t = found.mask.select(best.t.like(-1.0), best.t);
+        true
+    }
+}
+
 /// Meets the tiles of a packet whose bits are set in `among` with one object, and keeps in
-/// `best`, for each ray, the least of what it holds and of the object's hits, by
-/// `(t, object, triangle)`. With `ANY`, a ray that meets something at all gets the limit −1
-/// instead, and is done. `limits` are those of the tiles.
+/// `best`, for each ray, what its group's search keeps of the object's hits. `limits` are those
+/// of the tiles.
 ///
 /// The rays are in the object's space. The result is a function of the set of triangles: the
 /// tree, its order and the packet's shape only decide how soon it is found. A node is passed
@@ -135,13 +194,15 @@ impl Best<f32> {
 /// A packet of one group, as a GPU invocation has it, asks its rays; a larger one asks its
 /// [`Tiles`], and takes those that met a node further down.
 #[inline(always)]
-pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
+#[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
+pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usize>(
     geometry: &Geometry<'_>,
     object_index: u32,
     rays: &[Ray<L, O>; G],
     tiles: &Tiles<L, G>,
     among: u32,
     limits: &mut [f32; TILES],
+    searches: &mut [S; G],
     best: &mut [Best<L>; G],
 ) {
     let object = &geometry.objects[object_index as usize];
@@ -158,8 +219,8 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY
         let node = geometry.nodes[index as usize];
         let mut near_among = 0;
         if node.is_leaf() {
-            if leaf::<L, O, G, ANY>(geometry, object, object_index, &node, among, rays, limits, best) {
-                if ANY && is_done(best, limits) {
+            if leaf(geometry, object, object_index, &node, among, rays, limits, searches, best) {
+                if S::ENDS && is_done(best, limits) {
                     return;
                 }
                 stale = waiting;
@@ -262,10 +323,10 @@ fn is_done<L: Lane, const G: usize>(best: &[Best<L>; G], limits: &[f32; TILES]) 
 }
 
 /// Meets the tiles whose bits are set in `met` with every triangle of a leaf; whether any
-/// ray has met one.
+/// limit has changed.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
-fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
+fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usize>(
     geometry: &Geometry<'_>,
     object: &Object,
     object_index: u32,
@@ -273,6 +334,7 @@ fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
     met: u32,
     rays: &[Ray<L, O>; G],
     limits: &mut [f32; TILES],
+    searches: &mut [S; G],
     best: &mut [Best<L>; G],
 ) -> bool {
     let mut changed = false;
@@ -290,7 +352,7 @@ fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
             while g < end {
                 let seen = if O::WIDTH < L::WIDTH { shared } else { triangle.seen_from(rays[g].origin) };
                 let found = meet(&rays[g], &triangle, &seen, best[g].t);
-                closer |= keep::<L, ANY>(&found, object_index, id, &mut best[g]);
+                closer |= searches[g].keep(geometry, object_index, id, &found, &mut best[g]);
                 g += 1;
             }
             if G > 1 && closer {
@@ -303,25 +365,17 @@ fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
     changed
 }
 
-/// Keeps the least of what a group has found so far and the triangle it has met, if any ray
-/// of it has; whether one has.
+/// Keeps the least of what a group has found so far and, in the lanes of `mask`, the triangle
+/// that it has met.
 #[inline(always)]
-fn keep<L: Lane, const ANY: bool>(found: &Meeting<L>, object: u32, id: u32, best: &mut Best<L>) -> bool {
-    if !found.mask.any() {
-        return false;
-    }
-    if ANY {
-        best.t = found.mask.select(best.t.like(-1.0), best.t);
-        return true;
-    }
+pub fn keep<L: Lane>(found: &Meeting<L>, mask: L::Mask, object: u32, id: u32, best: &mut Best<L>) {
     let (object, id) = (best.object.like(object), best.object.like(id));
     // Equal t: the lower object, then the lower triangle.
     let earlier = object.less_than(best.object) | (object.equal(best.object) & id.less_than(best.triangle));
-    let closer = found.mask & (found.t.less_than(best.t) | (found.t.less_equal(best.t) & earlier));
+    let closer = mask & (found.t.less_than(best.t) | (found.t.less_equal(best.t) & earlier));
     best.t = closer.select(found.t, best.t);
     best.u = closer.select(found.u, best.u);
     best.v = closer.select(found.v, best.v);
     best.object = closer.select(object, best.object);
     best.triangle = closer.select(id, best.triangle);
-    true
 }

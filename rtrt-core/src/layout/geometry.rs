@@ -82,8 +82,11 @@ pub struct Object {
     /// Where the mesh's second texture coordinates, two words a vertex, start in the scene's
     /// words; 0 for none.
     pub first_second_uv: u32,
+    /// Where the object's pane starts in the scene's words (see [`crate::kernel::pane`]); 0 for
+    /// an object that is opaque everywhere.
+    pub pane: u32,
 }
-const _: () = assert!(size_of::<Object>() == 172 && offset_of!(Object, slack) == 160);
+const _: () = assert!(size_of::<Object>() == 176 && offset_of!(Object, slack) == 160);
 const _: () = assert!(offset_of!(Object, low) == 96 && offset_of!(Object, center) == 128);
 const _: () = assert!(offset_of!(Object, first_index) == 144);
 

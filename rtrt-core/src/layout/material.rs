@@ -16,6 +16,19 @@ pub enum Wrap {
     Mirror = 2,
 }
 
+/// What a surface's alpha does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum AlphaMode {
+    /// Nothing.
+    #[default]
+    Opaque = 0,
+    /// The surface is there where alpha is not below a cutoff, and opaque; elsewhere it is not.
+    Mask = 1,
+    /// So much of the surface covers what is behind it.
+    Blend = 2,
+}
+
 /// Where a texture's mip chain lies in the scene's texels, and how it is laid on a surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -83,10 +96,16 @@ pub struct Material {
     pub occlusion: f32,
     /// 1 for a surface that shows its base color whatever the light, else 0.
     pub unlit: u32,
+    /// 0 ..= 1, multiplied with the alpha of the base color's texture and of the vertex color.
+    pub alpha: f32,
+    /// [`AlphaMode`].
+    pub alpha_mode: u32,
+    /// [`AlphaMode::Mask`]: the least alpha of what is there.
+    pub cutoff: f32,
     /// [`Material::COLOR`] and so on.
     pub textures: [Texture; Material::TEXTURES],
 }
-const _: () = assert!(size_of::<Material>() == 60 + 5 * 56 && offset_of!(Material, textures) == 60);
+const _: () = assert!(size_of::<Material>() == 72 + 5 * 56 && offset_of!(Material, textures) == 72);
 
 impl Material {
     /// Textures of a material.

@@ -9,6 +9,6 @@ mod view;
 
 pub use geometry::{Attribute, Node, Object};
 pub use hit::{Hit, Lit, NONE, Surface};
-pub use material::{Material, Texture, Wrap};
+pub use material::{AlphaMode, Material, Texture, Wrap};
 pub use probe::{PROBES, probe};
 pub use view::{Frame, View, ViewKind};

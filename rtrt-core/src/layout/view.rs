@@ -135,8 +135,9 @@ pub struct Frame {
     pub sky_side: u32,
     /// How many squares there are for mirrors.
     pub sky_levels: u32,
-    /// Rounds the size up to a multiple of 16 bytes.
-    pub padding: u32,
+    /// The most layers of surfaces that a ray still looks at, those of this dispatch included;
+    /// 0 where every object is opaque everywhere.
+    pub layers: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 96 && offset_of!(Frame, ambient_r) == 48);
 

@@ -1,7 +1,7 @@
 //! From metallic-roughness to this renderer's shading.
 
 use crate::kernel::reflect::shininess;
-use crate::layout::{Material, Texture};
+use crate::layout::{AlphaMode, Material, Texture};
 
 /// The light that a surface that is no metal mirrors head-on.
 const DIELECTRIC: f32 = 0.04;
@@ -37,6 +37,9 @@ pub fn phong(
         bump: 1.0,
         occlusion: 1.0,
         unlit: 0,
+        alpha: 1.0,
+        alpha_mode: AlphaMode::Opaque as u32,
+        cutoff: 0.5,
         textures: [texture, Texture::NONE, Texture::NONE, Texture::NONE, Texture::NONE],
     }
 }

@@ -1,7 +1,7 @@
 //! The numbers of one frame: views, grids, sizes.
 
 use crate::grid::{BLOCK_RAYS, Grid};
-use crate::layout::{Frame, View};
+use crate::layout::{AlphaMode, Frame, View};
 use crate::scene::floor::floored;
 use crate::scene::{Camera, Scene};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
@@ -44,6 +44,12 @@ pub enum SetupError {
         /// Sub-rays a pixel.
         samples: u32,
     },
+    /// A number of layers that no ray looks at.
+    #[error("{layers} layers of surfaces a ray; 1 to {} are possible", Setup::MAX_LAYERS)]
+    Layers {
+        /// Layers a ray.
+        layers: u32,
+    },
     /// More lights than block lists can number.
     #[error("{lights} lights are more than a scene may have ({limit})")]
     Lights {
@@ -75,8 +81,11 @@ impl Setup {
     pub const MAX_SIDE: u32 = 16_384;
     /// The most lights in a scene.
     pub const MAX_LIGHTS: usize = 1024;
+    /// The most layers of surfaces that a ray looks at.
+    pub const MAX_LAYERS: u32 = 64;
 
-    /// Sets up a frame of `width` × `height` pixels with 1, 4 or 16 `samples` each.
+    /// Sets up a frame of `width` × `height` pixels with 1, 4 or 16 `samples` each, whose rays
+    /// look at up to `layers` surfaces.
     ///
     /// # Errors
     /// Camera, lights or sizes are not usable; see [`SetupError`].
@@ -87,6 +96,7 @@ impl Setup {
         [width, height]: [u32; 2],
         samples: u32,
         shadows: bool,
+        layers: u32,
     ) -> Result<(), SetupError> {
         let side = match samples {
             1 => 1,
@@ -96,6 +106,9 @@ impl Setup {
         };
         if !(1..=Self::MAX_SIDE).contains(&width) || !(1..=Self::MAX_SIDE).contains(&height) {
             return Err(SetupError::Size { width, height });
+        }
+        if !(1..=Self::MAX_LAYERS).contains(&layers) {
+            return Err(SetupError::Layers { layers });
         }
         let lights = scene.lights();
         if lights.len() > Self::MAX_LIGHTS {
@@ -141,6 +154,12 @@ impl Setup {
             sky_first: scene.sky().first,
             sky_side: scene.sky().side,
             sky_levels: scene.sky().levels,
+            // What is masked is opaque where it is at all.
+            layers: match scene.see_through() {
+                AlphaMode::Opaque => 0,
+                AlphaMode::Mask => 1,
+                AlphaMode::Blend => layers,
+            },
             ..Frame::zeroed()
         };
         Ok(())
@@ -187,7 +206,7 @@ mod tests {
             projection: Projection::Orthographic { height: 1.0 },
         };
         let mut setup = Setup::default();
-        setup.prepare(&scene, &camera, [32, 16], 1, true).unwrap();
+        setup.prepare(&scene, &camera, [32, 16], 1, true, 8).unwrap();
         for view in &setup.views {
             let vectors = [
                 view.center,
@@ -225,7 +244,7 @@ mod tests {
             projection: Projection::Perspective { fov_y: 1.0 },
         };
         let mut setup = Setup::default();
-        let mut prepare = |size, samples| setup.prepare(&Scene::new(), &camera, size, samples, true);
+        let mut prepare = |size, samples| setup.prepare(&Scene::new(), &camera, size, samples, true, 8);
         assert!(matches!(prepare([16_384, 16_384], 16), Err(SetupError::Rays { .. })));
         assert!(matches!(prepare([0, 9], 1), Err(SetupError::Size { .. })));
         assert!(matches!(prepare([9, 9], 2), Err(SetupError::Samples { samples: 2 })));

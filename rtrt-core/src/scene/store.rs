@@ -1,7 +1,8 @@
 //! The scene: everything a backend reads, in the arrays it reads them from.
 
 use crate::kernel::environment::Sky;
-use crate::layout::{Attribute, Material, Node, Object, Texture, Wrap};
+use crate::kernel::pane;
+use crate::layout::{AlphaMode, Attribute, Material, Node, Object, Texture, Wrap};
 use crate::num::flush;
 use crate::scene::camera::single;
 use crate::scene::floor::floored;
@@ -85,6 +86,10 @@ struct Stored {
     first_second_uv: u32,
     first_source: usize,
     nodes: u32,
+    vertices: u32,
+    /// For each set of texture coordinates, where the vertices of panes start in the words; 0
+    /// where no object has asked for them.
+    panes: [u32; 2],
     triangles: u32,
     bounds: Bounds,
     center: DVec3,
@@ -113,6 +118,7 @@ pub struct Scene {
     meshes: Vec<Stored>,
     lights: Vec<Light>,
     sky: Sky,
+    see_through: AlphaMode,
     bounds: Bounds,
     /// Light from everywhere, linear RGB; an environment takes its place.
     pub ambient: Vec3,
@@ -150,6 +156,7 @@ impl Scene {
             meshes: vec![],
             lights: vec![],
             sky: Sky::default(),
+            see_through: AlphaMode::Opaque,
             bounds: Bounds::EMPTY,
             ambient: Vec3::splat(0.1),
             background: Vec3::new(0.02, 0.025, 0.035),
@@ -199,9 +206,20 @@ impl Scene {
 
     /// Adds a material. Colors too small to count are black.
     pub fn add_material(&mut self, mut material: Material) -> MaterialIndex {
-        let Material { base, specular, emission, shininess, metallic, roughness, bump, occlusion, .. } =
-            &mut material;
-        let numbers = [shininess, metallic, roughness, bump, occlusion];
+        let Material {
+            base,
+            specular,
+            emission,
+            shininess,
+            metallic,
+            roughness,
+            bump,
+            occlusion,
+            alpha,
+            cutoff,
+            ..
+        } = &mut material;
+        let numbers = [shininess, metallic, roughness, bump, occlusion, alpha, cutoff];
         for value in base.iter_mut().chain(specular).chain(emission).chain(numbers) {
             *value = floored(*value);
         }
@@ -247,6 +265,8 @@ impl Scene {
             first_second_uv: after(indices.len() + tangents, second_uv),
             first_source: self.sources.len(),
             nodes: tree.nodes.len() as u32,
+            vertices: order.vertices.len() as u32,
+            panes: [0; 2],
             triangles: mesh.triangles() as u32,
             bounds,
             center,
@@ -286,6 +306,8 @@ impl Scene {
         }
         let stored = self.mesh(mesh.0)?;
         let object = place(stored, material.0, to_world)?;
+        let pane = self.pane(mesh.0, material.0)?;
+        let object = Object { pane, ..object };
         // Here the bounds only grow; going through all objects for each would take hours for
         // a million of them.
         self.bounds = self.bounds.union(&Bounds { low: object.low, high: object.high });
@@ -313,9 +335,9 @@ impl Scene {
         moved: impl IntoIterator<Item = (ObjectIndex, Mat4)>,
     ) -> Result<(), SceneError> {
         let result = moved.into_iter().try_for_each(|(object, to_world)| {
-            let (index, material) = self.object(object)?;
+            let (index, old) = self.object(object)?;
             let stored = self.mesh(self.object_meshes[index])?;
-            self.objects[index] = place(stored, material, to_world)?;
+            self.objects[index] = Object { pane: old.pane, ..place(stored, old.material, to_world)? };
             Ok(())
         });
         self.objects_changed();
@@ -327,7 +349,7 @@ impl Scene {
     /// # Errors
     /// There is no such object.
     pub fn hide(&mut self, object: ObjectIndex) -> Result<(), SceneError> {
-        let (index, material) = self.object(object)?;
+        let (index, old) = self.object(object)?;
         let stored = self.mesh(self.object_meshes[index])?;
         // The empty leaf beside the mesh's root: no ray meets it, wherever it is.
         let nothing = Stored {
@@ -338,7 +360,7 @@ impl Scene {
             radius: 0.0,
             ..*stored
         };
-        self.objects[index] = place(&nothing, material, Mat4::IDENTITY)?;
+        self.objects[index] = Object { pane: old.pane, ..place(&nothing, old.material, Mat4::IDENTITY)? };
         self.objects_changed();
         Ok(())
     }
@@ -364,7 +386,8 @@ impl Scene {
         let mut placed = vec![];
         for (index, object) in self.objects.iter().enumerate() {
             if self.object_meshes[index] == mesh.0 && object.root == stored.root {
-                placed.push((index, place(&stored, object.material, matrix(object))?));
+                let pane = object.pane;
+                placed.push((index, Object { pane, ..place(&stored, object.material, matrix(object))? }));
             }
         }
         for triangle in 0..stored.triangles as usize {
@@ -397,11 +420,59 @@ impl Scene {
         Ok(())
     }
 
-    /// Where an object is in the arrays, and its material.
-    fn object(&self, object: ObjectIndex) -> Result<(usize, u32), SceneError> {
+    /// Where an object is in the arrays, and how it is placed.
+    fn object(&self, object: ObjectIndex) -> Result<(usize, Object), SceneError> {
         let index = object.0 as usize;
-        let found = self.objects.get(index).map(|object| (index, object.material));
+        let found = self.objects.get(index).map(|object| (index, *object));
         found.ok_or(SceneError::Index { what: "object", index: object.0 })
+    }
+
+    /// Where the pane of an object of this mesh and material is in the words (see
+    /// [`crate::kernel::pane`]), which it is added to; 0 for a material that is opaque.
+    fn pane(&mut self, mesh: u32, material: u32) -> Result<u32, SceneError> {
+        let material = self.materials[material as usize];
+        if material.alpha_mode == AlphaMode::Opaque as u32 {
+            return Ok(0);
+        }
+        if self.see_through != AlphaMode::Blend {
+            let blends = material.alpha_mode == AlphaMode::Blend as u32;
+            self.see_through = if blends { AlphaMode::Blend } else { AlphaMode::Mask };
+        }
+        let map = material.textures[Material::COLOR];
+        let stored = *self.mesh(mesh)?;
+        let set = usize::from(map.set == 1 && stored.first_second_uv > 0);
+        let more = (pane::VERTEX * stored.vertices + pane::RECORD) as usize;
+        if self.words.len() + more > u32::MAX as usize / 4 {
+            return Err(SceneError::TooLarge { what: "triangles" });
+        }
+        self.versions.geometry += 1;
+        if stored.panes[set] == 0 && stored.vertices > 0 {
+            self.meshes[mesh as usize].panes[set] = self.words.len() as u32;
+            for vertex in 0..stored.vertices {
+                let attribute = self.attributes[(stored.first_vertex + vertex) as usize];
+                let second = (stored.first_second_uv + 2 * vertex) as usize;
+                let uv = match set {
+                    0 => attribute.uv.map(f32::to_bits),
+                    _ => [self.words[second], self.words[second + 1]],
+                };
+                self.words.extend([uv[0], uv[1], attribute.color]);
+            }
+        }
+        let at = self.words.len() as u32;
+        let [r, g, b] = material.base.map(f32::to_bits);
+        self.words.extend([
+            material.alpha_mode,
+            material.cutoff.to_bits(),
+            r,
+            g,
+            b,
+            material.alpha.to_bits(),
+        ]);
+        let size = if map.levels > 0 { [map.width, map.height] } else { [0; 2] };
+        self.words.extend([self.meshes[mesh as usize].panes[set], map.first, size[0], size[1]]);
+        self.words.extend([map.wrap_u, map.wrap_v]);
+        self.words.extend(map.turn.as_flattened().iter().chain(&map.shift).map(|n| n.to_bits()));
+        Ok(at)
     }
 
     fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
@@ -441,7 +512,8 @@ impl Scene {
         bytemuck::cast_slice(&self.nodes)
     }
     /// Of all meshes: vertex indices, three a triangle, in the order of their trees' leaves, and,
-    /// where there are some, packed tangents and second texture coordinates.
+    /// where there are some, packed tangents and second texture coordinates; and the panes of
+    /// objects that are not opaque.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
@@ -486,6 +558,10 @@ impl Scene {
             m.textures[Material::NORMAL].levels > 0 || m.textures.iter().any(|t| t.levels > 0 && t.set > 0)
         };
         self.materials.iter().any(asks)
+    }
+    /// What alpha does in the scene: the most that it does to one of its objects.
+    pub(super) fn see_through(&self) -> AlphaMode {
+        self.see_through
     }
     /// The largest coordinate of an object's bounds, in magnitude.
     pub(super) fn magnitude(&self) -> f32 {
@@ -616,6 +692,7 @@ fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneEr
         slack: (SLACK * condition(&m, &inverse)) as f32,
         first_tangent: mesh.first_tangent,
         first_second_uv: mesh.first_second_uv,
+        pane: 0,
     })
 }
 

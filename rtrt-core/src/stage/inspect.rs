@@ -159,6 +159,7 @@ mod tests {
             nodes: scene.nodes(),
             words: scene.words(),
             positions: scene.positions(),
+            texels: scene.texels(),
             magnitude: 1.0,
         };
         let lists = Lists { words: &[0, 1, 0, 0], blocks: 1 };

@@ -5,7 +5,8 @@ use crate::kernel::falloff::falloff;
 use crate::kernel::ray::Ray;
 use crate::kernel::reflect::{blinn_phong, lambert, shininess};
 use crate::kernel::texture::{Chosen, Maps, Pick, sample};
-use crate::lane::{Bits, Lane, Mask, Select, V3};
+use crate::kernel::tint::color;
+use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{Frame, Lit, Material, View};
 use crate::num::{flush3, normalize, sqrt};
 use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
@@ -62,13 +63,15 @@ impl<L: Lane> ArrivingRows<L> {
 }
 
 /// The light that arrives at a group of surfaces from all lights, in their order.
-/// `mask(word)` is a word of the shadow mask.
+/// `mask(word)` is a word of the shadow mask, `tint(light)` the color of a light's shadow; it
+/// is asked only where not every object is opaque.
 #[inline(always)]
 pub fn light<L: Lane>(
     frame: &Frame,
     views: &[View],
     maps: &Maps<'_>,
     mask: impl Fn(u32) -> L::Bits,
+    tint: impl Fn(u32) -> L::Bits,
     ray: &Ray<L>,
     surfaces: &Surfaces<L>,
 ) -> Arriving<L> {
@@ -80,7 +83,8 @@ pub fn light<L: Lane>(
     let mut light = 0;
     while light < frame.lights {
         let lit = mask(light / LIGHTS_PER_WORD);
-        sum = add(frame, views, light, lit, ray, surfaces, shininess, &sum);
+        let left = if frame.layers == 0 { lit } else { tint(light) };
+        sum = add(frame, views, light, lit, left, ray, surfaces, shininess, &sum);
         light += 1;
     }
     sum
@@ -115,13 +119,16 @@ impl Pick<3> for Gloss {
 }
 
 /// `sum` and what the light adds to it, in the lanes where `lit` has the light's bit.
-/// `lit` is the word of the shadow mask that the light belongs to.
+/// `lit` is the word of the shadow mask that the light belongs to, `left` what its shadow leaves
+/// of it, where not every object is opaque.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 fn add<L: Lane>(
     frame: &Frame,
     views: &[View],
     light: u32,
     lit: L::Bits,
+    left: L::Bits,
     ray: &Ray<L>,
     surfaces: &Surfaces<L>,
     shininess: L,
@@ -141,6 +148,8 @@ fn add<L: Lane>(
     let strength = reached.select(strength, strength.like(0.0));
     let lobe = blinn_phong(surfaces.normal, toward, normalize(-ray.direction), shininess);
     // Off its peak a lobe is so small that some devices keep its products and others do not.
-    let diffuse = flush3(V3::splat(token, view.color).scale(strength));
+    let light = V3::splat(token, view.color).scale(strength);
+    let light = if frame.layers == 0 { light } else { times(light, color(left)) };
+    let diffuse = flush3(light);
     Arriving { diffuse: sum.diffuse + diffuse, specular: sum.specular + flush3(diffuse.scale(lobe)) }
 }

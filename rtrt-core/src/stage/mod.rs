@@ -4,6 +4,7 @@
 pub mod bin;
 pub mod detail;
 pub mod inspect;
+pub mod layers;
 pub mod light;
 pub mod occlusion;
 pub mod prepare;

@@ -3,7 +3,8 @@
 use crate::kernel::cone::cone;
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
-use crate::kernel::traverse::{Best, Geometry};
+use crate::kernel::tint::{Crossing, WHITE};
+use crate::kernel::traverse::{Any, Best, Geometry, Search};
 use crate::kernel::view::light_block;
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
 use crate::layout::{Frame, View, ViewKind};
@@ -90,9 +91,91 @@ pub fn occlusion<L: Lane, const G: usize>(
         #[inline(always)]
         |g| light_block(light, surfaces[g].origin),
     );
+    let mut searches = [Any; G];
+    cast(lists, geometry, &rays, &blocks, &mut searches, &mut pending, &mut lit);
+    lit
+}
+
+/// What is left of the light where it reaches a group of surfaces (`asked` is 1, see
+/// [`ask`]), as a word (see [`crate::kernel::tint`]); 0 elsewhere. Of the surfaces only the
+/// origins are needed.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
+pub fn tint<L: Lane, const G: usize>(
+    frame: &Frame,
+    views: &[View],
+    lists: &Lists<'_>,
+    geometry: &Geometry<'_>,
+    light: u32,
+    origins: &[V3<L>; G],
+    asked: &[L::Bits; G],
+) -> [L::Bits; G] {
+    let light = &views[frame.light_view(light) as usize];
+    let none = asked[0].like(0);
+    let mut pending: [L; G] = groups(
+        #[inline(always)]
+        |g| {
+            let limit = to_light(light, origins[g]).1;
+            none.less_than(asked[g]).select(limit, limit.like(-1.0))
+        },
+    );
+    let mut lit: [L::Bits; G] = groups(
+        #[inline(always)]
+        |g| none.less_than(asked[g]).select(none.like(WHITE), none),
+    );
+    if frame.shadows == 0 || !any_pending(&pending) {
+        return lit;
+    }
+    let rays: [Ray<L>; G] = groups(
+        #[inline(always)]
+        |g| Ray::new(origins[g], to_light(light, origins[g]).0),
+    );
+    let blocks: [L::Bits; G] = groups(
+        #[inline(always)]
+        |g| light_block(light, origins[g]),
+    );
+    let mut searches: [Crossing<L>; G] = groups(
+        #[inline(always)]
+        |g| Crossing::new(pending[g]),
+    );
+    cast(lists, geometry, &rays, &blocks, &mut searches, &mut pending, &mut lit);
+    groups(
+        #[inline(always)]
+        |g| none.less_than(lit[g]).select(searches[g].word(), none),
+    )
+}
+
+/// The bit of the shadow mask that belongs to what is left of a light: set where anything is.
+#[inline(always)]
+pub fn bit<L: Lane>(tint: L::Bits, bit: u32) -> L::Bits {
+    let none = tint.like(0);
+    none.less_than(tint).select(none.like(1 << bit), none)
+}
+
+/// 1 in the lanes of a group of surfaces that the light would reach if nothing stood between
+/// them, else 0.
+#[inline(always)]
+pub fn ask<L: Lane>(frame: &Frame, views: &[View], light: u32, surfaces: &Surfaces<L>) -> L::Bits {
+    let limit = limit(&views[frame.light_view(light) as usize], surfaces);
+    limit.like(0.0).less_than(limit).select(surfaces.material.like(1), surfaces.material.like(0))
+}
+
+/// Casts the shadow rays that are pending, block after block of the light, and makes `lit` 0
+/// where one of them is ended.
+#[inline(always)]
+fn cast<L: Lane, S: Search<L>, const G: usize>(
+    lists: &Lists<'_>,
+    geometry: &Geometry<'_>,
+    rays: &[Ray<L>; G],
+    blocks: &[L::Bits; G],
+    searches: &mut [S; G],
+    pending: &mut [L; G],
+    lit: &mut [L::Bits; G],
+) {
+    let none = lit[0].like(0);
     loop {
-        let Some(block) = first_pending(&pending, &blocks) else {
-            return lit;
+        let Some(block) = first_pending(pending, blocks) else {
+            return;
         };
         let mut best: [Best<L>; G] = groups(
             #[inline(always)]
@@ -112,7 +195,7 @@ pub fn occlusion<L: Lane, const G: usize>(
             #[inline(always)]
             |g| best[g].t,
         );
-        closest::<L, L, G, true>(lists, geometry, block, &rays, &mut best);
+        closest(lists, geometry, block, rays, searches, &mut best);
         let mut g = 0;
         while g < G {
             let zero = pending[g].like(0.0);

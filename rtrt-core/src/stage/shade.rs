@@ -3,8 +3,8 @@
 use crate::kernel::environment::{Sky, arriving as arriving_from, mirrored};
 use crate::kernel::ray::Ray;
 use crate::kernel::texture::{Chosen, Maps, Pick, sample};
-use crate::lane::{Bits, Lane, Mask, V3};
-use crate::layout::{Frame, Material};
+use crate::lane::{Bits, Lane, Mask, Select, V3, times};
+use crate::layout::{AlphaMode, Frame, Material};
 use crate::num::{clamp, flush, flush3, normalize};
 use crate::stage::light::Arriving;
 use crate::stage::surface::{Surfaces, channel};
@@ -22,7 +22,8 @@ use crate::stage::surface::{Surfaces, channel};
 ///
 /// or the base color alone, of a material that is unlit, or the background where it found
 /// nothing. `metallic`, `roughness`, `occlusion` and `emission` are the material's times its
-/// textures. Alpha is 1: every surface is opaque.
+/// textures. Alpha is 1, but of a material that blends: the material's, times the texture's and
+/// the vertex color's.
 ///
 /// An environment is the background. It takes the place of the ambient light, by the
 /// surface's normal. It is mirrored, more where the surface is seen at a grazing angle, by
@@ -65,7 +66,7 @@ pub fn shade<L: Lane>(
     let lit = flush3(diffuse + specular + looks.emission);
     let lit = if sky.first == 0 { lit } else { flush3(lit + reflection(maps, sky, ray, surfaces, &looks)) };
     let color = V3::select(found, V3::select(looks.unlit, flush3(looks.base), lit), background);
-    [color.x, color.y, color.z, one]
+    [color.x, color.y, color.z, found.select(looks.alpha, one)]
 }
 
 /// The base color of a group of surfaces, linear RGB: material · texture · vertex color.
@@ -108,6 +109,7 @@ struct Looks<L: Lane> {
     /// The share of the ambient light that arrives.
     occlusion: L,
     unlit: L::Mask,
+    alpha: L,
 }
 
 /// The looks; a metal loses this share of its diffuse color.
@@ -117,8 +119,8 @@ fn looks<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32) -> Looks<
     let one = surfaces.footprint.like(1.0);
     let chosen = Chosen::new(surfaces.material);
     let places = surfaces.places();
-    let [br, bg, bb, sr, sg, sb, er, eg, eb, metallic, roughness, strength, unlit] =
-        chosen.numbers::<Numbers, 13>(token, maps);
+    let [br, bg, bb, sr, sg, sb, er, eg, eb, metallic, roughness, strength, unlit, alpha] =
+        chosen.numbers::<Numbers, 14>(token, maps);
     let texture = sample::<L, { Material::COLOR }, true>(maps, &chosen, &places);
     let painted = |number: u32| channel::<L>(surfaces.color, number);
     let base = V3 {
@@ -141,24 +143,23 @@ fn looks<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32) -> Looks<
         emission: V3 { x: flush(er * glow[0]), y: flush(eg * glow[1]), z: flush(eb * glow[2]) },
         occlusion: one + (occluded - one) * strength,
         unlit: one.less_equal(unlit),
+        alpha: alpha
+            .less_than(one.like(0.0))
+            .select(one, flush(clamp(alpha * texture[3] * painted(3), 0.0, 1.0))),
     }
-}
-
-/// The product of each component.
-#[inline(always)]
-fn times<L: Lane>(a: V3<L>, b: V3<L>) -> V3<L> {
-    V3 { x: a.x * b.x, y: a.y * b.y, z: a.z * b.z }
 }
 
 /// What a material says of its looks.
 struct Numbers;
 
-impl Pick<13> for Numbers {
+impl Pick<14> for Numbers {
     #[inline(always)]
-    fn pick(material: &Material) -> [f32; 13] {
+    fn pick(material: &Material) -> [f32; 14] {
         let (b, s, e) = (&material.base, &material.specular, &material.emission);
         let (metallic, roughness) = (material.metallic, material.roughness);
         let (occlusion, unlit) = (material.occlusion, material.unlit as f32);
-        [b[0], b[1], b[2], s[0], s[1], s[2], e[0], e[1], e[2], metallic, roughness, occlusion, unlit]
+        // Negative for what is opaque.
+        let alpha = if material.alpha_mode == AlphaMode::Blend as u32 { material.alpha } else { -1.0 };
+        [b[0], b[1], b[2], s[0], s[1], s[2], e[0], e[1], e[2], metallic, roughness, occlusion, unlit, alpha]
     }
 }

@@ -4,7 +4,7 @@ use crate::grid::{RayIndex, place};
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
 use crate::kernel::tiles::{TILES, Tiles};
-use crate::kernel::traverse::{Best, Geometry, met_by_rays, traverse};
+use crate::kernel::traverse::{Best, Closest, Geometry, Search, met_by_rays, traverse};
 use crate::kernel::view::{camera_ray, central_ray};
 use crate::lane::{Lane, groups};
 use crate::layout::{Frame, Hit, NONE, View};
@@ -54,10 +54,37 @@ pub fn visibility<L: Lane, const G: usize>(
     geometry: &Geometry<'_>,
     first: RayIndex,
 ) -> [Best<L>; G] {
-    let grid = frame.grid();
     let camera = &views[Frame::CAMERA as usize];
+    let (corner, inside) = frame.grid().corner(first);
+    let mut best = unfound::<L, G>(token, frame, first);
+    let mut searches = [Closest; G];
+    let block = camera.first_block + frame.grid().block(first).0;
+    if lists.is_empty(block) {
+        return best;
+    }
+    if G > 1 && camera.w_offset == 0.0 {
+        let rays: [Ray<L, f32>; G] = groups(
+            #[inline(always)]
+            |group| {
+                let [x, y] = places(token, corner, inside + (group * L::WIDTH) as u32);
+                central_ray(camera, x, y)
+            },
+        );
+        closest(lists, geometry, block, &rays, &mut searches, &mut best);
+    } else {
+        let rays = rays::<L, G>(token, frame, camera, first);
+        closest(lists, geometry, block, &rays, &mut searches, &mut best);
+    }
+    best
+}
+
+/// What the rays numbered from `first` on, all in one block, have found before they search:
+/// nothing. A ray outside the frame looks for nothing.
+#[inline(always)]
+pub fn unfound<L: Lane, const G: usize>(token: L::Token, frame: &Frame, first: RayIndex) -> [Best<L>; G] {
+    let grid = frame.grid();
     let (corner, inside) = grid.corner(first);
-    let mut best: [Best<L>; G] = groups(
+    groups(
         #[inline(always)]
         |group| {
             let number = inside + (group * L::WIDTH) as u32;
@@ -72,38 +99,21 @@ pub fn visibility<L: Lane, const G: usize>(
             let none = limit.bits_like(NONE);
             Best { t: limit, object: none, triangle: none, u: limit.like(0.0), v: limit.like(0.0) }
         },
-    );
-    let block = camera.first_block + grid.block(first).0;
-    if lists.is_empty(block) {
-        return best;
-    }
-    if G > 1 && camera.w_offset == 0.0 {
-        let rays: [Ray<L, f32>; G] = groups(
-            #[inline(always)]
-            |group| {
-                let [x, y] = places(token, corner, inside + (group * L::WIDTH) as u32);
-                central_ray(camera, x, y)
-            },
-        );
-        closest::<L, f32, G, false>(lists, geometry, block, &rays, &mut best);
-    } else {
-        let rays = rays::<L, G>(token, frame, camera, first);
-        closest::<L, L, G, false>(lists, geometry, block, &rays, &mut best);
-    }
-    best
+    )
 }
 
 /// Meets a packet with the objects of one block's list, near to far, until nothing nearer
-/// can follow. With `ANY`, rays end at the first hit (see [`traverse`]).
+/// can follow.
 ///
 /// A packet passes by the objects whose boxes none of its tiles may meet, before any ray is
 /// transformed.
 #[inline(always)]
-pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY: bool>(
+pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usize>(
     lists: &Lists<'_>,
     geometry: &Geometry<'_>,
     block: u32,
     rays: &[Ray<L, O>; G],
+    searches: &mut [S; G],
     best: &mut [Best<L>; G],
 ) {
     if lists.is_empty(block) {
@@ -138,7 +148,7 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY:
         }
         let is_identity = object.is_identity == 1;
         if G > 1 && is_identity {
-            traverse::<L, O, G, ANY>(geometry, entry.object, rays, &tiles, met, &mut limits, best);
+            traverse(geometry, entry.object, rays, &tiles, met, &mut limits, searches, best);
             continue;
         }
         let local_rays: [Ray<L, O>; G] = groups(
@@ -149,7 +159,7 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize, const ANY:
             },
         );
         let local_tiles = Tiles::of(&local_rays, best, met);
-        traverse::<L, O, G, ANY>(geometry, entry.object, &local_rays, &local_tiles, met, &mut limits, best);
+        traverse(geometry, entry.object, &local_rays, &local_tiles, met, &mut limits, searches, best);
     }
 }
 

@@ -114,7 +114,7 @@ impl Error {
     /// What to try instead.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::Demo { .. } => Some("try demo:matchbox"),
+            Self::Demo { .. } => Some("try demo:matchbox or demo:glass"),
             Self::TooLarge { .. } => Some("try a smaller --size or fewer --samples"),
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => {
                 Some("`rtrt doctor` lists what this machine offers")

@@ -26,6 +26,8 @@ pub struct Job<'a> {
     pub size: [u32; 2],
     pub samples: u32,
     pub shadows: bool,
+    /// The most layers of surfaces that a ray looks at.
+    pub layers: u32,
     /// Rays from the camera.
     pub rays: u64,
     /// Milliseconds.
@@ -83,6 +85,7 @@ impl<'a> Job<'a> {
             samples,
             rays,
             shadows: !common.no_shadows,
+            layers: common.transparency_depth,
             tree_build_ms,
             own_lights: common.lights.is_empty() && !lit_by_default,
             animation,
@@ -120,6 +123,7 @@ impl<'a> Job<'a> {
             size: self.size,
             samples: self.samples,
             shadows: self.shadows,
+            layers: self.layers,
             deferred,
         }
     }
@@ -159,6 +163,7 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
     let name = &common.scene;
     match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
         Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
+        Some("glass") => Ok(pool.install(|| demo::glass(&Parallel))?),
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
         None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
     }

@@ -5,6 +5,7 @@ use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::{self, Choice};
 use rtrt::debug::View;
+use rtrt_core::backend::LAYERS;
 use rtrt_core::scene::{Light, Setup};
 use std::path::{Path, PathBuf};
 
@@ -67,7 +68,7 @@ pub struct Bench {
 /// What all commands that render take.
 #[derive(Debug, Args)]
 pub struct Common {
-    /// A .glb, .gltf or .obj file, or demo:matchbox
+    /// A .glb, .gltf or .obj file, demo:matchbox or demo:glass
     pub scene: PathBuf,
     /// Width and height in pixels, each at most 16384
     #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size)]
@@ -78,6 +79,10 @@ pub struct Common {
     /// Render without shadows
     #[arg(long)]
     pub no_shadows: bool,
+    /// Look at most so many surfaces that cover one another only in part, the last of which is
+    /// then drawn as opaque; 1 draws everything as opaque
+    #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)))]
+    pub transparency_depth: u32,
     /// Add a white light; the scene's own lights are then off. point:x,y,z shines from there
     /// without limit; spot:x,y,z:dx,dy,dz:degrees shines from there in the direction dx,dy,dz,
     /// brightest in the middle and up to that angle off it (within 0 and 90); sun:x,y,z stands

@@ -60,13 +60,15 @@ pub fn pixel_hash(picture: &Picture) -> String {
 /// The SHA-256 of each deferred buffer; none if they were not kept.
 pub fn buffer_hashes(picture: &Picture) -> Option<BTreeMap<&'static str, String>> {
     let deferred = picture.deferred.as_ref()?;
-    let buffers: [(_, &[u8]); 6] = [
+    let buffers: [(_, &[u8]); 8] = [
         ("lists", bytemuck::cast_slice(&deferred.lists)),
         ("hits", bytemuck::cast_slice(&deferred.hits)),
         ("surfaces", bytemuck::cast_slice(&deferred.surfaces)),
         ("masks", bytemuck::cast_slice(&deferred.masks)),
+        ("tints", bytemuck::cast_slice(&deferred.tints)),
         ("lit", bytemuck::cast_slice(&deferred.lit)),
         ("colors", bytemuck::cast_slice(&deferred.colors)),
+        ("layers", bytemuck::cast_slice(&deferred.layers)),
     ];
     Some(buffers.map(|(name, bytes)| (name, sha256(bytes))).into())
 }

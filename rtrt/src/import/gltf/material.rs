@@ -6,11 +6,11 @@ use crate::import::builder::Builder;
 use crate::import::{ImportError, error::quoted, file, picture};
 use gltf_json::deserialize::from_value;
 use gltf_json::extensions::texture::TextureTransform;
-use gltf_json::material::AlphaMode;
+use gltf_json::material;
 use gltf_json::texture::{self, Info, WrappingMode};
 use gltf_json::validation::Checked;
-use gltf_json::{Index, Root, Value, image, material};
-use rtrt_core::layout::{Material, Texture, Wrap};
+use gltf_json::{Index, Root, Value, image};
+use rtrt_core::layout::{AlphaMode, Material, Texture, Wrap};
 use rtrt_core::scene::{Content, Image, Join, MaterialIndex, phong};
 use std::collections::HashMap;
 
@@ -89,7 +89,7 @@ impl<'a> Materials<'a> {
         let strength = extensions.and_then(|e| e.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
         let emission = source.emissive_factor.0.map(|e| finite(e * strength));
-        let [r, g, b, _] = pbr.base_color_factor.0.map(finite);
+        let [r, g, b, a] = pbr.base_color_factor.0.map(finite);
         let (metallic, roughness) = (finite(pbr.metallic_factor.0), finite(pbr.roughness_factor.0));
         let material = Material {
             bump: source.normal_texture.as_ref().map_or(1.0, |info| finite(info.scale)),
@@ -98,10 +98,10 @@ impl<'a> Materials<'a> {
                 .as_ref()
                 .map_or(1.0, |info| finite(info.strength.0).clamp(0.0, 1.0)),
             unlit: u32::from(extensions.is_some_and(|e| e.unlit.is_some())),
+            cutoff: source.alpha_cutoff.map_or(0.5, |cutoff| finite(cutoff.0)),
             textures,
-            ..phong([r, g, b], metallic, roughness, Texture::NONE, emission)
+            ..see_through(source, a, phong([r, g, b], metallic, roughness, Texture::NONE, emission))
         };
-        note_what_is_not_drawn(builder, source);
         let made = (builder.scene.add_material(material), coordinates);
         self.made.insert(key, made.clone());
         Ok(made)
@@ -227,12 +227,32 @@ fn finite(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }
 
-fn note_what_is_not_drawn<J: Join>(builder: &mut Builder<'_, J>, source: &material::Material) {
-    let mut note = |is: bool, what| {
-        if is {
-            builder.not_drawn.insert(what);
-        }
+/// The least alpha of what transmits light: highlights are drawn by alpha too.
+const CLEAREST: f32 = 0.1;
+
+/// The material with the source's alpha, and with its transmission (KHR_materials_transmission)
+/// as alpha: the light that a surface lets through becomes what it does not cover.
+///
+/// ```text
+/// alpha · max(1 − transmission · mean(base), 0.1)
+/// ```
+///
+/// So dark glass covers more than bright glass. Roughness, refraction and the texture of the
+/// transmission are left out.
+fn see_through(source: &material::Material, alpha: f32, material: Material) -> Material {
+    use material::AlphaMode as Mode;
+    let mode = match source.alpha_mode {
+        Checked::Valid(Mode::Mask) => AlphaMode::Mask,
+        Checked::Valid(Mode::Blend) => AlphaMode::Blend,
+        Checked::Valid(Mode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
     };
-    note(source.alpha_mode == Checked::Valid(AlphaMode::Mask), "alpha masks");
-    note(source.alpha_mode == Checked::Valid(AlphaMode::Blend), "transparency");
+    let transmission = source.extensions.as_ref().and_then(|e| e.transmission.as_ref());
+    let transmission = transmission.map_or(0.0, |t| finite(t.transmission_factor.0).clamp(0.0, 1.0));
+    if transmission == 0.0 || mode == AlphaMode::Mask {
+        return Material { alpha, alpha_mode: mode as u32, ..material };
+    }
+    let [r, g, b] = material.base;
+    let covered = (1.0 - transmission * (r + g + b) / 3.0).max(CLEAREST);
+    let alpha = if mode == AlphaMode::Blend { alpha } else { 1.0 };
+    Material { alpha: alpha * covered, alpha_mode: AlphaMode::Blend as u32, ..material }
 }

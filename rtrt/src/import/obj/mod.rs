@@ -11,7 +11,7 @@ use crate::import::{ImportError, NamedCamera, file, picture};
 use glam::Mat4;
 use parse::{Corner, NONE, Obj, Polygon};
 use polygon::Splitter;
-use rtrt_core::layout::{Attribute, Material, Texture, Wrap};
+use rtrt_core::layout::{AlphaMode, Attribute, Material, Texture, Wrap};
 use rtrt_core::scene::{Join, MaterialIndex, phong};
 use std::collections::HashMap;
 
@@ -98,6 +98,8 @@ fn material<J: Join>(
     let roughness = libm::sqrtf(libm::sqrtf(2.0 / (source.shininess + 2.0)));
     let texture = Texture { wrap_u: wrap, wrap_v: wrap, ..texture };
     Ok(builder.scene.add_material(Material {
+        alpha: source.alpha,
+        alpha_mode: if source.alpha < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque } as u32,
         shininess: source.shininess,
         specular: source.specular.map(|s| s * peak / (1.0 - 0.5 * roughness)),
         ..phong(source.diffuse, 0.0, roughness, texture, source.emission)

@@ -10,6 +10,8 @@ pub(super) struct Source {
     pub specular: [f32; 3],
     pub shininess: f32,
     pub emission: [f32; 3],
+    /// How much of it covers what is behind it, 0 ..= 1.
+    pub alpha: f32,
     /// The file of the diffuse texture.
     pub texture: Option<String>,
     /// Whether the texture's edge goes on instead of the texture repeating.
@@ -20,16 +22,20 @@ pub(super) struct Source {
 /// numbers, are passed over: a material is never a reason to draw nothing.
 pub(super) fn parse(bytes: &[u8]) -> Vec<Source> {
     let mut materials: Vec<Source> = Vec::new();
+    // `Tr` is what `d` leaves; where both are given, `d` is meant.
+    let mut has_d = false;
     for (_, line) in lines(bytes) {
         let (key, rest) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
         let rest = rest.trim();
         if key == "newmtl" {
+            has_d = false;
             materials.push(Source {
                 name: rest.to_owned(),
                 diffuse: [0.8; 3],
                 specular: [0.0; 3],
                 shininess: 1.0,
                 emission: [0.0; 3],
+                alpha: 1.0,
                 texture: None,
                 clamp: false,
             });
@@ -43,11 +49,23 @@ pub(super) fn parse(bytes: &[u8]) -> Vec<Source> {
                 let shininess = numbers(rest).map_or(1.0, |n| n.first());
                 material.shininess = if shininess >= 1.0 { shininess.min(8192.0) } else { 1.0 };
             }
+            "d" => {
+                has_d = true;
+                material.alpha = share(rest).unwrap_or(1.0);
+            }
+            // Some programs write `Tr 1` for what is opaque.
+            "tr" if !has_d => material.alpha = share(rest).filter(|&tr| tr < 1.0).map_or(1.0, |tr| 1.0 - tr),
             "map_kd" => (material.texture, material.clamp) = texture(rest),
             _ => {}
         }
     }
     materials
+}
+
+/// A number within 0 ..= 1.
+fn share(rest: &str) -> Option<f32> {
+    let share = numbers(rest).ok().filter(|n| n.count == 1)?.first();
+    share.is_finite().then(|| share.clamp(0.0, 1.0))
 }
 
 /// One number is gray. Anything else than numbers (`spectral`, `xyz`) leaves what is there.
@@ -94,6 +112,13 @@ mod tests {
         assert_eq!(name("-s 2 2 1 -o 0.5 wood.jpg"), "wood.jpg");
         assert_eq!(texture("-clamp on x.png"), (Some("x.png".into()), true));
         assert_eq!(texture(""), (None, false));
+    }
+
+    #[test]
+    fn d_is_alpha_and_tr_what_it_leaves() {
+        let alpha = |text: &str| parse(format!("newmtl a\n{text}").as_bytes())[0].alpha;
+        assert_eq!([alpha("d 0.25"), alpha("Tr 0.25"), alpha("d 0.5\nTr 0.9")], [0.25, 0.75, 0.5]);
+        assert_eq!([alpha("Tr 1"), alpha("d nan"), alpha("d 7"), alpha("d")], [1.0; 4]);
     }
 
     #[test]

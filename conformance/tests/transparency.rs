@@ -1,0 +1,118 @@
+//! What layers and colored shadows come to, in numbers.
+
+use conformance::reference;
+use conformance::shape::{Build, PLAIN, Shape, sun};
+use glam::Vec3;
+use rtrt_core::backend::{Backend, Deferred, Picture, Request};
+use rtrt_core::layout::{AlphaMode, Material, NONE};
+use rtrt_core::scene::{Camera, Projection, Scene, phong};
+
+/// A material that blends and shows its color whatever the light.
+fn glass(base: [f32; 3], alpha: f32) -> Material {
+    let alpha_mode = AlphaMode::Blend as u32;
+    Material { alpha, alpha_mode, unlit: 1, ..phong(base, 0.0, 0.5, PLAIN, [0.0; 3]) }
+}
+
+fn unlit(base: [f32; 3]) -> Material {
+    Material { unlit: 1, ..phong(base, 0.0, 0.5, PLAIN, [0.0; 3]) }
+}
+
+/// A square across the view.
+fn square(z: f32) -> Shape {
+    Shape::quad([-3.0, -3.0, z], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0])
+}
+
+fn render(scene: &Scene, eye: Vec3, look_at: Vec3, layers: u32) -> (Picture, Deferred) {
+    let projection = Projection::Orthographic { height: 0.3 };
+    let camera = Camera { eye, look_at, up: Vec3::Y, projection };
+    let request =
+        Request { camera: &camera, size: [16, 16], samples: 1, shadows: true, layers, deferred: true };
+    let mut picture = Picture::default();
+    reference().render(scene, &request, &mut picture).unwrap();
+    let deferred = picture.deferred.take().unwrap();
+    (picture, deferred)
+}
+
+/// The color that every ray brings back.
+fn color(scene: &Scene, layers: u32) -> [f32; 3] {
+    let (_, deferred) = render(scene, Vec3::Z * 4.0, Vec3::ZERO, layers);
+    let [r, g, b, a] = deferred.colors[0];
+    assert!(deferred.colors.iter().all(|&color| color == [r, g, b, a]), "an edge within a surface is seen");
+    assert_eq!(a, 1.0);
+    [r, g, b]
+}
+
+fn near(found: [f32; 3], expected: [f32; 3]) {
+    let off = found.iter().zip(&expected).fold(0.0, |most: f32, (a, b)| most.max((a - b).abs()));
+    assert!(off < 2e-3, "{found:?}, not {expected:?}");
+}
+
+#[test]
+fn layers_blend_from_back_to_front() {
+    let build = Build::default()
+        .shape_of(square(0.0), unlit([1.0, 1.0, 1.0]))
+        .shape_of(square(1.0), glass([0.0, 0.0, 1.0], 0.5))
+        .shape_of(square(2.0), glass([1.0, 0.0, 0.0], 0.25));
+    // Blue over white is (0.5, 0.5, 1); red over that is this.
+    let expected = [0.25 + 0.75 * 0.5, 0.75 * 0.5, 0.75];
+    near(color(&build.scene, 8), expected);
+    near(color(&build.scene, 3), expected);
+    // The last layer that may be looked at counts as opaque.
+    near(color(&build.scene, 2), [0.25, 0.0, 0.75]);
+    near(color(&build.scene, 1), [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn what_is_behind_everything_shines_through() {
+    let mut build = Build::default().shape_of(square(0.0), glass([1.0, 0.0, 0.0], 0.5));
+    build.scene.background = Vec3::new(0.0, 0.5, 1.0);
+    near(color(&build.scene, 8), [0.5, 0.25, 0.5]);
+}
+
+#[test]
+fn a_pane_that_covers_nothing_is_not_seen_and_colors_nothing() {
+    let wall = || Build::default().shape_of(square(0.0), unlit([0.3, 0.6, 0.9]));
+    let behind = wall().shape_of(square(1.0), glass([1.0, 0.0, 0.0], 0.0));
+    assert_eq!(color(&behind.scene, 8), color(&wall().scene, 8));
+}
+
+#[test]
+fn an_opaque_scene_has_no_layers_and_no_colored_shadows() {
+    let scene = Build::default().shape(square(0.0)).light(sun([0.0, 0.0, -1.0])).scene;
+    let (_, deferred) = render(&scene, Vec3::Z * 4.0, Vec3::ZERO, 8);
+    assert!(deferred.layers.is_empty() && deferred.tints.is_empty());
+}
+
+/// What the sun leaves of itself on a floor under panes, of which each has a color, an alpha
+/// and a height.
+fn tint(panes: &[([f32; 3], f32, f32)]) -> Vec<u32> {
+    let mut build = Build::default().shape(Shape::floor(4.0, 0.0)).light(sun([0.0, -1.0, 0.0]));
+    for &(base, alpha, y) in panes {
+        build = build.shape_of(Shape::floor(4.0, y), glass(base, alpha));
+    }
+    // From below the panes.
+    let (_, deferred) = render(&build.scene, Vec3::new(0.0, 0.8, 0.5), Vec3::ZERO, 8);
+    assert!(deferred.hits.iter().all(|hit| hit.object == 0 || hit.object == NONE));
+    deferred.tints
+}
+
+#[test]
+fn the_order_of_panes_does_not_matter_to_shadows() {
+    let (red, blue, grey) = ([1.0, 0.1, 0.0], [0.0, 0.2, 1.0], [0.5; 3]);
+    let one = tint(&[(red, 0.2, 1.0), (blue, 0.4, 2.0), (grey, 0.1, 3.0)]);
+    assert_eq!(one, tint(&[(red, 0.2, 3.0), (blue, 0.4, 1.0), (grey, 0.1, 2.0)]));
+    assert_eq!(one, tint(&[(grey, 0.1, 1.0), (blue, 0.4, 2.0), (red, 0.2, 3.0)]));
+    assert_ne!(one, tint(&[(red, 0.4, 1.0), (blue, 0.2, 2.0), (grey, 0.1, 3.0)]));
+}
+
+#[test]
+fn shadows_are_as_dark_as_the_alphas_together() {
+    let white = [1.0; 3];
+    assert!(tint(&[]).is_empty());
+    assert!(tint(&[(white, 0.0, 1.0)]).iter().all(|&word| word == (1 << 30) - 1));
+    let quarter = [1.0, 2.0, 3.0, 4.0].map(|y| (white, 0.25, y));
+    assert!(tint(&quarter).iter().all(|&word| word == 0), "light leaks");
+    // Half is left: √½ of 1023.
+    let half = 723 * (1 | 1 << 10 | 1 << 20);
+    assert!(tint(&quarter[..2]).iter().all(|&word| word == half));
+}

@@ -1,0 +1,154 @@
+//! The color of a shadow: what is left of a light that has crossed panes.
+
+use crate::kernel::pane::{cutoff, mode, pane};
+use crate::kernel::traverse::{Best, Geometry, Search};
+use crate::kernel::triangle::Meeting;
+use crate::lane::{Bits, Lane, Mask, Select, V3};
+use crate::layout::AlphaMode;
+use crate::num::{clamp, floor, from_integer, recip, sqrt, to_integer};
+
+/// Light that nothing has taken from, as a word.
+pub const WHITE: u32 = (1 << 30) - 1;
+
+/// What counts as 1 in sums.
+const ONE: u32 = 1 << 16;
+/// The largest number of a channel in a word.
+const MOST: f32 = 1023.0;
+/// What one in a sum stands for.
+const UNIT: f32 = 1.0 / ONE as f32;
+/// What one in a channel stands for.
+const STEP: f32 = 1.0 / MOST;
+
+/// A search for everything between a surface and a light: the panes' alphas, and their tints
+/// times their alphas, summed as whole numbers of 2⁻¹⁶, so that no order of the panes and no
+/// order of the search can change them. A ray is done at what is opaque, and when the alphas
+/// reach 1: what is then missing from the sums no longer matters.
+#[derive(Clone, Copy)]
+pub struct Crossing<L: Lane> {
+    alpha: L::Bits,
+    red: L::Bits,
+    green: L::Bits,
+    blue: L::Bits,
+}
+
+impl<L: Lane> Crossing<L> {
+    /// Nothing crossed yet; shaped like `like`.
+    #[inline(always)]
+    pub fn new(like: L) -> Self {
+        let none = like.bits_like(0);
+        Self { alpha: none, red: none, green: none, blue: none }
+    }
+
+    /// What is left of white light, as a word of three channels of 10 bits, red lowest; each
+    /// channel is the square root of its share.
+    ///
+    /// ```text
+    /// A     = Σ alpha
+    /// tint  = Σ (tint · alpha) / A
+    /// share = (1 − A) · (1 − A + A · tint)
+    /// ```
+    ///
+    /// The paper's rule: the colors of the panes are averaged, the average is blended with the
+    /// color of the light, and the light is scaled by what the alphas together leave of it.
+    /// Departure: an average weighted by alpha, so that a pane that cannot be seen has no say.
+    #[inline(always)]
+    pub fn word(&self) -> L::Bits {
+        let sum: L = from_integer(self.alpha);
+        let inverse = recip(sum.max(sum.like(1.0)));
+        let alpha = sum * UNIT;
+        let left = clamp(sum.like(1.0) - alpha, 0.0, 1.0);
+        let channel = |tints: L::Bits| {
+            let average = from_integer::<L>(tints) * inverse;
+            let share = left * (left + alpha * average);
+            to_integer(floor(sqrt(clamp(share, 0.0, 1.0)) * MOST + 0.5))
+        };
+        channel(self.red) | channel(self.green) << 10 | channel(self.blue) << 20
+    }
+}
+
+/// A share of 1, as a whole number for sums.
+#[inline(always)]
+fn fixed<L: Lane>(share: L) -> L::Bits {
+    to_integer(floor(share * ONE as f32 + 0.5))
+}
+
+/// The color that a word stands for, linear RGB.
+#[inline(always)]
+pub fn color<L: Lane>(word: L::Bits) -> V3<L> {
+    let channel = |shift: u32| {
+        let root = from_integer::<L>((word >> shift) & word.like(1023)) * STEP;
+        root * root
+    };
+    V3 { x: channel(0), y: channel(10), z: channel(20) }
+}
+
+impl<L: Lane> Search<L> for Crossing<L> {
+    const ENDS: bool = true;
+
+    #[inline(always)]
+    fn keep(
+        &mut self,
+        geometry: &Geometry<'_>,
+        object: u32,
+        id: u32,
+        found: &Meeting<L>,
+        best: &mut Best<L>,
+    ) -> bool {
+        if !found.mask.any() {
+            return false;
+        }
+        let mode = mode(geometry, object);
+        let mut ended = found.mask;
+        if mode != AlphaMode::Opaque as u32 {
+            let [red, green, blue, alpha] = pane(geometry, object, id, found);
+            if mode == AlphaMode::Mask as u32 {
+                ended = ended & alpha.like(cutoff(geometry, object)).less_equal(alpha);
+            } else {
+                // All zero in the lanes that have met nothing.
+                self.alpha = self.alpha + fixed(alpha);
+                self.red = self.red + fixed(red * alpha);
+                self.green = self.green + fixed(green * alpha);
+                self.blue = self.blue + fixed(blue * alpha);
+                ended = ended & !self.alpha.less_than(self.alpha.like(ONE));
+            }
+        }
+        best.t = ended.select(best.t.like(-1.0), best.t);
+        ended.any()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn crossed(panes: &[([f32; 3], f32)]) -> [f32; 3] {
+        let mut crossing = Crossing::new(0.0_f32);
+        for &([red, green, blue], alpha) in panes {
+            crossing.alpha = crossing.alpha + fixed(alpha);
+            crossing.red = crossing.red + fixed(red * alpha);
+            crossing.green = crossing.green + fixed(green * alpha);
+            crossing.blue = crossing.blue + fixed(blue * alpha);
+        }
+        let V3 { x, y, z } = color::<f32>(crossing.word());
+        [x, y, z]
+    }
+
+    #[test]
+    fn light_that_crosses_nothing_stays_as_it_is() {
+        assert_eq!(Crossing::new(0.0_f32).word().0, WHITE);
+        assert_eq!(crossed(&[]), [1.0; 3]);
+        assert_eq!(crossed(&[([0.3, 0.0, 1.0], 0.0)]), [1.0; 3]);
+    }
+
+    #[test]
+    fn panes_commute_average_and_add_up() {
+        let (red, blue) = (([1.0, 0.0, 0.0], 0.25), ([0.0, 0.0, 1.0], 0.5));
+        assert_eq!(crossed(&[red, blue]), crossed(&[blue, red]));
+        // A = 0.75, tint = (1/3, 0, 2/3).
+        let expected = [0.25 * (0.25 + 0.25), 0.25 * 0.25, 0.25 * (0.25 + 0.5)];
+        for (found, expected) in crossed(&[red, blue]).into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1.5e-3, "{found} {expected}");
+        }
+        assert_eq!(crossed(&[red, ([1.0; 3], 0.75)]), [0.0; 3]);
+    }
+}

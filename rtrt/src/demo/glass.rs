@@ -1,0 +1,160 @@
+//! `demo:glass`: light through colored panes.
+
+use super::noise::hash;
+use super::shape::Shape;
+use crate::import::builder::Builder;
+use crate::import::{ImportError, Loaded, NamedCamera};
+use glam::{Mat4, Vec3, vec3};
+use rtrt_core::layout::{AlphaMode, Material, Texture};
+use rtrt_core::scene::{Camera, Join, Light, MaterialIndex, Projection, phong};
+use std::path::Path;
+
+/// The lower and the upper corner of the room.
+const ROOM: [Vec3; 2] = [vec3(-1.9, 0.0, -2.2), vec3(2.6, 3.4, 4.6)];
+/// What the scene is called where a path is expected.
+pub const GLASS: &str = "demo:glass";
+
+/// The colors of the panes.
+const COLORS: [[f32; 3]; 6] = [
+    [0.95, 0.04, 0.03],
+    [0.02, 0.12, 0.90],
+    [0.98, 0.62, 0.02],
+    [0.02, 0.60, 0.12],
+    [0.55, 0.03, 0.70],
+    [0.02, 0.65, 0.75],
+];
+/// Panes beside and above one another.
+const PANES: [u32; 2] = [6, 7];
+/// The side of a pane.
+const PANE: f32 = 0.36;
+/// The window's lower corner at the back.
+const CORNER: Vec3 = vec3(-1.9, 0.35, -1.35);
+
+/// A window of stained glass whose colors the sun throws on a wall and a floor; two sheets of
+/// glass that overlap, and a ball within a ball of glass.
+///
+/// # Errors
+/// As for [`crate::import::load`]; nothing in the scene gives rise to any.
+pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
+    let mut stage = Stage { builder: Builder::new(Path::new(GLASS), join, None) };
+    stage.room()?;
+    stage.window()?;
+    stage.sheets()?;
+    let mut scene = stage.builder.scene;
+    scene.ambient = vec3(0.15, 0.155, 0.17);
+    scene.background = vec3(0.55, 0.70, 0.90);
+    scene.add_light(Light::Sun { direction: vec3(1.0, -0.52, -0.42), color: vec3(22.0, 20.5, 18.0) });
+    scene.add_light(Light::Point {
+        position: vec3(0.8, 3.0, 2.6),
+        color: vec3(0.16, 0.16, 0.19),
+        reach: Some(9.0),
+        inverse_square: false,
+    });
+    let camera = Camera {
+        eye: vec3(1.15, 1.75, 3.9),
+        look_at: vec3(0.05, 0.98, -0.8),
+        up: Vec3::Y,
+        projection: Projection::Perspective { fov_y: 0.80 },
+    };
+    Ok(Loaded {
+        scene,
+        cameras: vec![NamedCamera { name: "window".into(), camera }],
+        camera,
+        lit_by_default: false,
+        warnings: Vec::new(),
+        animation: None,
+        tree_build_ms: stage.builder.tree_build_ms,
+    })
+}
+
+/// The scene in the making.
+struct Stage<'a, J> {
+    builder: Builder<'a, J>,
+}
+
+impl<J: Join> Stage<'_, J> {
+    fn opaque(&mut self, color: [f32; 3], roughness: f32) -> MaterialIndex {
+        self.builder.scene.add_material(phong(color, 0.0, roughness, Texture::NONE, [0.0; 3]))
+    }
+    /// Glass that glows in its color: nothing else shows that light comes through it.
+    fn glass(&mut self, color: [f32; 3], alpha: f32, glow: f32) -> MaterialIndex {
+        let glass = phong(color, 0.0, 0.15, Texture::NONE, color.map(|c| c * glow));
+        self.builder.scene.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
+    }
+    fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
+        let mesh = self.builder.add_mesh(GLASS, shape.0)?;
+        self.builder.add_object(GLASS, mesh, material, Mat4::IDENTITY)?;
+        Ok(())
+    }
+
+    /// A closed room with an opening for the window.
+    fn room(&mut self) -> Result<(), ImportError> {
+        let floor = self.opaque([0.60, 0.56, 0.50], 0.7);
+        let wall = self.opaque([0.80, 0.78, 0.74], 0.95);
+        let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+        let [low, high] = ROOM;
+        let size = high - low;
+        self.add(Shape::default().tiled(low, x * size.x, z * size.z, 1.0), floor)?;
+        let (from, to) = (CORNER, CORNER + vec3(0.0, PANES[1] as f32, PANES[0] as f32) * PANE);
+        let left = |z: f32, y: f32| vec3(low.x, y, z);
+        let walls = Shape::default()
+            .tiled(low, x * size.x, y * size.y, 1.0)
+            .tiled(low + z * size.z, x * size.x, y * size.y, 1.0)
+            .tiled(low + x * size.x, z * size.z, y * size.y, 1.0)
+            .tiled(high, x * -size.x, z * -size.z, 1.0)
+            // Around the window: behind, in front, below, above.
+            .tiled(low, z * (from.z - low.z), y * size.y, 1.0)
+            .tiled(left(to.z, low.y), z * (high.z - to.z), y * size.y, 1.0)
+            .tiled(left(from.z, low.y), z * (to.z - from.z), y * (from.y - low.y), 1.0)
+            .tiled(left(from.z, to.y), z * (to.z - from.z), y * (high.y - to.y), 1.0);
+        self.add(walls, wall)
+    }
+
+    /// Panes between bars of lead.
+    fn window(&mut self) -> Result<(), ImportError> {
+        let lead = self.opaque([0.03; 3], 0.4);
+        let size = Vec3::new(0.0, PANES[1] as f32 * PANE, PANES[0] as f32 * PANE);
+        let mut panes: [Shape; COLORS.len()] = Default::default();
+        for row in 0..PANES[1] {
+            for column in 0..PANES[0] {
+                let color = (hash(column, row, 5) * COLORS.len() as f32) as usize % COLORS.len();
+                let corner = CORNER + vec3(0.0, row as f32, column as f32) * PANE;
+                let pane = std::mem::take(&mut panes[color]);
+                panes[color] = pane.tiled(corner, Vec3::Z * PANE, Vec3::Y * PANE, 1.0);
+            }
+        }
+        for (shape, color) in panes.into_iter().zip(COLORS) {
+            let glass = self.glass(color, 0.88, 0.4);
+            self.add(shape, glass)?;
+        }
+        let bar = |from: Vec3, to: Vec3, half: f32| (from - Vec3::splat(half), to + Vec3::splat(half));
+        let mut bars = Shape::default();
+        for row in 0..=PANES[1] {
+            let from = CORNER + Vec3::Y * PANE * row as f32;
+            let half = if row % PANES[1] == 0 { 0.05 } else { 0.014 };
+            let (low, high) = bar(from, from + Vec3::Z * size.z, half);
+            bars = bars.cuboid(low, high, 1.0);
+        }
+        for column in 0..=PANES[0] {
+            let from = CORNER + Vec3::Z * PANE * column as f32;
+            let half = if column % PANES[0] == 0 { 0.05 } else { 0.014 };
+            let (low, high) = bar(from, from + Vec3::Y * size.y, half);
+            bars = bars.cuboid(low, high, 1.0);
+        }
+        self.add(bars, lead)
+    }
+
+    /// Two sheets on the floor that stand in each other's way, and a ball within a ball of glass.
+    fn sheets(&mut self) -> Result<(), ImportError> {
+        let (red, blue) =
+            (self.glass([0.95, 0.15, 0.05], 0.5, 0.1), self.glass([0.05, 0.25, 0.95], 0.5, 0.1));
+        let up = Vec3::Y * 0.9;
+        self.add(Shape::default().tiled(vec3(0.15, 0.0, 0.95), vec3(0.75, 0.0, 0.35), up, 1.0), red)?;
+        self.add(Shape::default().tiled(vec3(0.35, 0.0, 1.35), vec3(0.80, 0.0, -0.45), up, 1.0), blue)?;
+        let clear = self.glass([0.75, 0.95, 0.85], 0.25, 0.0);
+        let gold = self.opaque([0.85, 0.55, 0.12], 0.3);
+        let middle = vec3(1.55, 0.36, 0.2);
+        self.add(Shape::default().ellipsoid(middle, 0.36, 0.36), clear)?;
+        self.add(Shape::default().ellipsoid(middle - Vec3::Y * 0.12, 0.17, 0.17), gold)
+    }
+}
