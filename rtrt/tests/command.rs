@@ -235,7 +235,14 @@ fn frames_play_the_animation() {
 #[test]
 fn a_cache_changes_nothing_but_the_time() {
     let folder = Folder::new("cache");
-    let run = || stdout(&folder.run("render scene.obj --hash --size 37x21 --backend cpu --cache trees"));
+    // A wavy field of 2,312 triangles.
+    let side = 35;
+    let corner = |i: u32| format!("v {} {} {}\n", i % side, f64::from(i * i % 7) * 0.2, i / side);
+    let quad = |i: u32| format!("f {} {} {} {}\n", i, i + 1, i + side + 1, i + side);
+    let quads = (1..side * (side - 1)).filter(|i| i % side != 0).map(quad);
+    fs::write(folder.0.join("field.obj"), (0..side * side).map(corner).chain(quads).collect::<String>())
+        .unwrap();
+    let run = || stdout(&folder.run("render field.obj --hash --size 37x21 --backend cpu --cache trees"));
     let first = run();
     let files =
         || fs::read_dir(folder.0.join("trees")).unwrap().map(|e| e.unwrap().path()).collect::<Vec<_>>();
@@ -251,6 +258,9 @@ fn a_cache_changes_nothing_but_the_time() {
     let output = folder.run("render scene.obj -o out.png --size 8x8 --backend cpu --cache scene.obj");
     assert_eq!(code(&output), 0);
     assert!(stderr(&output).contains("warning: no cache at scene.obj"), "{}", stderr(&output));
+    // Small trees are not kept.
+    stdout(&folder.run("render scene.obj -o out.png --size 8x8 --backend cpu --cache few"));
+    assert_eq!(fs::read_dir(folder.0.join("few")).unwrap().count(), 0);
 }
 
 #[test]

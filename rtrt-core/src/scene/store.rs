@@ -354,6 +354,7 @@ impl Scene {
         // The empty leaf beside the mesh's root: no ray meets it, wherever it is.
         let nothing = Stored {
             root: stored.root - 1,
+            triangles: 0,
             bounds: Bounds { low: [0.0; 3], high: [0.0; 3] },
             center: DVec3::ZERO,
             radius: 0.0,

@@ -98,7 +98,7 @@ pub struct Common {
     /// view
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time: Option<f64>,
-    /// Keep the trees of meshes in this folder, and take them from there the next time. Files
+    /// Keep the trees of large meshes in this folder, and take them from there the next time. Files
     /// that are damaged or of another mesh are built anew
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,

@@ -17,6 +17,8 @@ const TRIANGLES: u64 = 1 << 26;
 const OBJECTS: u64 = 1 << 22;
 /// The most texels that all textures may have at full size: 4 GiB of them.
 const TEXELS: u64 = 1 << 30;
+/// Trees of fewer triangles are built faster than files are opened.
+const WORTH_KEEPING: usize = 1000;
 /// The most warnings.
 const WARNINGS: usize = 40;
 /// The most vertices that meshes which change their shape may have, once for each target: at
@@ -118,7 +120,7 @@ impl<'a, J: Join> Builder<'a, J> {
             return Err(self.limit("triangles", TRIANGLES));
         }
         let start = Instant::now();
-        let tree = match self.cache {
+        let tree = match self.cache.filter(|_| mesh.triangles() >= WORTH_KEEPING) {
             Some(cache) => cache.tree(&mesh, self.join).unwrap_or_else(|(tree, error)| {
                 self.warn(format!("a mesh's tree is not kept for the next time: {error}"));
                 tree
