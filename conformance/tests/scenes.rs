@@ -6,7 +6,7 @@ use conformance::{compare, reference};
 use rtrt_core::backend::{Backend, Picture, Request};
 use std::path::Path;
 
-const SCENES: [&str; 10] = [
+const SCENES: [&str; 15] = [
     "sponza/sponza_dabrovic_cc0tex.glb",
     "sponza/sponza_dabrovic.obj",
     "stanford/dragon_res2.glb",
@@ -17,6 +17,11 @@ const SCENES: [&str; 10] = [
     "outdoor/forest_2000_instances.glb",
     "lights/Lights.glb",
     "cad/2CylinderEngine.glb",
+    "alpha/AlphaBlendModeTest.glb",
+    "alpha/TransmissionRoughnessTest.glb",
+    "alpha/glass-table.glb",
+    "alpha/love_neon.glb",
+    "outdoor/house.glb",
 ];
 
 /// One ray in this many is asked of the oracle, which meets it with every triangle.

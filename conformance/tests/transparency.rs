@@ -4,8 +4,8 @@ use conformance::reference;
 use conformance::shape::{Build, PLAIN, Shape, sun};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Deferred, Picture, Request};
-use rtrt_core::layout::{AlphaMode, Material, NONE};
-use rtrt_core::scene::{Camera, Projection, Scene, phong};
+use rtrt_core::layout::{AlphaMode, Material, NONE, Wrap};
+use rtrt_core::scene::{Camera, Image, Projection, Scene, phong};
 
 /// A material that blends and shows its color whatever the light.
 fn glass(base: [f32; 3], alpha: f32) -> Material {
@@ -60,6 +60,32 @@ fn layers_blend_from_back_to_front() {
     // The last layer that may be looked at counts as opaque.
     near(color(&build.scene, 2), [0.25, 0.0, 0.75]);
     near(color(&build.scene, 1), [1.0, 0.0, 0.0]);
+}
+
+/// A wall whose mask has one texel on the left and one on the right.
+fn masked(alpha: [u8; 2], cutoff: f32) -> Scene {
+    let mut build = Build::default();
+    let rgba = alpha.map(|a| [255, 255, 255, a]).concat();
+    let image = Image { width: 2, height: 1, rgba };
+    let map = build.scene.add_texture(&image, [Wrap::Clamp; 2]).unwrap();
+    let mask = AlphaMode::Mask as u32;
+    let mut material = Material { cutoff, alpha_mode: mask, ..unlit([1.0, 0.0, 0.0]) };
+    material.textures[Material::COLOR] = map;
+    build.shape_of(square(0.0), material).shape_of(square(-1.0), unlit([0.0, 1.0, 0.0])).scene
+}
+
+#[test]
+fn a_mask_is_there_where_alpha_is_not_below_the_cutoff() {
+    let middle = |alpha, cutoff| {
+        // Between the centers of the texels, alpha rises by its difference.
+        let (_, deferred) = render(&masked(alpha, cutoff), Vec3::Z * 4.0, Vec3::ZERO, 8);
+        deferred.hits.iter().filter(|hit| hit.object == 0).count()
+    };
+    assert_eq!([middle([0, 255], 0.5), middle([255, 0], 0.5)], [128; 2]);
+    assert_eq!([middle([0, 0], 0.5), middle([255, 255], 0.5)], [0, 256]);
+    assert_eq!([middle([255, 255], 1.0), middle([254, 255], 1.0), middle([0, 0], 0.0)], [256, 0, 256]);
+    let (_, deferred) = render(&masked([0, 255], 0.5), Vec3::Z * 4.0, Vec3::ZERO, 8);
+    assert!(deferred.layers.is_empty() && deferred.colors.contains(&[0.0, 1.0, 0.0, 1.0]));
 }
 
 #[test]

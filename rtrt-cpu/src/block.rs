@@ -132,7 +132,6 @@ fn packet_colors<L: Lane, const G: usize>(
     let camera = &views[Frame::CAMERA as usize];
     let maps = Maps { materials, texels };
     let mut start = Instant::now();
-    let rays = rays::<L, G>(token, &frame, camera, ray);
     let zero = L::splat(token, 0.0);
     let none = zero.bits_like(0);
     let mut best: [Best<L>; G] = groups(
@@ -149,6 +148,7 @@ fn packet_colors<L: Lane, const G: usize>(
             layer::<L, G>(token, &frame, views, lists, geometry, ray, &best)
         };
         clock.lap(stage(2), &mut start);
+        let rays = rays::<L, G>(token, &frame, camera, ray);
         let surfaces: [Surfaces<L>; G] = groups(
             #[inline(always)]
             |g| surface(camera, geometry, attributes, &rays[g], &best[g]),

@@ -68,7 +68,7 @@ fn keys(value: &Value) -> Vec<&str> {
 #[test]
 fn renders_a_file_and_the_demo_to_png() {
     let folder = Folder::new("renders");
-    for scene in ["scene.obj", "demo:matchbox"] {
+    for scene in ["scene.obj", "demo:matchbox", "demo:glass"] {
         let output =
             folder.run(&format!("render {scene} -o out.png --size 64x36 --backend cpu --eye -1,2,3"));
         assert_eq!(stdout(&output), "");

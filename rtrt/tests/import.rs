@@ -2,7 +2,7 @@
 //! repository; without them the tests that need them say that they are skipped.
 
 use rtrt::import::{ImportError, Loaded, framing, load};
-use rtrt_core::layout::Material;
+use rtrt_core::layout::{AlphaMode, Material};
 use rtrt_core::scene::{Light, MeshError, Projection, Sequential};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
@@ -277,6 +277,8 @@ fn the_demo_is_whole_and_the_same_every_time() {
     let (a, b) = (rtrt::demo::matchbox(&Sequential).unwrap(), rtrt::demo::matchbox(&Sequential).unwrap());
     assert!(a.warnings.is_empty() && a.scene.lights().len() == 3 && a.scene.drawn_triangles() > 10_000);
     assert_eq!((a.scene.texels(), a.scene.positions()), (b.scene.texels(), b.scene.positions()));
+    let glass = rtrt::demo::glass(&Sequential).unwrap();
+    assert!(glass.warnings.is_empty() && glass.scene.objects().iter().any(|object| object.pane != 0));
 }
 
 #[test]
@@ -324,6 +326,23 @@ fn materials_say_what_textures_they_have_and_where_they_lie() {
     let turned = materials("features/TextureTransformTest/TextureTransformTest.gltf");
     assert!(turned.iter().any(|m| m.textures[0].shift != [0.0; 2]));
     assert!(turned.iter().any(|m| m.textures[0].turn[0][1] != 0.0));
+}
+
+#[test]
+fn materials_say_what_their_alpha_does() {
+    let Some(folder) = scenes() else { return };
+    let alphas = |file: &str| -> Vec<_> {
+        let loaded = load(&folder.join(file), &Sequential).unwrap();
+        loaded.scene.materials().iter().map(|m| (m.alpha_mode, m.cutoff, m.alpha)).collect()
+    };
+    let [mask, blend] = [AlphaMode::Mask, AlphaMode::Blend].map(|mode| mode as u32);
+    let modes = alphas("alpha/AlphaBlendModeTest.glb");
+    for expected in [(mask, 0.25, 1.0), (mask, 0.5, 1.0), (mask, 0.75, 1.0), (blend, 0.5, 1.0)] {
+        assert!(modes.contains(&expected), "{modes:?}");
+    }
+    // Half, seven and nine tenths of red, green and blue shine through: 0.7 on average.
+    let clear = alphas("alpha/TransmissionRoughnessTest.glb");
+    assert!(clear.iter().any(|&(mode, _, alpha)| mode == blend && (alpha - 0.3).abs() < 1e-3), "{clear:?}");
 }
 
 #[test]

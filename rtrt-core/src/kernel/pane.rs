@@ -119,7 +119,8 @@ impl<L: Lane> Met<L> {
 #[inline(always)]
 fn painted(weights: &Weights<f32>, a: u32, b: u32, c: u32, shift: u32) -> f32 {
     let part = |color: u32| (color >> shift & 255) as f32 * BYTE;
-    weights.mix(part(a), part(b), part(c))
+    // Weights sum to 1 but for rounding, and alpha may have to equal a cutoff.
+    if a == b && b == c { part(a) } else { weights.mix(part(a), part(b), part(c)) }
 }
 
 /// Within 0 ..= 1.

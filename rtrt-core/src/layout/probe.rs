@@ -3,7 +3,7 @@
 use crate::layout::{Attribute, Frame, Hit, Material, Node, Object, Surface, View};
 
 /// How many words [`probe`] gives.
-pub const PROBES: usize = 24;
+pub const PROBES: usize = 27;
 
 /// Fields from all over the layouts, as words: of the frame, and of the second element of
 /// each slice. Filled with words that tell where they are, buffers so tell where a device
@@ -27,6 +27,7 @@ pub fn probe(
         frame.width,
         frame.rays,
         frame.magnitude.to_bits(),
+        frame.layers,
         view.center[0].to_bits(),
         view.kind,
         view.depth[2].to_bits(),
@@ -37,11 +38,13 @@ pub fn probe(
         object.root,
         object.center[1].to_bits(),
         object.slack.to_bits(),
+        object.pane,
         node.first,
         node.kind,
         attribute.normal[0].to_bits(),
         attribute.color,
         material.specular[0].to_bits(),
+        material.cutoff.to_bits(),
         material.textures[0].first,
         material.textures[4].shift[1].to_bits(),
         surface.material,

@@ -244,6 +244,8 @@ mod tests {
             projection: Projection::Perspective { fov_y: 1.0 },
         };
         let mut setup = Setup::default();
+        let none = setup.prepare(&Scene::new(), &camera, [9, 9], 1, true, 0);
+        assert_eq!(none, Err(SetupError::Layers { layers: 0 }));
         let mut prepare = |size, samples| setup.prepare(&Scene::new(), &camera, size, samples, true, 8);
         assert!(matches!(prepare([16_384, 16_384], 16), Err(SetupError::Rays { .. })));
         assert!(matches!(prepare([0, 9], 1), Err(SetupError::Size { .. })));
