@@ -225,9 +225,8 @@ fn packet_colors<L: Lane, const G: usize>(
             break;
         }
     }
-    for g in 0..G {
+    for (g, sum) in sums.iter().enumerate() {
         let start_of_group = first + g * L::WIDTH;
-        let sum = sums[g];
         let [r, g, b, a] = groups(
             #[inline(always)]
             |channel| sum[channel].row(),

@@ -420,7 +420,8 @@ fn lanes_and_threads_do_not_change_a_hash() {
     };
     let scalar = hashes("--lanes 1 --threads 1");
     let names: Vec<_> = scalar.lines().map(|line| line.split("  ").last().unwrap()).collect();
-    assert_eq!(names, ["pixels", "colors", "hits", "lists", "lit", "masks", "surfaces"]);
+    let buffers = ["pixels", "colors", "hits", "layers", "lists", "lit", "masks", "surfaces", "tints"];
+    assert_eq!(names, buffers);
     for options in ["--lanes 8 --threads 1", "--lanes 1 --threads 2", "--lanes 8 --threads 2", ""] {
         assert_eq!(hashes(options), scalar, "{options}");
     }

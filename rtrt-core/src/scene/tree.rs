@@ -132,10 +132,9 @@ fn check(count: usize, links: &[[u32; 2]], triangles: &[u32]) -> Result<(), Tree
             if kind > 3 || first <= index || first.is_multiple_of(2) || usize::from(depth) >= STACK {
                 return Err(TreeError("a node's children are before it, or too deep"));
             }
-            for child in first..first + 2 {
-                once(&mut children, child, "a node has two parents, or is not there")?;
-                depths[child] = depth;
-            }
+            once(&mut children, first, "a node has two parents, or is not there")?;
+            once(&mut children, first + 1, "a node has two parents, or is not there")?;
+            depths[first..first + 2].fill(depth);
         }
     }
     if held.contains(&false) || children[1..].contains(&false) {

@@ -7,13 +7,16 @@ use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Mesh, MeshIndex};
 use std::path::Path;
 
+/// The joints that a vertex hangs on, and how much each counts.
+pub(crate) type Hung = ([u32; 4], [f32; 4]);
+
 /// What changes the shape of a mesh.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Deform {
     /// What is added to positions and normals, as much as their weights say.
     pub targets: Vec<Target>,
     /// Four joints of the skin for each vertex, and how much each counts; none without a skin.
-    pub joints: Vec<([u32; 4], [f32; 4])>,
+    pub joints: Vec<Hung>,
 }
 
 /// A morph target. Empty lists change nothing.
@@ -99,7 +102,7 @@ impl Skin {
 }
 
 /// The mean of four joints' matrices; none if none of them counts.
-fn blended(joints: &[DMat4], (bound, weights): &([u32; 4], [f32; 4])) -> Option<DMat4> {
+fn blended(joints: &[DMat4], (bound, weights): &Hung) -> Option<DMat4> {
     let weight = |w: f32| if w > 0.0 { f64::from(w) } else { 0.0 };
     let sum: f64 = weights.iter().map(|&w| weight(w)).sum();
     let mut matrix = DMat4::ZERO;

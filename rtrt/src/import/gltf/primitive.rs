@@ -4,7 +4,7 @@ use super::accessor::Column;
 use super::buffer::Buffers;
 use crate::import::ImportError;
 use crate::import::builder::{Geometry, Tangents};
-use crate::import::shape::{Deform, Target};
+use crate::import::shape::{Deform, Hung, Target};
 use glam::Vec3;
 use gltf_json::accessor::{Accessor, Type};
 use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
@@ -132,7 +132,7 @@ fn joints<'a>(
     column: &impl Fn(Index<Accessor>, &[Type]) -> Result<Column<'a>, ImportError>,
     count: usize,
     vertices: &[u32],
-) -> Result<Vec<([u32; 4], [f32; 4])>, ImportError> {
+) -> Result<Vec<Hung>, ImportError> {
     let get = |semantic| primitive.attributes.get(&Checked::Valid(semantic));
     let (Some(&joints), Some(&weights)) = (get(Semantic::Joints(0)), get(Semantic::Weights(0))) else {
         return Ok(vec![]);
