@@ -173,7 +173,7 @@ fn packet_colors<L: Lane, const G: usize>(
                     views,
                     &maps,
                     #[inline(always)]
-                    |w| shadows.words[w as usize][g],
+                    |w| shadows.word(w)[g],
                     #[inline(always)]
                     |light| shadows.tints[light as usize][g],
                     &rays[g],
@@ -200,8 +200,7 @@ fn packet_colors<L: Lane, const G: usize>(
                     records.surfaces[at] = surfaces[g].lane(lane);
                     let words = frame.mask_words;
                     for w in 0..words {
-                        records.masks[(at as u32 * words + w) as usize] =
-                            shadows.words[w as usize][g].lane(lane);
+                        records.masks[(at as u32 * words + w) as usize] = shadows.word(w)[g].lane(lane);
                     }
                     for (light, tint) in shadows.tints.iter().enumerate() {
                         records.tints[at * shadows.tints.len() + light] = tint[g].lane(lane);
@@ -247,8 +246,10 @@ const LAYERS: usize = 7;
 
 /// Which lights reach a packet's surfaces.
 struct Shadows<L: Lane, const G: usize> {
-    /// The words of the shadow mask.
-    words: Vec<[L::Bits; G]>,
+    /// The first word of the shadow mask: the usual scene has no more.
+    first: [L::Bits; G],
+    /// The others.
+    more: Vec<[L::Bits; G]>,
     /// What is left of each light, where not every object is opaque.
     tints: Vec<[L::Bits; G]>,
 }
@@ -257,33 +258,54 @@ impl<L: Lane, const G: usize> Shadows<L, G> {
     #[inline(always)]
     fn new(frame: &Frame, job: &Job<'_>, surfaces: &[Surfaces<L>; G]) -> Self {
         let Job { views, lists, geometry, .. } = job;
-        let mut words = Vec::with_capacity(frame.mask_words as usize);
-        let mut tints = Vec::new();
+        // Loops, not iterators: what is called back is not compiled for the instruction set.
+        let (mut more, mut tints) = (Vec::new(), Vec::new());
         if frame.layers == 0 {
-            for word in 0..frame.mask_words {
-                words.push(occlusion::word::<L, G>(frame, views, lists, geometry, word, surfaces));
+            let first = occlusion::word::<L, G>(frame, views, lists, geometry, 0, surfaces);
+            for word in 1..frame.mask_words {
+                more.push(occlusion::word::<L, G>(frame, views, lists, geometry, word, surfaces));
             }
-            return Self { words, tints };
+            return Self { first, more, tints };
         }
-        let none = surfaces[0].material.like(0);
-        words.resize(frame.mask_words as usize, [none; G]);
         let origins = groups(
             #[inline(always)]
             |g| surfaces[g].origin,
         );
-        for number in 0..frame.lights {
+        for light in 0..frame.lights {
             let asked = groups(
                 #[inline(always)]
-                |g| occlusion::ask(frame, views, number, &surfaces[g]),
+                |g| occlusion::ask(frame, views, light, &surfaces[g]),
             );
-            let tint = occlusion::tint::<L, G>(frame, views, lists, geometry, number, &origins, &asked);
-            let (word, bit) = occlusion::place(frame, 0, number);
-            for (mask, tint) in words[word as usize].iter_mut().zip(&tint) {
-                *mask = *mask | occlusion::bit::<L>(*tint, bit);
-            }
-            tints.push(tint);
+            tints.push(occlusion::tint::<L, G>(frame, views, lists, geometry, light, &origins, &asked));
         }
-        Self { words, tints }
+        let first = Self::mask(frame, 0, surfaces, &tints);
+        for word in 1..frame.mask_words {
+            more.push(Self::mask(frame, word, surfaces, &tints));
+        }
+        Self { first, more, tints }
+    }
+
+    /// A word of the shadow mask that follows from what is left of the lights.
+    #[inline(always)]
+    fn mask(frame: &Frame, word: u32, surfaces: &[Surfaces<L>; G], tints: &[[L::Bits; G]]) -> [L::Bits; G] {
+        groups(
+            #[inline(always)]
+            |g| {
+                occlusion::mask(
+                    frame,
+                    word,
+                    surfaces[g].material.like(0),
+                    #[inline(always)]
+                    |light| tints[light as usize][g],
+                )
+            },
+        )
+    }
+
+    /// A word of the shadow mask.
+    #[inline(always)]
+    fn word(&self, word: u32) -> &[L::Bits; G] {
+        if word == 0 { &self.first } else { &self.more[word as usize - 1] }
     }
 }
 

@@ -6,7 +6,6 @@ use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::lane::{V3, Word};
 use rtrt_core::layout::{Frame, Node, Object, Surface, View};
 use rtrt_core::stage;
-use rtrt_core::stage::occlusion::LIGHTS_PER_WORD;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
@@ -85,17 +84,10 @@ pub fn fold(
 ) {
     let index = index(id);
     if index < frame.rays {
+        let tint = |light: u32| Word(tints[tint_at(frame, index, light) as usize]);
         let mut word = 0;
         while word < frame.mask_words {
-            let mut mask = 0;
-            let mut light = word * LIGHTS_PER_WORD;
-            let mut bit = 0;
-            while bit < LIGHTS_PER_WORD && light < frame.lights {
-                let tint = Word(tints[tint_at(frame, index, light) as usize]);
-                mask |= stage::occlusion::bit::<f32>(tint, bit).0;
-                light += 1;
-                bit += 1;
-            }
+            let mask = stage::occlusion::mask(frame, word, Word(0), &tint).0;
             masks[(index * frame.mask_words + word) as usize] = mask;
             word += 1;
         }

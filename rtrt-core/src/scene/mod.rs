@@ -12,6 +12,7 @@ mod light;
 mod material;
 mod mesh;
 mod motion;
+mod place;
 mod setup;
 mod store;
 mod tangent;

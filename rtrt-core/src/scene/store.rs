@@ -3,19 +3,16 @@
 use crate::kernel::environment::Sky;
 use crate::kernel::pane;
 use crate::layout::{AlphaMode, Attribute, Material, Node, Object, Texture, Wrap};
-use crate::num::flush;
-use crate::scene::camera::single;
 use crate::scene::floor::floored;
 use crate::scene::image::decode_words;
+use crate::scene::place::{Stored, matrix, place, sphere};
 use crate::scene::tree::{Bounds, refit};
-use crate::scene::{
-    COORDINATE_LIMIT, Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError,
-};
+use crate::scene::{Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError};
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
 use core::sync::atomic::{AtomicU32, Ordering};
-use glam::{DMat4, DVec3, Mat4, Vec3};
+use glam::{DVec3, Mat4, Vec3};
 
 /// A mesh of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,26 +73,6 @@ pub struct Versions {
     pub objects: u32,
 }
 
-/// Where a mesh lies in the arrays.
-#[derive(Debug, Clone, Copy)]
-struct Stored {
-    root: u32,
-    first_vertex: u32,
-    first_index: u32,
-    first_tangent: u32,
-    first_second_uv: u32,
-    first_source: usize,
-    nodes: u32,
-    vertices: u32,
-    /// For each set of texture coordinates, where the vertices of panes start in the words; 0
-    /// where no object has asked for them.
-    panes: [u32; 2],
-    triangles: u32,
-    bounds: Bounds,
-    center: DVec3,
-    radius: f64,
-}
-
 /// Two children, in one line of the cache.
 #[repr(C, align(64))]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -131,11 +108,6 @@ impl Default for Scene {
         Self::new()
     }
 }
-
-/// Rounding error of everything that culls with world bounds, relative to the largest
-/// coordinate in a frame: 2⁻¹⁶, some hundred roundings. Multiplied by how much an object's
-/// transform, there and back, can magnify errors.
-const SLACK: f64 = 1.0 / 65536.0;
 
 impl Scene {
     /// An empty scene: no objects, no lights, faint ambient light, a dark background.
@@ -624,93 +596,4 @@ impl Order {
         }
         *place
     }
-}
-
-/// Center and radius of the sphere around a mesh, in the middle of its bounds.
-fn sphere(mesh: &Mesh, bounds: &Bounds) -> (DVec3, f64) {
-    let [low, high] = [bounds.low, bounds.high].map(|corner| DVec3::from(corner.map(f64::from)));
-    let center = (low + high) * 0.5;
-    let squared = mesh.positions().iter().map(|p| (DVec3::from(p.map(f64::from)) - center).length_squared());
-    (center, libm::sqrt(squared.fold(0.0, f64::max)))
-}
-
-/// The transform that an object was placed with, without denormals.
-fn matrix(object: &Object) -> Mat4 {
-    let [x, y, z] = object.to_world.map(glam::Vec4::from_array);
-    Mat4::from_cols(x, y, z, glam::Vec4::W).transpose()
-}
-
-/// The object of a mesh placed in the world, computed in `f64`.
-fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneError> {
-    // So that an object that is placed once more, by what was kept of its transform, is the same.
-    let to_world = Mat4::from_cols_array(&to_world.to_cols_array().map(flush));
-    let m = to_world.as_dmat4();
-    let affine = to_world.row(3) == glam::Vec4::W;
-    let inverse = m.inverse();
-    if !affine || !m.is_finite() || !inverse.is_finite() || m.determinant() == 0.0 {
-        return Err(SceneError::Transform);
-    }
-    let mut corners = Bounds::EMPTY;
-    for corner in 0..8 {
-        let pick = |axis: usize| {
-            f64::from(if corner >> axis & 1 == 0 { mesh.bounds.low[axis] } else { mesh.bounds.high[axis] })
-        };
-        let p = single(m.transform_point3(DVec3::new(pick(0), pick(1), pick(2))));
-        corners = corners.union(&Bounds { low: p, high: p });
-    }
-    if mesh.triangles == 0 {
-        let p = single(m.w_axis.truncate());
-        corners = Bounds { low: p, high: p };
-    }
-    if let Some(&value) =
-        corners.low.iter().chain(&corners.high).find(|c| !c.is_finite() || c.abs() > COORDINATE_LIMIT)
-    {
-        return Err(SceneError::Coordinate { value });
-    }
-    let center = m.transform_point3(mesh.center);
-    let stretch = [m.x_axis, m.y_axis, m.z_axis].iter().map(|axis| axis.length_squared()).sum::<f64>();
-    let box_radius =
-        (DVec3::from(corners.high.map(f64::from)) - DVec3::from(corners.low.map(f64::from))).length() * 0.5;
-    let radius = (mesh.radius * libm::sqrt(stretch)).min(box_radius.max(0.0));
-    let (to_object, to_world_rows) = (rows(&inverse), rows(&m));
-    if !to_object.as_flattened().iter().chain(to_world_rows.as_flattened()).all(|v| v.is_finite()) {
-        return Err(SceneError::Transform);
-    }
-    Ok(Object {
-        to_object,
-        to_world: to_world_rows,
-        low: corners.low,
-        root: mesh.root,
-        high: corners.high,
-        first_vertex: mesh.first_vertex,
-        center: single(center),
-        radius: flush(radius as f32),
-        first_index: mesh.first_index,
-        triangles: mesh.triangles,
-        material,
-        is_identity: u32::from(to_world == Mat4::IDENTITY),
-        slack: (SLACK * condition(&m, &inverse)) as f32,
-        first_tangent: mesh.first_tangent,
-        first_second_uv: mesh.first_second_uv,
-        pane: 0,
-    })
-}
-
-/// The upper three rows, without denormals.
-fn rows(m: &DMat4) -> [[f32; 4]; 3] {
-    core::array::from_fn(|row| m.row(row).to_array().map(|v| flush(v as f32)))
-}
-
-/// How much errors grow on the way to object space and back: the largest row sum of
-/// `|m| · |inverse|`, at least 1.
-fn condition(m: &DMat4, inverse: &DMat4) -> f64 {
-    let row_sum = |row: usize| -> f64 {
-        (0..3)
-            .map(|k| {
-                let inverse_sum: f64 = (0..3).map(|column| inverse.col(column)[k].abs()).sum();
-                m.col(k)[row].abs() * inverse_sum
-            })
-            .sum()
-    };
-    (0..3).map(row_sum).fold(1.0, f64::max)
 }

@@ -145,11 +145,23 @@ pub fn tint<L: Lane, const G: usize>(
     )
 }
 
-/// The bit of the shadow mask that belongs to what is left of a light: set where anything is.
+/// One word of the shadow mask of a group of surfaces, where `tint(light)` is what is left of
+/// each light: bit `i` is 1 in the lanes that anything of light `word · 32 + i` reaches.
+/// `none` is 0.
 #[inline(always)]
-pub fn bit<L: Lane>(tint: L::Bits, bit: u32) -> L::Bits {
-    let none = tint.like(0);
-    none.less_than(tint).select(none.like(1 << bit), none)
+pub fn mask<B: Bits>(frame: &Frame, word: u32, none: B, tint: impl Fn(u32) -> B) -> B
+where
+    B::Mask: Select<B>,
+{
+    let mut mask = none;
+    let mut light = word * LIGHTS_PER_WORD;
+    let mut bit = 0;
+    while bit < LIGHTS_PER_WORD && light < frame.lights {
+        mask = mask | none.less_than(tint(light)).select(none.like(1 << bit), none);
+        light += 1;
+        bit += 1;
+    }
+    mask
 }
 
 /// 1 in the lanes of a group of surfaces that the light would reach if nothing stood between
