@@ -51,7 +51,7 @@ fn transform(random: &mut Random) -> Mat4 {
 fn light(random: &mut Random) -> Light {
     let color = (random.vector(0.5) + 0.5) * 0.5;
     if random.below(3) == 0 {
-        return Light::Sun { direction: random.vector(1.0) + Vec3::splat(1e-3), color };
+        return Light::Sun { direction: random.vector(1.0) + Vec3::splat(1e-3), color, radius: 0.0 };
     }
     let reach = (random.below(2) == 0).then(|| any_size(random, -0.5, 1.5));
     let (position, inverse_square) = (random.vector(4.0), random.below(2) == 0);
@@ -59,9 +59,9 @@ fn light(random: &mut Random) -> Light {
         let outer = random.within(0.05, 1.55);
         let inner = outer * random.within(0.0, 1.0);
         let direction = -position + random.vector(1.0);
-        return Light::Spot { position, direction, inner, outer, color, reach, inverse_square };
+        return Light::Spot { position, direction, inner, outer, color, reach, inverse_square, radius: 0.0 };
     }
-    Light::Point { position, color, reach, inverse_square }
+    Light::Point { position, color, reach, inverse_square, radius: 0.0 }
 }
 
 /// A thousand small objects: many that end where a block ends.

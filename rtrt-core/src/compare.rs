@@ -244,6 +244,7 @@ impl fmt::Display for Difference {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::Shadows;
     use crate::layout::{Hit, Lit, Surface};
     use crate::scene::{Camera, Projection};
     use alloc::string::ToString;
@@ -258,7 +259,14 @@ mod tests {
     };
 
     fn request() -> Request<'static> {
-        Request { camera: &CAMERA, size: [5, 3], samples: 4, shadows: true, layers: 8, deferred: true }
+        Request {
+            camera: &CAMERA,
+            size: [5, 3],
+            samples: 4,
+            shadows: Shadows::Soft,
+            layers: 8,
+            deferred: true,
+        }
     }
 
     /// A frame of one block, in whose lists a second block (of a light) holds two entries.

@@ -181,7 +181,7 @@ fn packet_colors<L: Wide, const G: usize>(
             );
         }
         clock.lap(stage(3), &mut start);
-        let shadows = Shadows::<L, G>::new(token, &frame, job, &surfaces);
+        let shadows = Shadows::<L, G>::new(token, &frame, job, ray, &surfaces);
         clock.lap(stage(4), &mut start);
         let arriving: [Arriving<L>; G] = L::apart(
             token,
@@ -198,6 +198,7 @@ fn packet_colors<L: Wide, const G: usize>(
                             |w| shadows.word(w)[g],
                             #[inline(always)]
                             |light| shadows.tints[light as usize][g],
+                            RayIndex(ray.0 + (g * L::WIDTH) as u32),
                             &rays[g],
                             &surfaces[g],
                         )
@@ -286,7 +287,13 @@ struct Shadows<L: Lane, const G: usize> {
 
 impl<L: Wide, const G: usize> Shadows<L, G> {
     #[inline(always)]
-    fn new(token: L::Token, frame: &Frame, job: &Job<'_>, surfaces: &[Surfaces<L>; G]) -> Self {
+    fn new(
+        token: L::Token,
+        frame: &Frame,
+        job: &Job<'_>,
+        first: RayIndex,
+        surfaces: &[Surfaces<L>; G],
+    ) -> Self {
         let Job { views, lists, geometry, .. } = job;
         let none = surfaces[0].material.like(0);
         let mut shadows = Self { first: [none; G], more: Vec::new(), tints: Vec::new() };
@@ -299,12 +306,15 @@ impl<L: Wide, const G: usize> Shadows<L, G> {
             for light in 0..frame.lights {
                 let asked = groups(
                     #[inline(always)]
-                    |g| occlusion::ask(frame, views, light, &surfaces[g]),
+                    |g| {
+                        let ray = RayIndex(first.0 + (g * L::WIDTH) as u32);
+                        occlusion::ask(frame, views, light, ray, &surfaces[g])
+                    },
                 );
                 shadows.tints.push(L::apart(
                     token,
                     #[inline(always)]
-                    || occlusion::tint::<L, G>(frame, views, lists, geometry, light, &origins, &asked),
+                    || occlusion::tint::<L, G>(frame, views, lists, geometry, light, first, &origins, &asked),
                 ));
             }
         }
@@ -313,7 +323,7 @@ impl<L: Wide, const G: usize> Shadows<L, G> {
                 L::apart(
                     token,
                     #[inline(always)]
-                    || occlusion::word::<L, G>(frame, views, lists, geometry, word, surfaces),
+                    || occlusion::word::<L, G>(frame, views, lists, geometry, word, first, surfaces),
                 )
             } else {
                 let tints = &shadows.tints;

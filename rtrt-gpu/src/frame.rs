@@ -319,7 +319,7 @@ mod tests {
     use super::*;
     use crate::{Gpu, Options};
     use bytemuck::Zeroable;
-    use rtrt_core::backend::{Backend, Request};
+    use rtrt_core::backend::{Backend, Request, Shadows};
     use rtrt_core::scene::{Camera, Projection};
 
     #[test]
@@ -349,7 +349,7 @@ mod tests {
             camera: &camera,
             size: [40, 30],
             samples: 1,
-            shadows: true,
+            shadows: Shadows::Soft,
             layers: 8,
             deferred: false,
         };

@@ -33,7 +33,7 @@ pub fn light(
         let mask = |word: u32| Word(masks[(index * frame.mask_words + word) as usize]);
         let tint = |light: u32| Word(tints[tint_at(frame, index, light) as usize]);
         let maps = Maps { materials, texels };
-        let arriving = stage::light::light(frame, views, &maps, mask, tint, &rays[0], &surface);
+        let arriving = stage::light::light(frame, views, &maps, mask, tint, ray, &rays[0], &surface);
         lit[index as usize] = arriving.lane(0);
     }
 }

@@ -1,6 +1,7 @@
 //! Tint: the colors of shadows, where not every object is opaque.
 
 use crate::index;
+use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::lists::Lists;
 use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::lane::{V3, Word};
@@ -33,7 +34,9 @@ pub fn ask(
     let (index, light) = (index(id), id.z);
     if index < frame.rays {
         let surface = Surfaces::new(&surfaces[index as usize]);
-        tints[tint_at(frame, index, light) as usize] = stage::occlusion::ask(frame, views, light, &surface).0;
+        let ray = RayIndex(frame.first_ray + index);
+        let asked = stage::occlusion::ask(frame, views, light, ray, &surface).0;
+        tints[tint_at(frame, index, light) as usize] = asked;
         if light == 0 {
             let start = (START * index) as usize;
             tints[start] = surface.origin.x.to_bits();
@@ -69,7 +72,9 @@ pub fn tint(
             z: f32::from_bits(tints[start + 2]),
         }];
         let asked = [Word(tints[at])];
-        let left = stage::occlusion::tint::<f32, 1>(frame, views, &lists, &geometry, light, &origin, &asked);
+        let ray = RayIndex(frame.first_ray + index);
+        let left =
+            stage::occlusion::tint::<f32, 1>(frame, views, &lists, &geometry, light, ray, &origin, &asked);
         tints[at] = left[0].0;
     }
 }

@@ -1,5 +1,6 @@
 //! The cases, in files named for the kernels and stages that they are about.
 
+mod area;
 mod bin;
 mod camera;
 mod environment;
@@ -24,6 +25,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         texture::CASES,
         material::CASES,
         shadow::CASES,
+        area::CASES,
         light::CASES,
         environment::CASES,
         transparency::CASES,

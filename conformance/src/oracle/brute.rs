@@ -107,18 +107,18 @@ impl<'a> Brute<'a> {
 
     /// What is left of the light at the surface, as a word (see [`rtrt_core::kernel::tint`]):
     /// everything between them, in the order of the objects from last to first.
-    pub fn tint(&self, surface: &Surface, light: u32) -> u32 {
+    pub fn tint(&self, ray: RayIndex, surface: &Surface, light: u32) -> u32 {
         let frame = &self.setup.frame;
         let view = &self.setup.views[frame.light_view(light) as usize];
         let surface = Surfaces::new(surface);
-        let limit = limit(view, &surface);
+        let limit = limit(frame, view, ray, &surface);
         if limit <= 0.0 {
             return 0;
         }
         if frame.shadows == 0 {
             return WHITE;
         }
-        let ray = Ray::new(surface.origin, to_light(view, surface.origin).0);
+        let ray = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
         let mut met = Vec::new();
         self.each(&ray, limit, |object, triangle, found| met.push((object, triangle, *found)));
         let geometry = self.geometry();
@@ -154,12 +154,12 @@ impl<'a> Brute<'a> {
     }
 
     /// Whether the light reaches the surface.
-    pub fn is_lit(&self, surface: &Surface, light: u32) -> bool {
+    pub fn is_lit(&self, ray: RayIndex, surface: &Surface, light: u32) -> bool {
         let frame = &self.setup.frame;
         let view = &self.setup.views[frame.light_view(light) as usize];
         let surface = Surfaces::new(surface);
-        let limit = limit(view, &surface);
-        let ray = Ray::new(surface.origin, to_light(view, surface.origin).0);
+        let limit = limit(frame, view, ray, &surface);
+        let ray = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
         let mut lit = limit > 0.0;
         if lit && frame.shadows == 1 {
             self.each(&ray, limit, |_, _, _| lit = false);
@@ -198,11 +198,11 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         }
         for light in 0..brute.setup.frame.lights {
             let lit = if brute.setup.frame.layers > 0 {
-                let tint = brute.tint(&deferred.surfaces[ray], light);
+                let tint = brute.tint(RayIndex(ray as u32), &deferred.surfaces[ray], light);
                 deferred.tints[ray * deferred.tint_words as usize + light as usize] = tint;
                 tint != 0
             } else {
-                brute.is_lit(&deferred.surfaces[ray], light)
+                brute.is_lit(RayIndex(ray as u32), &deferred.surfaces[ray], light)
             };
             mask[(light / LIGHTS_PER_WORD) as usize] |= u32::from(lit) << (light % LIGHTS_PER_WORD);
         }

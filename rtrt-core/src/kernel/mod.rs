@@ -1,5 +1,6 @@
 //! One idea a file: pure functions that stages are composed of.
 
+pub mod area;
 pub mod canary;
 pub mod cone;
 pub mod cover;
