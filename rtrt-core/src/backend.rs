@@ -65,8 +65,13 @@ pub struct Deferred {
     pub surfaces: Vec<Surface>,
     /// Which lights reach them: [`Deferred::mask_words`] words a ray.
     pub masks: Vec<u32>,
-    /// The color of each light's shadow (see [`crate::kernel::tint`]), a word a light; nothing
-    /// where every object is opaque.
+    /// Before soft shadows are blurred: what is left of each light (see [`crate::kernel::tint`]),
+    /// a word a light; nothing in frames without soft shadows.
+    pub left: Vec<u32>,
+    /// The radii of the penumbras there (see [`crate::kernel::penumbra`]).
+    pub penumbras: Vec<f32>,
+    /// The color of each light's shadow, a word a light; nothing where every object is opaque
+    /// and no shadow is soft.
     pub tints: Vec<u32>,
     /// The light that arrives.
     pub lit: Vec<Lit>,

@@ -5,6 +5,7 @@ use rtrt_core::backend::{Picture, Request};
 use rtrt_core::compare::{Difference, compare};
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::pane::{cutoff, mode, pane};
+use rtrt_core::kernel::penumbra::Nearest;
 use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::tint::{Crossing, WHITE};
 use rtrt_core::kernel::traverse::{Best, Geometry, Search};
@@ -133,6 +134,33 @@ impl<'a> Brute<'a> {
         crossing.word().0
     }
 
+    /// What is left of the light at the surface, and the radius of the penumbra there, before
+    /// shadows are blurred.
+    pub fn near(&self, ray: RayIndex, surface: &Surface, light: u32) -> (u32, f32) {
+        let left = self.tint(ray, surface, light);
+        let frame = &self.setup.frame;
+        let view = &self.setup.views[frame.light_view(light) as usize];
+        let surface = Surfaces::new(surface);
+        let limit = limit(frame, view, ray, &surface);
+        let cast = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
+        let geometry = self.geometry();
+        let mut nearest: Option<(u32, u32, Meeting<f32>)> = None;
+        if limit > 0.0 {
+            self.each(&cast, limit, |object, triangle, found| {
+                let is_nearer = nearest.is_none_or(|(_, _, nearest)| found.t < nearest.t);
+                let is_seen = mode(&geometry, object) != AlphaMode::Blend as u32
+                    || pane(&geometry, object, triangle, found)[3] > 0.0;
+                if is_nearer && is_seen && self.is_there(object, triangle, found) {
+                    nearest = Some((object, triangle, *found));
+                }
+            });
+        }
+        let Some((object, triangle, found)) = nearest else { return (left, -1.0) };
+        let mut search = Nearest::new(0.0_f32);
+        search.keep(&geometry, object, triangle, &found, &mut Best::new(&Hit::MISS));
+        (left, search.penumbra(view))
+    }
+
     /// The closest hit of a camera ray: the least `(t, object, triangle)`.
     pub fn hit(&self, ray: RayIndex) -> Hit {
         if self.setup.frame.layers > 0 {
@@ -197,7 +225,15 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
             }
         }
         for light in 0..brute.setup.frame.lights {
-            let lit = if brute.setup.frame.layers > 0 {
+            if brute.setup.frame.window > 0 {
+                let (left, size) = brute.near(RayIndex(ray as u32), &deferred.surfaces[ray], light);
+                let at = ray * deferred.tint_words as usize + light as usize;
+                (deferred.left[at], deferred.penumbras[at]) = (left, size);
+            }
+            // Blurred ones are not what a ray meets.
+            let lit = if brute.setup.frame.window > 0 {
+                deferred.tints[ray * deferred.tint_words as usize + light as usize] != 0
+            } else if brute.setup.frame.layers > 0 {
                 let tint = brute.tint(RayIndex(ray as u32), &deferred.surfaces[ray], light);
                 deferred.tints[ray * deferred.tint_words as usize + light as usize] = tint;
                 tint != 0

@@ -12,6 +12,7 @@ pub mod lists;
 pub mod mip;
 pub mod offset;
 pub mod pane;
+pub mod penumbra;
 pub mod ray;
 pub mod reflect;
 pub mod slab;

@@ -5,7 +5,7 @@ use crate::kernel::area::aside;
 use crate::kernel::cone::cone;
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
-use crate::kernel::tint::{Crossing, WHITE};
+use crate::kernel::tint::Crossing;
 use crate::kernel::traverse::{Any, Best, Geometry, Search};
 use crate::kernel::view::light_block;
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
@@ -121,6 +121,33 @@ pub fn tint<L: Lane, const G: usize>(
     origins: &[V3<L>; G],
     asked: &[L::Bits; G],
 ) -> [L::Bits; G] {
+    let mut searches: [Crossing<L>; G] = groups(
+        #[inline(always)]
+        |g| Crossing::new(origins[g].x),
+    );
+    let lit = cross(frame, views, lists, geometry, light, first, origins, asked, &mut searches);
+    let none = asked[0].like(0);
+    groups(
+        #[inline(always)]
+        |g| none.less_than(lit[g]).select(searches[g].word(), none),
+    )
+}
+
+/// Casts the shadow rays from the origins that ask for the light (`asked` is 1), each for its
+/// group's search: 1 in the lanes in which no ray was ended, else 0.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
+pub(super) fn cross<L: Lane, S: Search<L>, const G: usize>(
+    frame: &Frame,
+    views: &[View],
+    lists: &Lists<'_>,
+    geometry: &Geometry<'_>,
+    light: u32,
+    first: RayIndex,
+    origins: &[V3<L>; G],
+    asked: &[L::Bits; G],
+    searches: &mut [S; G],
+) -> [L::Bits; G] {
     let light = &views[frame.light_view(light) as usize];
     let none = asked[0].like(0);
     let mut pending: [L; G] = groups(
@@ -132,7 +159,7 @@ pub fn tint<L: Lane, const G: usize>(
     );
     let mut lit: [L::Bits; G] = groups(
         #[inline(always)]
-        |g| none.less_than(asked[g]).select(none.like(WHITE), none),
+        |g| asked[g],
     );
     if frame.shadows == 0 || !any_pending(&pending) {
         return lit;
@@ -145,15 +172,8 @@ pub fn tint<L: Lane, const G: usize>(
         #[inline(always)]
         |g| light_block(light, origins[g]),
     );
-    let mut searches: [Crossing<L>; G] = groups(
-        #[inline(always)]
-        |g| Crossing::new(pending[g]),
-    );
-    cast(lists, geometry, &rays, &blocks, &mut searches, &mut pending, &mut lit);
-    groups(
-        #[inline(always)]
-        |g| none.less_than(lit[g]).select(searches[g].word(), none),
-    )
+    cast(lists, geometry, &rays, &blocks, searches, &mut pending, &mut lit);
+    lit
 }
 
 /// One word of the shadow mask of a group of surfaces, where `tint(light)` is what is left of
