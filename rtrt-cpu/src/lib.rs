@@ -156,13 +156,12 @@ impl Memory {
         self.tiles.resize(grid.blocks() as usize * tile, 0);
         let start = Instant::now();
         let tiles = self.tiles.par_chunks_mut(tile);
-        let mut left = None;
-        let records = match deferred {
-            None => (0..grid.blocks()).map(|_| None).collect(),
+        let (records, kept) = match deferred {
+            None => ((0..grid.blocks()).map(|_| None).collect(), None),
             Some(deferred) => {
                 deferred_room(deferred, &frame, &self.bins.words);
-                left = Some((&mut deferred.left, &mut deferred.penumbras));
-                block_records(deferred, &frame)
+                let (records, kept) = block_records(deferred, &frame);
+                (records, Some(kept))
             }
         };
         let busy = if frame.window == 0 {
@@ -174,7 +173,7 @@ impl Memory {
                 })
                 .reduce(Clock::default, Clock::plus)
         } else {
-            self.soft.frame(level, &job, tiles, records, left)
+            self.soft.frame(level, &job, tiles, records, kept)
         };
         // The stages of a block follow one another on one thread, so a stage's share of
         // the time that passed is its share of the threads' time.
@@ -190,21 +189,26 @@ fn chunks<T: Send>(all: &mut [T], count: usize, length: usize) -> Vec<&mut [T]> 
     all.chunks_mut(length).collect()
 }
 
-/// The parts of the deferred buffers that blocks fill.
-fn block_records<'a>(deferred: &'a mut Deferred, frame: &Frame) -> Vec<Option<Records<'a>>> {
+/// The parts of the deferred buffers that blocks fill; and those of shadows before they are
+/// blurred, which are filled as a whole.
+fn block_records<'a>(
+    deferred: &'a mut Deferred,
+    frame: &Frame,
+) -> (Vec<Option<Records<'a>>>, soft::Kept<'a>) {
     let (blocks, rays) = (frame.grid().blocks() as usize, BLOCK_RAYS as usize);
+    let mut surfaces = deferred.surfaces.chunks_mut(rays);
     let mut masks = deferred.masks.chunks_mut(rays * frame.mask_words as usize);
     let mut tints = chunks(&mut deferred.tints, blocks, rays * deferred.tint_words as usize).into_iter();
-    let mut layers = chunks(&mut deferred.layers, blocks, rays * deferred.layer_count as usize).into_iter();
     let mut lit = deferred.lit.chunks_mut(rays);
     let mut colors = deferred.colors.chunks_mut(rays);
-    let mut surfaces = deferred.surfaces.chunks_mut(rays);
+    let mut layers = chunks(&mut deferred.layers, blocks, rays * deferred.layer_count as usize).into_iter();
     let one = |hits| {
         let (surfaces, masks, tints) = (surfaces.next()?, masks.next()?, tints.next()?);
         let (lit, colors, layers) = (lit.next()?, colors.next()?, layers.next()?);
         Some(Records { hits, surfaces, masks, tints, lit, colors, layers })
     };
-    deferred.hits.chunks_mut(rays).map(one).collect()
+    let records = deferred.hits.chunks_mut(rays).map(one).collect();
+    (records, soft::Kept { left: &mut deferred.left, penumbras: &mut deferred.penumbras })
 }
 
 /// Makes room for a frame.

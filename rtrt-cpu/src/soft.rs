@@ -30,6 +30,12 @@ pub struct Soft {
     colors: Vec<[f32; 4]>,
 }
 
+/// Where to keep what the first layer's shadows are before they are blurred.
+pub struct Kept<'a> {
+    pub left: &'a mut Vec<u32>,
+    pub penumbras: &'a mut Vec<f32>,
+}
+
 impl Soft {
     /// Fills the tiles, the records, and what is known of shadows before they are blurred.
     pub fn frame<'a>(
@@ -38,7 +44,7 @@ impl Soft {
         job: &Job<'_>,
         tiles: impl IndexedParallelIterator<Item = &'a mut [u32]>,
         mut records: Vec<Option<Records<'_>>>,
-        mut kept: Option<(&mut Vec<u32>, &mut Vec<f32>)>,
+        mut kept: Option<Kept<'_>>,
     ) -> Clock {
         let frame = job.frame;
         let (all, lights) = (frame.rays as usize, frame.lights as usize);
@@ -64,7 +70,7 @@ impl Soft {
                     level.run(Find { shared, index: block as u32, hits, surfaces, left, sizes })
                 })
                 .reduce(Clock::default, Clock::plus);
-            if let Some((left, penumbras)) = kept.take() {
+            if let Some(Kept { left, penumbras }) = kept.take() {
                 left.extend_from_slice(&self.shadows[..all * lights]);
                 penumbras.extend(self.shadows[all * lights..].iter().map(|&bits| f32::from_bits(bits)));
             }

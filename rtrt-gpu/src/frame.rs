@@ -123,7 +123,7 @@ impl Renderer {
         }
         if let Some(deferred) = &mut picture.deferred {
             let words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(entries);
-            self.fetch(Slot::Lists, words, &mut deferred.lists)?;
+            self.fetch(Slot::Lists, 0..words as usize, &mut deferred.lists)?;
         }
         Ok(())
     }

@@ -202,6 +202,12 @@ fn lists_longer_than_their_room_are_made_again() {
 fn no_pixel_depends_on_bands() {
     let Some(mut gpu) = open(Options { band_bytes: Some(200_000), ..Options::default() }) else { return };
     agree(&mut gpu, "bands", &heaps(6, 2), &request([131, 77], 4));
+    let mut scene = heaps(6, 2);
+    for light in scene.lights_mut() {
+        let (Light::Point { radius, .. } | Light::Spot { radius, .. } | Light::Sun { radius, .. }) = light;
+        *radius = 0.2;
+    }
+    agree(&mut gpu, "bands with soft shadows", &scene, &request([131, 177], 4));
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod light;
 mod material;
 mod motion;
 mod shadow;
+mod soft;
 mod surface;
 mod texture;
 mod transparency;
@@ -26,6 +27,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         material::CASES,
         shadow::CASES,
         area::CASES,
+        soft::CASES,
         light::CASES,
         environment::CASES,
         transparency::CASES,

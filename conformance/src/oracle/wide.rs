@@ -73,7 +73,8 @@ struct Candidate<'a> {
 /// # Panics
 /// The picture has no deferred buffers.
 pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usize) -> Result<Judged, String> {
-    let is_wide = scene.lights().iter().any(|light| light.radius() > 0.0);
+    let is_wide = !matches!(request.shadows, Shadows::Off | Shadows::Hard)
+        && scene.lights().iter().any(|light| light.radius() > 0.0);
     if is_wide || scene.objects().iter().any(|object| object.pane != 0) {
         return Ok(Judged::default());
     }
