@@ -9,7 +9,7 @@
 //! how many are.
 
 use glam::{DVec2, DVec3, dvec2};
-use rtrt_core::backend::{Picture, Request};
+use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::{Grid, RayIndex};
 use rtrt_core::layout::{Hit, Lit, NONE, Surface};
 use rtrt_core::scene::{Light, Projection, Scene};
@@ -65,7 +65,7 @@ struct Candidate<'a> {
 }
 
 /// Checks hits, shadow masks and arriving light of every `step`-th ray of a picture. A scene in
-/// which not every object is opaque is not judged at all.
+/// which not every object is opaque, or shadows are not hard, is not judged at all.
 ///
 /// # Errors
 /// The first judged ray that is wrong.
@@ -73,7 +73,9 @@ struct Candidate<'a> {
 /// # Panics
 /// The picture has no deferred buffers.
 pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usize) -> Result<Judged, String> {
-    if scene.objects().iter().any(|object| object.pane != 0) {
+    let is_wide = !matches!(request.shadows, Shadows::Off | Shadows::Hard)
+        && scene.lights().iter().any(|light| light.radius() > 0.0);
+    if is_wide || scene.objects().iter().any(|object| object.pane != 0) {
         return Ok(Judged::default());
     }
     let side = f64::from(request.samples).sqrt() as u32;
@@ -254,7 +256,7 @@ fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Re
     let (mut sum, mut doubt) = (DVec3::ZERO, DVec3::splat(1e-9));
     for (light, _) in scene.lights().iter().zip(0..).filter(|(_, which)| reaches(masks, *which)) {
         let (way, color) = match *light {
-            Light::Sun { direction, color } => (-direction.as_dvec3(), color),
+            Light::Sun { direction, color, .. } => (-direction.as_dvec3(), color),
             Light::Point { position, color, .. } | Light::Spot { position, color, .. } => {
                 (position.as_dvec3() - place, color)
             }
@@ -303,7 +305,7 @@ fn cone(light: &Light, way: DVec3) -> (f64, f64) {
 fn is_lit(
     triangles: &[Triangle],
     light: &Light,
-    shadows: bool,
+    shadows: Shadows,
     camera: &Ray,
     place: DVec3,
     doubt: f64,
@@ -344,7 +346,7 @@ fn is_lit(
     if cosine(normal) < 0.0 {
         return Some(false);
     }
-    if !shadows {
+    if shadows == Shadows::Off {
         return Some(true);
     }
     if cosine(flat) < 2e-2 {

@@ -1,6 +1,8 @@
 //! The numbers of one frame: views, grids, sizes.
 
+use crate::backend::Shadows;
 use crate::grid::{BLOCK_RAYS, Grid};
+use crate::kernel::area::hash;
 use crate::layout::{AlphaMode, Frame, View};
 use crate::scene::floor::floored;
 use crate::scene::{Camera, Scene};
@@ -83,6 +85,9 @@ impl Setup {
     pub const MAX_LIGHTS: usize = 1024;
     /// The most layers of surfaces that a ray looks at.
     pub const MAX_LAYERS: u32 = 64;
+    /// The most pixels that a soft shadow is blurred aside: it ends there, however large its
+    /// penumbra is.
+    pub const WINDOW: u32 = 24;
 
     /// Sets up a frame of `width` × `height` pixels with 1, 4 or 16 `samples` each, whose rays
     /// look at up to `layers` surfaces.
@@ -95,7 +100,7 @@ impl Setup {
         camera: &Camera,
         [width, height]: [u32; 2],
         samples: u32,
-        shadows: bool,
+        shadows: Shadows,
         layers: u32,
     ) -> Result<(), SetupError> {
         let side = match samples {
@@ -123,13 +128,18 @@ impl Setup {
         self.views.push(camera.view(grid)?);
         let cells = light_cells(scene.objects().len(), lights.len());
         let mut blocks = grid.blocks();
-        for light in lights {
-            let views = light.views(scene.bounds(), cells, blocks)?;
+        for (number, light) in (0..).zip(lights) {
+            let jitter = match shadows {
+                Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
+                _ => None,
+            };
+            let views = light.views(scene.bounds(), cells, blocks, jitter)?;
             blocks += views.iter().map(|v| v.width * v.height).sum::<u32>();
             self.views.extend(views);
         }
-        let centers = self.views.iter().flat_map(|view| view.center);
-        let magnitude = centers.fold(scene.magnitude(), |most, c| most.max(c.abs()));
+        let centers = self.views.iter().flat_map(|view| view.center.map(|c| c.abs() + view.disc));
+        let magnitude = centers.fold(scene.magnitude(), f32::max);
+        let is_soft = shadows == Shadows::Soft && lights.iter().any(|light| light.radius() > 0.0);
         let ([ambient_r, ambient_g, ambient_b], [background_r, background_g, background_b]) =
             (scene.ambient.map(floored).to_array(), scene.background.map(floored).to_array());
         self.frame = Frame {
@@ -141,7 +151,7 @@ impl Setup {
             lights: lights.len() as u32,
             blocks,
             mask_words: (lights.len() as u32).div_ceil(LIGHTS_PER_WORD).max(1),
-            shadows: u32::from(shadows),
+            shadows: u32::from(shadows != Shadows::Off),
             rays: grid.rays(),
             ambient_r,
             ambient_g,
@@ -160,10 +170,16 @@ impl Setup {
                 AlphaMode::Mask => 1,
                 AlphaMode::Blend => layers,
             },
+            window: if is_soft { Self::WINDOW * side } else { 0 },
             ..Frame::zeroed()
         };
         Ok(())
     }
+}
+
+/// What the numbers of rays are mixed with to jitter the points of a light; not 0.
+fn key(seed: u32, light: u32) -> u32 {
+    hash(hash(seed) ^ light) | 1
 }
 
 /// The most blocks of all lights' views together, unless there are thousands of lights.
@@ -198,9 +214,15 @@ mod tests {
         let mut scene = Scene::new();
         (scene.ambient, scene.background) = (small, small);
         for reach in [None, Some(1e-40), Some(1e-30), Some(3e38)] {
-            scene.add_light(Light::Point { position: small, color: small, reach, inverse_square: true });
+            scene.add_light(Light::Point {
+                position: small,
+                color: small,
+                reach,
+                inverse_square: true,
+                radius: 1e-40,
+            });
         }
-        scene.add_light(Light::Sun { direction: Vec3::Y + small, color: small });
+        scene.add_light(Light::Sun { direction: Vec3::Y + small, color: small, radius: 1e-40 });
         let mut material = phong([1e-40; 3], 0.0, 0.5, Texture::zeroed(), small.to_array());
         material.shininess = 1e-40;
         scene.add_material(material);
@@ -211,7 +233,7 @@ mod tests {
             projection: Projection::Orthographic { height: 1.0 },
         };
         let mut setup = Setup::default();
-        setup.prepare(&scene, &camera, [32, 16], 1, true, 8).unwrap();
+        setup.prepare(&scene, &camera, [32, 16], 1, Shadows::Area { jitter: Some(1) }, 8).unwrap();
         for view in &setup.views {
             let vectors = [
                 view.center,
@@ -228,7 +250,9 @@ mod tests {
                 view.color,
             ];
             assert_eq!(denormal(vectors.as_flattened()), None, "{view:?}");
-            assert_eq!(denormal(&[view.inv_reach, view.reach_squared, view.pixel]), None, "{view:?}");
+            let numbers =
+                [view.inv_reach, view.reach_squared, view.pixel, view.radius, view.disc, view.margin];
+            assert_eq!(denormal(&numbers), None, "{view:?}");
         }
         let Frame { ambient_r, ambient_g, ambient_b, .. } = setup.frame;
         let Frame { background_r, background_g, background_b, magnitude, .. } = setup.frame;
@@ -249,9 +273,10 @@ mod tests {
             projection: Projection::Perspective { fov_y: 1.0 },
         };
         let mut setup = Setup::default();
-        let none = setup.prepare(&Scene::new(), &camera, [9, 9], 1, true, 0);
+        let none = setup.prepare(&Scene::new(), &camera, [9, 9], 1, Shadows::Hard, 0);
         assert_eq!(none, Err(SetupError::Layers { layers: 0 }));
-        let mut prepare = |size, samples| setup.prepare(&Scene::new(), &camera, size, samples, true, 8);
+        let mut prepare =
+            |size, samples| setup.prepare(&Scene::new(), &camera, size, samples, Shadows::Hard, 8);
         assert!(matches!(prepare([16_384, 16_384], 16), Err(SetupError::Rays { .. })));
         assert!(matches!(prepare([0, 9], 1), Err(SetupError::Size { .. })));
         assert!(matches!(prepare([9, 9], 2), Err(SetupError::Samples { samples: 2 })));

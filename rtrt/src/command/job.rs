@@ -9,8 +9,8 @@ use rtrt::choose::{ChooseError, Chosen, choose};
 use rtrt::debug::{Shown, View, show};
 use rtrt::demo;
 use rtrt::import::{self, Animation, Loaded, NamedCamera};
-use rtrt_core::backend::{Backend, Picture, Request};
-use rtrt_core::scene::{Camera, Projection, Scene};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+use rtrt_core::scene::{Camera, Light, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
 
 /// The most rays of a frame: they are numbered with 32 bits, those of blocks that reach
@@ -25,7 +25,7 @@ pub struct Job<'a> {
     pub camera: Camera,
     pub size: [u32; 2],
     pub samples: u32,
-    pub shadows: bool,
+    pub shadows: Shadows,
     /// The most layers of surfaces that a ray looks at.
     pub layers: u32,
     /// Rays from the camera.
@@ -72,6 +72,13 @@ impl<'a> Job<'a> {
         } else if lit_by_default {
             import::light_by_default(&mut scene, &camera);
         }
+        if let Some(size) = common.light_radius {
+            for light in scene.lights_mut() {
+                if let Light::Point { radius, .. } | Light::Spot { radius, .. } = light {
+                    *radius = size;
+                }
+            }
+        }
         if let Some(path) = &common.environment {
             import::surround(&mut scene, path)?;
         }
@@ -84,7 +91,7 @@ impl<'a> Job<'a> {
             size: common.size,
             samples,
             rays,
-            shadows: !common.no_shadows,
+            shadows: common.shadows(),
             layers: common.transparency_depth,
             tree_build_ms,
             own_lights: common.lights.is_empty() && !lit_by_default,
