@@ -7,6 +7,7 @@ mod light;
 mod material;
 mod motion;
 mod shadow;
+mod sphere;
 mod surface;
 mod texture;
 mod transparency;
@@ -21,6 +22,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         bin::CASES,
         visibility::CASES,
         surface::CASES,
+        sphere::CASES,
         texture::CASES,
         material::CASES,
         shadow::CASES,

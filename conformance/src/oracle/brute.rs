@@ -1,4 +1,4 @@
-//! Every ray with every triangle of every object, by the core's definition of a hit: no
+//! Every ray with every triangle, and sphere, of every object, by the core's definition of a hit: no
 //! lists, no trees, no packets. What culling may never change, bit for bit.
 
 use rtrt_core::backend::{Picture, Request};
@@ -6,6 +6,7 @@ use rtrt_core::compare::{Difference, compare};
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::pane::{cutoff, mode, pane};
 use rtrt_core::kernel::ray::Ray;
+use rtrt_core::kernel::sphere::Chord;
 use rtrt_core::kernel::tint::{Crossing, WHITE};
 use rtrt_core::kernel::traverse::{Best, Geometry, Search};
 use rtrt_core::kernel::triangle::{Meeting, meet};
@@ -47,8 +48,12 @@ impl<'a> Brute<'a> {
         for (index, object) in (0..).zip(geometry.objects) {
             let local = if object.is_identity == 1 { *ray } else { ray.to_object(object) };
             for id in 0..object.triangles {
-                let triangle = geometry.triangle(object, id);
-                let found = meet(&local, &triangle, &triangle.seen_from(local.origin), limit);
+                let found = if object.is_sphere() {
+                    Chord::new(&local).side(local.direction, id, limit)
+                } else {
+                    let triangle = geometry.triangle(object, id);
+                    meet(&local, &triangle, &triangle.seen_from(local.origin), limit)
+                };
                 if found.mask {
                     visit(index, id, &found);
                 }

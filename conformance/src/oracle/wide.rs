@@ -34,6 +34,7 @@ const DEPTH: f64 = 1e-4;
 /// Error of a few roundings of `f32`, relative.
 const ROUNDINGS: f64 = 8.0 / 16_777_216.0;
 
+/// A triangle, or one side of a sphere.
 struct Triangle {
     object: u32,
     id: u32,
@@ -45,6 +46,8 @@ struct Triangle {
     transform: f64,
     /// The largest coordinate.
     size: f64,
+    /// Of a sphere: its matrix from world space, three rows.
+    sphere: Option<[[f64; 4]; 3]>,
 }
 
 struct Ray {
@@ -121,6 +124,7 @@ fn triangles(scene: &Scene) -> Vec<Triangle> {
     for (object, o) in (0..).zip(scene.objects()) {
         let indices = &scene.words()[o.first_index as usize..][..3 * o.triangles as usize];
         for (id, corners) in (0..).zip(indices.chunks_exact(3)) {
+            let sphere = o.is_sphere().then(|| o.to_object.map(|row| row.map(f64::from)));
             let [a, b, c] = [0, 1, 2].map(|i| {
                 let p = scene.positions()[(o.first_vertex + corners[i]) as usize].map(f64::from);
                 DVec3::from(o.to_world.map(|row| {
@@ -131,7 +135,7 @@ fn triangles(scene: &Scene) -> Vec<Triangle> {
             let size = [a, b, c].iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
             // An object's slack is how much its transform magnifies errors, times 2⁻¹⁶.
             let transform = if o.is_identity == 1 { 0.0 } else { f64::from(o.slack) * 65536.0 * ROUNDINGS };
-            all.push(Triangle { object, id, corner: a, ab: b - a, ac: c - a, transform, size });
+            all.push(Triangle { object, id, corner: a, ab: b - a, ac: c - a, transform, size, sphere });
         }
     }
     all
@@ -162,6 +166,9 @@ fn camera_ray(request: &Request<'_>, at: DVec2) -> Ray {
 
 /// What the ray may meet: Möller and Trumbore's test, with margins.
 fn candidate<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
+    if let Some(sphere) = &triangle.sphere {
+        return side(triangle, sphere, ray);
+    }
     let &Triangle { corner, ab, ac, transform, size, .. } = triangle;
     let p = ray.direction.cross(ac);
     let determinant = ab.dot(p);
@@ -186,6 +193,32 @@ fn candidate<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
         doubt,
         is_safe: inside > margin && t > doubt,
     })
+}
+
+/// What the ray may meet of a sphere: the lesser root of the quadratic equation for side 0, the
+/// greater one for side 1.
+fn side<'a>(triangle: &'a Triangle, to_object: &[[f64; 4]; 3], ray: &Ray) -> Option<Candidate<'a>> {
+    let to = |v: DVec3, one: f64| {
+        DVec3::from(to_object.map(|m| m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3] * one))
+    };
+    let (o, d) = (to(ray.origin, 1.0), to(ray.direction, 0.0));
+    let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - 1.0);
+    // How far the ray may pass from where it should, in radii.
+    let stretch = to_object.iter().map(|m| DVec3::new(m[0], m[1], m[2]).length()).fold(0.0, f64::max);
+    let far = ray.origin.abs().max_element() + triangle.size;
+    let off = ray.doubt * stretch + ROUNDINGS * (o.length() + 1.0 + stretch * far) + triangle.transform;
+    // That of the nearest point from the center; 1 for a line that touches.
+    let passes = (o - d * (b / a)).length();
+    if passes > 1.0 + off + MARGIN {
+        return None;
+    }
+    let half = (b * b - a * c).max(0.0).sqrt();
+    let t = if triangle.id == 0 { -b - half } else { half - b } / a;
+    let is_grazing = passes > 1.0 - off - MARGIN;
+    let doubt =
+        if is_grazing { 2.0 * (off + MARGIN).sqrt() } else { 2.0 * off / (1.0 - passes * passes).sqrt() };
+    let doubt = doubt / a.sqrt();
+    (t > -doubt).then_some(Candidate { triangle, t, doubt, is_safe: !is_grazing && t > doubt })
 }
 
 /// A triangle that the ray sees from its edge, or that has no area, may be met anywhere near
@@ -317,7 +350,7 @@ fn is_lit(
         }
     };
     let cosine = |n: DVec3| n.dot(way) / (n.length() * way.length());
-    let flat = own.ab.cross(own.ac);
+    let flat = if own.sphere.is_some() { normal } else { own.ab.cross(own.ac) };
     let flat = if flat.dot(camera.direction) > 0.0 { -flat } else { flat };
     let closeness = if is_far { 0.0 } else { doubt / way.length() };
     if let Some(reach) = reach {

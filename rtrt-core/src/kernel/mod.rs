@@ -14,6 +14,7 @@ pub mod pane;
 pub mod ray;
 pub mod reflect;
 pub mod slab;
+pub mod sphere;
 pub mod tangent;
 pub mod texture;
 pub mod tiles;

@@ -2,12 +2,12 @@
 
 use crate::kernel::environment::Sky;
 use crate::kernel::pane;
-use crate::layout::{AlphaMode, Attribute, Material, Node, Object, Texture, Wrap};
+use crate::layout::{AlphaMode, Attribute, Kind, Material, Node, Object, Texture, Wrap};
 use crate::scene::floor::floored;
 use crate::scene::image::decode_words;
 use crate::scene::place::{Stored, matrix, place, sphere};
 use crate::scene::tree::{Bounds, refit};
-use crate::scene::{Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError};
+use crate::scene::{Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential};
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
@@ -93,6 +93,8 @@ pub struct Scene {
     objects: Vec<Object>,
     object_meshes: Vec<u32>,
     meshes: Vec<Stored>,
+    /// The mesh of all spheres, once there is one.
+    sphere: Option<MeshIndex>,
     lights: Vec<Light>,
     sky: Sky,
     see_through: AlphaMode,
@@ -126,6 +128,7 @@ impl Scene {
             objects: vec![],
             object_meshes: vec![],
             meshes: vec![],
+            sphere: None,
             lights: vec![],
             sky: Sky::default(),
             see_through: AlphaMode::Opaque,
@@ -230,6 +233,7 @@ impl Scene {
         // Where `count` elements of some words each start, after `before`; nowhere if there are none.
         let after = |before: usize, count: usize| if count == 0 { 0 } else { first_index + before as u32 };
         let stored = Stored {
+            kind: Kind::Mesh,
             root: 1 + room(2 * self.nodes.len(), 1 + tree.nodes.len(), "nodes")?,
             first_vertex: room(self.positions.len(), order.vertices.len(), "vertices")?,
             first_index,
@@ -289,6 +293,41 @@ impl Scene {
         Ok(ObjectIndex(self.objects.len() as u32 - 1))
     }
 
+    /// Adds a sphere: that of radius 1 around the origin, placed in the world by a matrix, which
+    /// may make an ellipsoid of it. It is round however close one looks, and can be moved and
+    /// hidden like any object.
+    ///
+    /// Its texture coordinates are longitude and latitude: the middle of a texture is at `+z` of
+    /// its space, the upper edge at `+y`. It has no vertex colors, and normal maps do nothing.
+    ///
+    /// ```
+    /// # use rtrt_core::scene::{Scene, phong};
+    /// # use rtrt_core::layout::Texture;
+    /// use glam::{Mat4, Quat, Vec3};
+    /// # let mut scene = Scene::new();
+    /// let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.4, Texture::NONE, [0.0; 3]));
+    /// let (center, radius) = (Vec3::new(0.0, 2.0, -1.0), 0.5);
+    /// let place = Mat4::from_scale_rotation_translation(Vec3::splat(radius), Quat::IDENTITY, center);
+    /// scene.add_sphere(red, place)?;
+    /// assert_eq!(scene.extent(), Some((center - radius, center + radius)));
+    /// # Ok::<(), rtrt_core::scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`Scene::add_object`].
+    pub fn add_sphere(&mut self, material: MaterialIndex, to_world: Mat4) -> Result<ObjectIndex, SceneError> {
+        let mesh = match self.sphere {
+            Some(mesh) => mesh,
+            None => {
+                let shape = Mesh::around_sphere();
+                let mesh = self.add_mesh(&shape, &MeshTree::build(&shape, &Sequential))?;
+                self.meshes[mesh.0 as usize].kind = Kind::Sphere;
+                *self.sphere.insert(mesh)
+            }
+        };
+        self.add_object(mesh, material, to_world)
+    }
+
     /// Moves an object; one that was hidden is seen again.
     ///
     /// # Errors
@@ -325,6 +364,7 @@ impl Scene {
         let stored = self.mesh(self.object_meshes[index])?;
         // The empty leaf beside the mesh's root: no ray meets it, wherever it is.
         let nothing = Stored {
+            kind: Kind::Mesh,
             root: stored.root - 1,
             triangles: 0,
             bounds: Bounds { low: [0.0; 3], high: [0.0; 3] },
