@@ -64,7 +64,7 @@ impl<'a> Brute<'a> {
     /// The geometry of the scene.
     fn geometry(&self) -> Geometry<'_> {
         Geometry {
-            objects: self.scene.objects(),
+            objects: self.setup.objects(self.scene),
             nodes: self.scene.nodes(),
             words: self.scene.words(),
             positions: self.scene.positions(),

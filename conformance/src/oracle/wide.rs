@@ -11,8 +11,8 @@
 use glam::{DVec2, DVec3, dvec2};
 use rtrt_core::backend::{Picture, Request};
 use rtrt_core::grid::{Grid, RayIndex};
-use rtrt_core::layout::{Hit, Lit, NONE, Surface};
-use rtrt_core::scene::{Light, Projection, Scene};
+use rtrt_core::layout::{Hit, Lit, NONE, Object, Surface};
+use rtrt_core::scene::{Light, Projection, Scene, Setup};
 
 /// How many rays and shadow rays could be judged, of how many. All of them were right.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -76,13 +76,17 @@ struct Candidate<'a> {
 /// # Panics
 /// The picture has no deferred buffers.
 pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usize) -> Result<Judged, String> {
-    if scene.objects().iter().any(|object| object.pane != 0) {
+    let mut setup = Setup::default();
+    let Request { camera, size, samples, shadows, layers, .. } = *request;
+    setup.prepare(scene, camera, size, samples, shadows, layers).expect("a frame that has been rendered");
+    let objects = setup.objects(scene);
+    if objects.iter().any(|object| object.pane != 0) {
         return Ok(Judged::default());
     }
     let side = f64::from(request.samples).sqrt() as u32;
     let grid = Grid { width: request.size[0], height: request.size[1], side };
     let deferred = picture.deferred.as_ref().expect("deferred buffers");
-    let triangles = triangles(scene);
+    let triangles = triangles(scene, objects);
     let mut judged = Judged::default();
     for index in (0..grid.rays()).step_by(step) {
         let at = grid.ray(RayIndex(index));
@@ -119,9 +123,9 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
 }
 
 /// The triangles in world space.
-fn triangles(scene: &Scene) -> Vec<Triangle> {
+fn triangles(scene: &Scene, objects: &[Object]) -> Vec<Triangle> {
     let mut all = Vec::new();
-    for (object, o) in (0..).zip(scene.objects()) {
+    for (object, o) in (0..).zip(objects) {
         let indices = &scene.words()[o.first_index as usize..][..3 * o.triangles as usize];
         for (id, corners) in (0..).zip(indices.chunks_exact(3)) {
             let sphere = o.is_sphere().then(|| o.to_object.map(|row| row.map(f64::from)));

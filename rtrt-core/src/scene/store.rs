@@ -5,9 +5,11 @@ use crate::kernel::pane;
 use crate::layout::{AlphaMode, Attribute, Kind, Material, Node, Object, Texture, Wrap};
 use crate::scene::floor::floored;
 use crate::scene::image::decode_words;
+use crate::scene::levels::Level;
 use crate::scene::place::{Stored, matrix, place, sphere};
 use crate::scene::tree::{Bounds, refit};
 use crate::scene::{Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential};
+use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
@@ -16,7 +18,7 @@ use glam::{DVec3, Mat4, Vec3};
 
 /// A mesh of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MeshIndex(u32);
+pub struct MeshIndex(pub(super) u32);
 /// A material of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MaterialIndex(u32);
@@ -51,12 +53,41 @@ pub enum SceneError {
         /// The index.
         index: u32,
     },
+    /// A distance from which on an object has another mesh is not a number above 0.
+    #[error("{value} is not a distance from which on an object may have another mesh")]
+    Distance {
+        /// What it is.
+        value: f32,
+    },
     /// The texture was refused.
     #[error(transparent)]
     Image(#[from] ImageError),
     /// The environment was refused.
     #[error(transparent)]
     Panorama(#[from] PanoramaError),
+}
+
+/// How the levels of textures are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mip {
+    /// By the distance of a surface, as in the paper.
+    #[default]
+    Distance,
+    /// By its distance and the angle at which it is seen: its footprint is divided by the cosine
+    /// between ray and normal, so that what is seen at a grazing angle is blurred rather than
+    /// noisy.
+    Angle,
+}
+
+/// What keeps rays from being asked for every object. No picture depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Structure {
+    /// Each block of each view has a list of the objects that its rays may meet.
+    #[default]
+    Blocks,
+    /// Nothing: all blocks of a view share one list of all objects, in their order. To show what
+    /// blocks are worth.
+    None,
 }
 
 /// Counts the changes of each part of a scene, so that a backend that keeps copies renews
@@ -99,6 +130,12 @@ pub struct Scene {
     sky: Sky,
     see_through: AlphaMode,
     bounds: Bounds,
+    /// Of objects that have any.
+    pub(super) levels: BTreeMap<u32, Vec<Level>>,
+    /// How the levels of textures are chosen.
+    pub mip: Mip,
+    /// What keeps rays from being asked for every object.
+    pub structure: Structure,
     /// Light from everywhere, linear RGB; an environment takes its place.
     pub ambient: Vec3,
     /// What a ray sees that hits nothing, linear RGB; an environment takes its place.
@@ -133,6 +170,9 @@ impl Scene {
             sky: Sky::default(),
             see_through: AlphaMode::Opaque,
             bounds: Bounds::EMPTY,
+            levels: BTreeMap::new(),
+            mip: Mip::default(),
+            structure: Structure::default(),
             ambient: Vec3::splat(0.1),
             background: Vec3::new(0.02, 0.025, 0.035),
         }
@@ -348,7 +388,12 @@ impl Scene {
         let result = moved.into_iter().try_for_each(|(object, to_world)| {
             let (index, old) = self.object(object)?;
             let stored = self.mesh(self.object_meshes[index])?;
-            self.objects[index] = Object { pane: old.pane, ..place(stored, old.material, to_world)? };
+            let placed = Object { pane: old.pane, ..place(stored, old.material, to_world)? };
+            let levels = self.moved_levels(index, to_world)?;
+            self.objects[index] = placed;
+            if !levels.is_empty() {
+                self.levels.insert(object.0, levels);
+            }
             Ok(())
         });
         self.objects_changed();
@@ -402,6 +447,7 @@ impl Scene {
                 placed.push((index, Object { pane, ..place(&stored, object.material, matrix(object))? }));
             }
         }
+        let levels = self.reshaped_levels(mesh, &stored)?;
         for triangle in 0..stored.triangles as usize {
             let source = 3 * self.sources[stored.first_source + triangle] as usize;
             for corner in 0..3 {
@@ -427,13 +473,14 @@ impl Scene {
         for (index, object) in placed {
             self.objects[index] = object;
         }
+        self.replace_levels(levels);
         self.versions.geometry += 1;
         self.objects_changed();
         Ok(())
     }
 
     /// Where an object is in the arrays, and how it is placed.
-    fn object(&self, object: ObjectIndex) -> Result<(usize, Object), SceneError> {
+    pub(super) fn object(&self, object: ObjectIndex) -> Result<(usize, Object), SceneError> {
         let index = object.0 as usize;
         let found = self.objects.get(index).map(|object| (index, *object));
         found.ok_or(SceneError::Index { what: "object", index: object.0 })
@@ -441,7 +488,7 @@ impl Scene {
 
     /// Where the pane of an object of this mesh and material is in the words (see
     /// [`crate::kernel::pane`]), which it is added to; 0 for a material that is opaque.
-    fn pane(&mut self, mesh: u32, material: u32) -> Result<u32, SceneError> {
+    pub(super) fn pane(&mut self, mesh: u32, material: u32) -> Result<u32, SceneError> {
         let material = self.materials[material as usize];
         if material.alpha_mode == AlphaMode::Opaque as u32 {
             return Ok(0);
@@ -487,15 +534,19 @@ impl Scene {
         Ok(at)
     }
 
-    fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
+    pub(super) fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
         self.meshes.get(index as usize).ok_or(SceneError::Index { what: "mesh", index })
     }
 
-    fn objects_changed(&mut self) {
+    pub(super) fn objects_changed(&mut self) {
         self.versions.objects += 1;
-        let seen = self.objects.iter().zip(&self.object_meshes);
-        let seen = seen.filter(|(object, mesh)| object.root == self.meshes[**mesh as usize].root);
-        self.bounds = seen.fold(Bounds::EMPTY, |all, (o, _)| all.union(&Bounds { low: o.low, high: o.high }));
+        let seen = self.objects.iter().enumerate().filter(|(index, _)| self.is_seen(*index));
+        self.bounds = seen.fold(Bounds::EMPTY, |all, (_, o)| all.union(&Bounds { low: o.low, high: o.high }));
+    }
+
+    /// Whether an object is not hidden.
+    pub(super) fn is_seen(&self, index: usize) -> bool {
+        self.objects[index].root == self.meshes[self.object_meshes[index] as usize].root
     }
 
     /// Adds a light.
@@ -575,13 +626,9 @@ impl Scene {
     pub(super) fn see_through(&self) -> AlphaMode {
         self.see_through
     }
-    /// The largest coordinate of an object's bounds, in magnitude.
-    pub(super) fn magnitude(&self) -> f32 {
-        let bounds = self.bounds();
-        bounds.low.iter().chain(&bounds.high).fold(0.0, |most, c| most.max(c.abs()))
-    }
     /// The number that a triangle of an object had in the [`Mesh`]: a scene numbers the
-    /// triangles of a mesh in the order of its tree's leaves. `None` where there is none.
+    /// triangles of a mesh in the order of its tree's leaves. `None` where there is none. Of an
+    /// object with levels it is that of its own mesh.
     pub fn source_triangle(&self, object: ObjectIndex, triangle: u32) -> Option<u32> {
         let mesh = &self.meshes[*self.object_meshes.get(object.0 as usize)? as usize];
         let sources = &self.sources[mesh.first_source..][..mesh.triangles as usize];

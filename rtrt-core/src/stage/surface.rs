@@ -10,7 +10,7 @@ use crate::kernel::texture::{BYTE, Places};
 use crate::kernel::traverse::{Best, BestRows, Geometry};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Attribute, NONE, Object, Surface, View};
-use crate::num::{TINY, floor, flush, flush3, from_integer, normalize, sqrt, to_integer};
+use crate::num::{TINY, clamp, floor, flush, flush3, from_integer, normalize, recip, sqrt, to_integer};
 
 /// The surfaces that one group of rays has found; see [`Surface`].
 #[derive(Clone, Copy)]
@@ -283,7 +283,10 @@ pub fn surface<L: Lane>(
     let smooth = flush3(V3::select(has_normal, facing(normalize(smooth), flat), flat));
 
     let place = flush3(place);
-    let pixel = best.t * camera.pixel_t + camera.pixel;
+    let mut pixel = best.t * camera.pixel_t + camera.pixel;
+    if camera.by_angle == 1 {
+        pixel = pixel * grazing(flat, ray.direction);
+    }
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
         normal: V3::select(missed, nothing, smooth),
@@ -308,6 +311,15 @@ pub(super) fn triangles<L: Lane>(best: &Best<L>, found: &BestRows<L>, wanted: L:
                 & best.triangle.equal(best.triangle.like(found.triangle(lane)))
         },
     )
+}
+
+/// How much longer a footprint is where a surface with this normal, of length 1, is seen along a
+/// direction: 1 / cosine, at most 1024.
+#[inline(always)]
+fn grazing<L: Lane>(normal: V3<L>, direction: V3<L>) -> L {
+    const LEAST: f32 = 1.0 / 1024.0;
+    let cosine = normal.dot(normalize(direction)).abs();
+    recip(clamp(cosine, LEAST, 1.0))
 }
 
 /// `v`, turned to the side that `toward` is on.

@@ -58,7 +58,7 @@ pub fn visibility<L: Lane, const G: usize>(
     let (corner, inside) = frame.grid().corner(first);
     let mut best = unfound::<L, G>(token, frame, first);
     let mut searches = [Closest; G];
-    let block = camera.first_block + frame.grid().block(first).0;
+    let block = camera.list(frame.grid().block(first));
     if lists.is_empty(block) {
         return best;
     }

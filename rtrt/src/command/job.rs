@@ -78,6 +78,7 @@ impl<'a> Job<'a> {
         if animation.is_none() && time.is_some() {
             console.say("warning: nothing in the scene is animated");
         }
+        scene.mip = common.mip;
         let mut job = Self {
             scene,
             camera,
@@ -164,6 +165,8 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
     match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
         Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
         Some("glass") => Ok(pool.install(|| demo::glass(&Parallel))?),
+        Some("spheres") => Ok(pool.install(|| demo::spheres(&Parallel))?),
+        Some("levels") => Ok(pool.install(|| demo::levels(&Parallel))?),
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
         None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
     }
