@@ -62,10 +62,10 @@ fn a_scene_with_levels_is_one_with_the_meshes_that_are_chosen() {
     let mut reference = reference();
     let (mut expected, mut actual) = (Picture::default(), Picture::default());
     let mut pictures = Vec::new();
-    for eye in [CAMERA.eye, Vec3::new(0.0, 2.0, 14.0), CAMERA.eye] {
+    for eye in [CAMERA.eye, Vec3::new(3.0, 2.5, 5.0), CAMERA.eye] {
         let camera = Camera { eye, ..CAMERA };
         let (chosen, counts) = balls(Some(eye));
-        assert!(counts.iter().all(|&count| count > 3), "{counts:?}");
+        assert!(counts.iter().all(|&count| count > 1), "{counts:?}");
         reference.render(&chosen, &request(&camera), &mut expected).unwrap();
         pictures.push(expected.pixels.clone());
         for (name, backend) in &mut variants.backends {

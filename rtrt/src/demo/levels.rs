@@ -15,7 +15,7 @@ pub const LEVELS: &str = "demo:levels";
 const STEPS: [(f32, u32, u32); 4] =
     [(0.0, 48, 0xffff_ffff), (8.0, 12, 0xff70_d0ff), (16.0, 6, 0xff80_ff80), (32.0, 3, 0xffff_9070)];
 
-/// A field of bulging balls, each of 4,608 triangles near the camera and of 18 far away. Every level
+/// A field of balls, each of 4,608 triangles near the camera and of 18 far away. Every level
 /// has a color of its own, so that it can be seen.
 ///
 /// # Errors
@@ -61,18 +61,16 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
     })
 }
 
-/// A ball with bulges: so many rings of as many quads.
+/// A ball: so many rings of as many quads.
 fn ball(rings: u32, color: u32) -> Geometry {
     let mut ball = Geometry::default();
     let sides = rings;
     for ring in 0..=rings {
         let (out, up) = libm::sincosf(ring as f32 * (core::f32::consts::PI / rings as f32));
         for side in 0..=sides {
-            let around = side as f32 * (core::f32::consts::TAU / sides as f32);
-            let (sin, cos) = libm::sincosf(around);
-            let size = 1.0 + 0.12 * out * libm::cosf(6.0 * around);
-            ball.positions.push([out * cos * size, up, out * sin * size]);
+            let (sin, cos) = libm::sincosf(side as f32 * (core::f32::consts::TAU / sides as f32));
             let normal = [out * cos, up, out * sin];
+            ball.positions.push(normal);
             ball.attributes.push(Attribute { normal, uv: [0.0; 2], color });
         }
     }
