@@ -1,13 +1,15 @@
 //! What the 2D structure is worth: how the time of a frame grows with the number of objects, with
-//! lists of blocks and without; and with the size of a texture.
+//! lists of blocks and without; with the size of a texture; and with levels of detail.
 //!
 //! `cargo run --release -p conformance --example growth`
 
 use conformance::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
+use rtrt::demo;
+use rtrt::import::Loaded;
 use rtrt_core::backend::{Backend, LAYERS, Picture, Request, STAGES};
 use rtrt_core::layout::Wrap;
-use rtrt_core::scene::{Camera, Image, Light, Projection, Scene, Structure, phong};
+use rtrt_core::scene::{Camera, Image, Light, ObjectIndex, Projection, Scene, Structure, phong};
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 9.0, 26.0),
@@ -35,6 +37,14 @@ fn main() {
         let shade = STAGES.iter().position(|name| *name == "shade").expect("a stage");
         println!("{side:>4}^2    {:>12.2} {:>12.2}", stages[shade], stages.iter().sum::<f64>());
     }
+    let Loaded { mut scene, camera, .. } = demo::levels(&rtrt_cpu::Parallel).expect("a scene");
+    let total = |stages: [f64; STAGES.len()]| stages.iter().sum::<f64>();
+    let with = total(median_from(&mut cpu, &scene, &camera, 15).1);
+    for object in 0..scene.objects().len() as u32 {
+        scene.set_levels(ObjectIndex(object), &[]).expect("an object");
+    }
+    let without = total(median_from(&mut cpu, &scene, &camera, 15).1);
+    println!("demo:levels: {with:.2} ms with levels of detail, {without:.2} ms without");
 }
 
 /// Cubes of the same total volume, whatever their number, in a box; a sun.
@@ -67,14 +77,18 @@ fn textured(side: u32) -> Scene {
 
 /// The pixels, and the median time of each stage.
 fn median(cpu: &mut rtrt_cpu::Cpu, scene: &Scene, frames: usize) -> (Vec<u32>, [f64; STAGES.len()]) {
-    let request = Request {
-        camera: &CAMERA,
-        size: [640, 360],
-        samples: 1,
-        shadows: true,
-        layers: LAYERS,
-        deferred: false,
-    };
+    median_from(cpu, scene, &CAMERA, frames)
+}
+
+/// The same from elsewhere.
+fn median_from(
+    cpu: &mut rtrt_cpu::Cpu,
+    scene: &Scene,
+    camera: &Camera,
+    frames: usize,
+) -> (Vec<u32>, [f64; STAGES.len()]) {
+    let request =
+        Request { camera, size: [640, 360], samples: 1, shadows: true, layers: LAYERS, deferred: false };
     let mut picture = Picture::default();
     let mut all = Vec::new();
     for _ in 0..=frames {

@@ -168,7 +168,7 @@ pub fn atan2<L: Lane>(y: L, x: L) -> L {
     p = p * square + 4.290_961_4e-2;
     p = p * square - 7.528_964e-2;
     p = p * square + 1.065_626_4e-1;
-    p = p * square - 1.420_889_9e-1;
+    p = p * square - 1.420_89e-1;
     p = p * square + 1.999_355_1e-1;
     p = p * square - 3.333_314_5e-1;
     p = p * square + 1.0;
