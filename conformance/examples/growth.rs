@@ -7,7 +7,7 @@ use conformance::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt::demo;
 use rtrt::import::Loaded;
-use rtrt_core::backend::{Backend, LAYERS, Picture, Request, STAGES};
+use rtrt_core::backend::{Backend, LAYERS, Picture, Request, STAGES, Shadows};
 use rtrt_core::layout::Wrap;
 use rtrt_core::scene::{Camera, Image, Light, ObjectIndex, Projection, Scene, Structure, phong};
 
@@ -60,7 +60,9 @@ fn cubes(count: u32) -> Scene {
             Mat4::from_translation(random.vector(8.0)) * turn * Mat4::from_scale(Vec3::splat(size)),
         );
     }
-    build.light(Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.8) }).scene
+    build
+        .light(Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.8), radius: 0.0 })
+        .scene
 }
 
 /// A floor up to the horizon with a texture of this side, which repeats.
@@ -71,7 +73,7 @@ fn textured(side: u32) -> Scene {
     let texture =
         build.scene.add_texture(&Image { width: side, height: side, rgba }, [Wrap::Repeat; 2]).expect("room");
     let floor = Shape::floor(500.0, -2.0).textured([40.0, 40.0], [0.0; 2]);
-    let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.8) };
+    let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.8), radius: 0.0 };
     build.shape_of(floor, phong([0.9; 3], 0.0, 0.5, texture, [0.0; 3])).light(sun).scene
 }
 
@@ -87,8 +89,14 @@ fn median_from(
     camera: &Camera,
     frames: usize,
 ) -> (Vec<u32>, [f64; STAGES.len()]) {
-    let request =
-        Request { camera, size: [640, 360], samples: 1, shadows: true, layers: LAYERS, deferred: false };
+    let request = Request {
+        camera,
+        size: [640, 360],
+        samples: 1,
+        shadows: Shadows::Hard,
+        layers: LAYERS,
+        deferred: false,
+    };
     let mut picture = Picture::default();
     let mut all = Vec::new();
     for _ in 0..=frames {

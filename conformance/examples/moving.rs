@@ -4,7 +4,7 @@
 
 use conformance::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, Picture, Request, STAGES};
+use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
 use rtrt_core::scene::{Camera, Light, Motion, ObjectIndex, Projection};
 use std::time::Instant;
 
@@ -26,7 +26,7 @@ fn main() {
             (build.object(cube, start), start, motion)
         })
         .collect();
-    let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.8) };
+    let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.8), radius: 0.0 };
     let mut scene = build.light(sun).scene;
     let camera = Camera {
         eye: Vec3::new(0.0, 20.0, 70.0),
@@ -38,7 +38,7 @@ fn main() {
         camera: &camera,
         size: [1280, 720],
         samples: 1,
-        shadows: true,
+        shadows: Shadows::Soft,
         layers: rtrt_core::backend::LAYERS,
         deferred: false,
     };

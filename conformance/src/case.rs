@@ -1,7 +1,7 @@
 //! What a case is.
 
 use glam::Vec3;
-use rtrt_core::backend::{LAYERS, Request};
+use rtrt_core::backend::{LAYERS, Request, Shadows};
 use rtrt_core::scene::{Camera, Projection, Scene};
 
 /// How exactly a backend must agree with the reference.
@@ -28,7 +28,7 @@ pub struct Case {
     /// Sub-rays a pixel.
     pub samples: u32,
     /// Whether lights cast shadows.
-    pub shadows: bool,
+    pub shadows: Shadows,
     /// The most layers of surfaces that a ray looks at.
     pub layers: u32,
     /// How exactly.
@@ -59,7 +59,7 @@ impl Case {
         camera: look([0.0, 0.0, 4.0], [0.0; 3]),
         size: [37, 21],
         samples: 1,
-        shadows: true,
+        shadows: Shadows::Soft,
         layers: LAYERS,
         agree: Agree::Bits,
         blank: false,

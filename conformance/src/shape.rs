@@ -241,12 +241,24 @@ impl Build {
 
 /// A white light that does not fade.
 pub fn bulb(position: [f32; 3]) -> Light {
-    Light::Point { position: position.into(), color: Vec3::ONE, reach: None, inverse_square: false }
+    Light::Point {
+        position: position.into(),
+        color: Vec3::ONE,
+        reach: None,
+        inverse_square: false,
+        radius: 0.0,
+    }
 }
 
 /// A white light that fades linearly toward its reach.
 pub fn lamp(position: [f32; 3], reach: f32) -> Light {
-    Light::Point { position: position.into(), color: Vec3::ONE, reach: Some(reach), inverse_square: false }
+    Light::Point {
+        position: position.into(),
+        color: Vec3::ONE,
+        reach: Some(reach),
+        inverse_square: false,
+        radius: 0.0,
+    }
 }
 
 /// A white spot light that does not fade with distance, and fades from the middle of its
@@ -260,10 +272,18 @@ pub fn spot(position: [f32; 3], direction: [f32; 3], outer: f32) -> Light {
         color: Vec3::ONE,
         reach: None,
         inverse_square: false,
+        radius: 0.0,
     }
 }
 
 /// White light that goes in this direction.
 pub fn sun(direction: [f32; 3]) -> Light {
-    Light::Sun { direction: direction.into(), color: Vec3::ONE }
+    Light::Sun { direction: direction.into(), color: Vec3::ONE, radius: 0.0 }
+}
+
+/// The light with another radius: world units, or, of a sun, radians.
+pub fn sized(mut light: Light, size: f32) -> Light {
+    let (Light::Point { radius, .. } | Light::Spot { radius, .. } | Light::Sun { radius, .. }) = &mut light;
+    *radius = size;
+    light
 }

@@ -4,7 +4,7 @@ use conformance::shape::{Build, Random, Shape, bulb, sun};
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{cases, compare, reference};
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, Picture, Request};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Camera, Mip, Projection, Scene, Structure};
 
 const CAMERA: Camera = Camera {
@@ -19,7 +19,7 @@ fn request(camera: &Camera) -> Request<'_> {
         camera,
         size: [97, 55],
         samples: 1,
-        shadows: true,
+        shadows: Shadows::Hard,
         layers: rtrt_core::backend::LAYERS,
         deferred: true,
     }

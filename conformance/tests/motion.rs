@@ -5,7 +5,7 @@ use conformance::shape::{Build, Random, Shape};
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{compare, reference};
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, Picture, Request};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{
     Camera, Light, Mesh, MeshIndex, MeshTree, Motion, ObjectIndex, Projection, Scene, Sequential,
@@ -68,12 +68,13 @@ fn scene(time: f64) -> (Scene, MeshIndex) {
             build.scene.hide(object).unwrap();
         }
     }
-    let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.6) };
+    let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.6), radius: 0.0 };
     let lamp = Light::Point {
         position: Vec3::new(2.0, 5.0, 3.0),
         color: Vec3::splat(0.7),
         reach: Some(20.0),
         inverse_square: false,
+        radius: 0.0,
     };
     (build.shape(Shape::floor(9.0, -3.0)).light(sun).light(lamp).scene, cloth)
 }
@@ -84,7 +85,7 @@ fn a_moved_scene_is_a_new_one_made_there() {
         camera: &CAMERA,
         size: [97, 55],
         samples: 4,
-        shadows: true,
+        shadows: Shadows::Soft,
         layers: rtrt_core::backend::LAYERS,
         deferred: true,
     };

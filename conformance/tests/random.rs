@@ -7,7 +7,7 @@ use conformance::reference;
 use conformance::shape::{Build, Random, Shape};
 use conformance::variants::{all, present, requires_gpu};
 use glam::{Mat4, Quat, Vec3};
-use rtrt_core::backend::{Backend, Picture, Request};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::compare::compare;
 use rtrt_core::layout::{AlphaMode, Material, Texture, Wrap};
 use rtrt_core::scene::{Camera, Image, Light, MaterialIndex, Projection, Scene, phong};
@@ -50,8 +50,9 @@ fn transform(random: &mut Random) -> Mat4 {
 
 fn light(random: &mut Random) -> Light {
     let color = (random.vector(0.5) + 0.5) * 0.5;
+    let radius = if random.below(3) == 0 { any_size(random, -2.0, -0.2) } else { 0.0 };
     if random.below(3) == 0 {
-        return Light::Sun { direction: random.vector(1.0) + Vec3::splat(1e-3), color };
+        return Light::Sun { direction: random.vector(1.0) + Vec3::splat(1e-3), color, radius };
     }
     let reach = (random.below(2) == 0).then(|| any_size(random, -0.5, 1.5));
     let (position, inverse_square) = (random.vector(4.0), random.below(2) == 0);
@@ -59,9 +60,19 @@ fn light(random: &mut Random) -> Light {
         let outer = random.within(0.05, 1.55);
         let inner = outer * random.within(0.0, 1.0);
         let direction = -position + random.vector(1.0);
-        return Light::Spot { position, direction, inner, outer, color, reach, inverse_square };
+        return Light::Spot { position, direction, inner, outer, color, reach, inverse_square, radius };
     }
-    Light::Point { position, color, reach, inverse_square }
+    Light::Point { position, color, reach, inverse_square, radius }
+}
+
+fn shadows(random: &mut Random) -> Shadows {
+    match random.below(8) {
+        0 => Shadows::Off,
+        1 => Shadows::Hard,
+        2 => Shadows::Area { jitter: None },
+        3 => Shadows::Area { jitter: Some(random.bits()) },
+        _ => Shadows::Soft,
+    }
 }
 
 /// A thousand small objects: many that end where a block ends.
@@ -154,7 +165,7 @@ fn every_variant_equals_the_oracles_on_random_scenes() {
             camera: &camera(&mut random),
             size: if is_swarm { [61, 45] } else { [1 + random.below(40), 1 + random.below(30)] },
             samples: [1, 1, 1, 4][random.below(4) as usize],
-            shadows: random.below(8) != 0,
+            shadows: shadows(&mut random),
             layers: [1, 2, 3, 8][random.below(4) as usize],
             deferred: true,
         };

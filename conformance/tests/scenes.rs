@@ -3,7 +3,7 @@
 use conformance::oracle::brute;
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{compare, reference};
-use rtrt_core::backend::{Backend, Picture, Request};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use std::path::Path;
 
 const SCENES: [&str; 15] = [
@@ -48,7 +48,7 @@ fn every_variant_agrees_on_real_scenes() {
                 camera: &loaded.camera,
                 size: [97, 55],
                 samples,
-                shadows: true,
+                shadows: Shadows::Soft,
                 layers: 8,
                 deferred: true,
             };

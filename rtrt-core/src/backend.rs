@@ -13,6 +13,26 @@ pub const STAGES: [&str; 9] =
 /// The usual number of layers of surfaces that a ray looks at.
 pub const LAYERS: u32 = 8;
 
+/// How lights cast shadows. Only lights with a radius tell the last three apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shadows {
+    /// Not at all: what faces a light is lit.
+    Off,
+    /// As if all of a light came from its middle.
+    Hard,
+    /// As hard ones, then blurred as far as their penumbras reach (see
+    /// [`penumbra`](crate::stage::penumbra)).
+    #[default]
+    Soft,
+    /// Each sub-ray of a pixel asks for another point of the light (see
+    /// [`area`](crate::kernel::area)).
+    Area {
+        /// Whether these points differ from pixel to pixel, and which of many ways it is to be.
+        /// With none, all pixels take the same points.
+        jitter: Option<u32>,
+    },
+}
+
 /// What to render.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
@@ -22,8 +42,8 @@ pub struct Request<'a> {
     pub size: [u32; 2],
     /// Sub-rays a pixel: 1, 4 or 16.
     pub samples: u32,
-    /// Whether lights cast shadows.
-    pub shadows: bool,
+    /// How lights cast shadows.
+    pub shadows: Shadows,
     /// The most layers of surfaces that a ray looks at, 1 ..= [`crate::scene::Setup::MAX_LAYERS`];
     /// [`LAYERS`] is usual. The last of them counts as opaque.
     pub layers: u32,
@@ -45,8 +65,13 @@ pub struct Deferred {
     pub surfaces: Vec<Surface>,
     /// Which lights reach them: [`Deferred::mask_words`] words a ray.
     pub masks: Vec<u32>,
-    /// The color of each light's shadow (see [`crate::kernel::tint`]), a word a light; nothing
-    /// where every object is opaque.
+    /// Before soft shadows are blurred: what is left of each light (see [`crate::kernel::tint`]),
+    /// a word a light; nothing in frames without soft shadows.
+    pub left: Vec<u32>,
+    /// The radii of the penumbras there (see [`crate::kernel::penumbra`]).
+    pub penumbras: Vec<f32>,
+    /// The color of each light's shadow, a word a light; nothing where every object is opaque
+    /// and no shadow is soft.
     pub tints: Vec<u32>,
     /// The light that arrives.
     pub lit: Vec<Lit>,

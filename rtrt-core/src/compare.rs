@@ -113,6 +113,8 @@ static NONE: Deferred = Deferred {
     hits: Vec::new(),
     surfaces: Vec::new(),
     masks: Vec::new(),
+    left: Vec::new(),
+    penumbras: Vec::new(),
     tints: Vec::new(),
     lit: Vec::new(),
     colors: Vec::new(),
@@ -123,7 +125,7 @@ static NONE: Deferred = Deferred {
 };
 
 /// The buffers of a picture, in the order of the stages.
-fn buffers(picture: &Picture) -> [Buffer<'_>; 9] {
+fn buffers(picture: &Picture) -> [Buffer<'_>; 11] {
     let d = picture.deferred.as_ref().unwrap_or(&NONE);
     let records = |stage, name, words, fields: &'static [&'static str]| Buffer {
         stage,
@@ -139,6 +141,14 @@ fn buffers(picture: &Picture) -> [Buffer<'_>; 9] {
         records("bin", "lists", &d.lists, ENTRY),
         records("visibility", "hits", cast_slice(&d.hits), HIT),
         records("surface", "surfaces", cast_slice(&d.surfaces), SURFACE),
+        Buffer { stage: "occlusion", name: "left", words: &d.left, stride: tints, fields: &[] },
+        Buffer {
+            stage: "occlusion",
+            name: "penumbras",
+            words: cast_slice(&d.penumbras),
+            stride: tints,
+            fields: &[],
+        },
         Buffer { stage: "occlusion", name: "masks", words: &d.masks, stride: masks, fields: &[] },
         Buffer { stage: "occlusion", name: "tints", words: &d.tints, stride: tints, fields: &[] },
         records("light", "lit", cast_slice(&d.lit), LIT),
@@ -244,6 +254,7 @@ impl fmt::Display for Difference {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::Shadows;
     use crate::layout::{Hit, Lit, Surface};
     use crate::scene::{Camera, Projection};
     use alloc::string::ToString;
@@ -258,7 +269,14 @@ mod tests {
     };
 
     fn request() -> Request<'static> {
-        Request { camera: &CAMERA, size: [5, 3], samples: 4, shadows: true, layers: 8, deferred: true }
+        Request {
+            camera: &CAMERA,
+            size: [5, 3],
+            samples: 4,
+            shadows: Shadows::Soft,
+            layers: 8,
+            deferred: true,
+        }
     }
 
     /// A frame of one block, in whose lists a second block (of a light) holds two entries.

@@ -14,6 +14,7 @@
 //! | [`log2`] | 2⁻²¹ · max(1, abs(log2 x)), and relative 2⁻²¹ within 0.75 ..= 1.4 | 2⁻⁹⁰ ≤ x ≤ 2⁹⁰; clamped into it |
 //! | [`pow`] | relative 2⁻¹⁹ · max(1, abs(y · log2 x)) | x ≥ 0; 0 for x < 2⁻⁹⁰ |
 //! | [`atan2`] | absolute 2⁻²⁰ | any but NaN; 0 for (0, 0) |
+//! | [`sine_and_cosine`] | absolute 2⁻²² | −1 ≤ x ≤ 1 |
 //! | [`srgb_encode`], [`srgb_decode`] | absolute 2⁻²⁰ | 0 ..= 1; clamped into it |
 
 use crate::lane::{Bits, Lane, Select, V3};
@@ -126,6 +127,23 @@ pub fn exp2<L: Lane>(x: L) -> L {
     p = p * f + core::f32::consts::LN_2;
     p = p * f + 1.0;
     p * L::from_bits((to_integer(whole) + x.bits_like(127)) << 23)
+}
+
+/// Sine and cosine of π/4 · `x`, for `x` within ±1: Taylor polynomials of degree 9 and 8, whose
+/// remainders are below 2⁻²⁴.
+#[inline(always)]
+pub fn sine_and_cosine<L: Lane>(x: L) -> [L; 2] {
+    let square = x * x;
+    // (π/4)ⁿ / n!
+    let mut sine = square * 3.133_616_9e-7 - 3.657_620_4e-5;
+    sine = sine * square + 2.490_394_6e-3;
+    sine = sine * square - 8.074_551e-2;
+    sine = sine * square + core::f32::consts::FRAC_PI_4;
+    let mut cosine = square * 3.590_860_5e-6 - 3.259_919e-4;
+    cosine = cosine * square + 1.585_434_4e-2;
+    cosine = cosine * square - 3.084_251_5e-1;
+    cosine = cosine * square + 1.0;
+    [sine * x, cosine]
 }
 
 /// `log₂ x`: the exponent, plus the mantissa `m` (within √½ ..= √2) through
@@ -264,6 +282,17 @@ mod tests {
         }
         assert_eq!([exp2(-1e9_f32), exp2(f32::NAN)], [f32::MIN_POSITIVE; 2]);
         assert_eq!([exp2(0.0_f32), exp2(10.0), exp2(-3.0)], [1.0, 1024.0, 0.125]);
+    }
+
+    #[test]
+    fn sine_and_cosine_are_within_their_error() {
+        for i in -10_000..=10_000 {
+            let x = i as f32 * 1e-4;
+            let angle = f64::from(x) * core::f64::consts::FRAC_PI_4;
+            let [sine, cosine] = sine_and_cosine(x).map(f64::from);
+            assert!((sine - libm::sin(angle)).abs() <= 2f64.powi(-22), "{x}");
+            assert!((cosine - libm::cos(angle)).abs() <= 2f64.powi(-22), "{x}");
+        }
     }
 
     #[test]

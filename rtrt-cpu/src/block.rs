@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use rtrt_core::backend::STAGES;
 use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
 use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::traverse::{Best, Geometry};
 use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, groups};
@@ -51,7 +52,7 @@ impl Clock {
         self.0[stage] += start.elapsed();
     }
     /// Adds what has passed since `start`, and starts anew.
-    fn lap(&mut self, stage: usize, start: &mut Instant) {
+    pub fn lap(&mut self, stage: usize, start: &mut Instant) {
         let now = Instant::now();
         self.0[stage] += now - *start;
         *start = now;
@@ -96,24 +97,194 @@ impl Work for Block<'_> {
             packet_colors::<L, G>(token, job, ray, first, &mut colors, records.as_mut(), &mut clock);
         }
         let mut start = Instant::now();
-        let grid = job.frame.grid();
-        let side = grid.block_pixels();
-        let [left, top] = grid.ray(RayIndex(index * BLOCK_RAYS)).map(|ray| ray / grid.side);
-        for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_mut(L::WIDTH)) {
-            let bits = resolve::<L>(
-                token,
-                grid,
-                #[inline(always)]
-                |lane| [left + (first + lane as u32) % side, top + (first + lane as u32) / side],
-                #[inline(always)]
-                |ray| colors[(ray.0 % BLOCK_RAYS) as usize],
-            );
-            for (lane, pixel) in pixels.iter_mut().enumerate() {
-                *pixel = bits.lane(lane);
-            }
-        }
+        resolved::<L>(token, job, index, &colors, tile);
         clock.lap(8, &mut start);
         clock
+    }
+}
+
+/// The pixels of a block of these colors.
+#[inline(always)]
+pub fn resolved<L: Wide>(token: L::Token, job: &Job<'_>, index: u32, colors: &[[f32; 4]], tile: &mut [u32]) {
+    let grid = job.frame.grid();
+    let side = grid.block_pixels();
+    let [left, top] = grid.ray(RayIndex(index * BLOCK_RAYS)).map(|ray| ray / grid.side);
+    for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_mut(L::WIDTH)) {
+        let bits = resolve::<L>(
+            token,
+            grid,
+            #[inline(always)]
+            |lane| [left + (first + lane as u32) % side, top + (first + lane as u32) / side],
+            #[inline(always)]
+            |ray| colors[(ray.0 % BLOCK_RAYS) as usize],
+        );
+        for (lane, pixel) in pixels.iter_mut().enumerate() {
+            *pixel = bits.lane(lane);
+        }
+    }
+}
+
+/// The stages of a packet that need nothing of others. (Each is one function for all that call
+/// it, so that it is compiled once for each level.) `frame` is the job's, but for the layers that
+/// are still looked at.
+impl Job<'_> {
+    /// The closest surfaces; where not all is opaque, the closest behind the last.
+    #[inline(always)]
+    pub fn seen<L: Wide, const G: usize>(
+        &self,
+        token: L::Token,
+        frame: &Frame,
+        ray: RayIndex,
+        last: &[Best<L>; G],
+    ) -> [Best<L>; G] {
+        let Job { views, lists, geometry, .. } = self;
+        if frame.layers == 0 {
+            L::apart(
+                token,
+                #[inline(always)]
+                || visibility::<L, G>(token, frame, views, lists, geometry, ray),
+            )
+        } else {
+            L::apart(
+                token,
+                #[inline(always)]
+                || layer::<L, G>(token, frame, views, lists, geometry, ray, last),
+            )
+        }
+    }
+
+    /// What is known about them.
+    #[inline(always)]
+    pub fn surfaces<L: Wide, const G: usize>(
+        &self,
+        token: L::Token,
+        rays: &[Ray<L>; G],
+        best: &[Best<L>; G],
+    ) -> [Surfaces<L>; G] {
+        let Job { views, geometry, attributes, materials, texels, .. } = self;
+        let camera = &views[Frame::CAMERA as usize];
+        let mut surfaces: [Surfaces<L>; G] = L::apart(
+            token,
+            #[inline(always)]
+            || {
+                groups(
+                    #[inline(always)]
+                    |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
+                )
+            },
+        );
+        if self.frame.details != 0 {
+            let maps = Maps { materials, texels };
+            let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
+            L::apart(
+                token,
+                #[inline(always)]
+                || {
+                    for g in 0..G {
+                        surfaces[g] = detail(&maps, &vertices, &best[g], &surfaces[g]);
+                    }
+                },
+            );
+        }
+        surfaces
+    }
+
+    /// The light that arrives there.
+    #[inline(always)]
+    pub fn arriving<L: Wide, const G: usize>(
+        &self,
+        token: L::Token,
+        frame: &Frame,
+        first: RayIndex,
+        rays: &[Ray<L>; G],
+        surfaces: &[Surfaces<L>; G],
+        shadows: &Shadows<L, G>,
+    ) -> [Arriving<L>; G] {
+        let Job { views, materials, texels, .. } = self;
+        let maps = Maps { materials, texels };
+        L::apart(
+            token,
+            #[inline(always)]
+            || {
+                groups(
+                    #[inline(always)]
+                    |g| {
+                        light(
+                            frame,
+                            views,
+                            &maps,
+                            #[inline(always)]
+                            |w| shadows.word(w)[g],
+                            #[inline(always)]
+                            |light| shadows.tints[light as usize][g],
+                            RayIndex(first.0 + (g * L::WIDTH) as u32),
+                            &rays[g],
+                            &surfaces[g],
+                        )
+                    },
+                )
+            },
+        )
+    }
+
+    /// Adds the colors of a layer to those before it.
+    #[inline(always)]
+    pub fn shade<L: Wide, const G: usize>(
+        &self,
+        token: L::Token,
+        frame: &Frame,
+        rays: &[Ray<L>; G],
+        surfaces: &[Surfaces<L>; G],
+        arriving: &[Arriving<L>; G],
+        sums: &mut [[L; 4]; G],
+    ) {
+        let maps = Maps { materials: self.materials, texels: self.texels };
+        L::apart(
+            token,
+            #[inline(always)]
+            || {
+                for g in 0..G {
+                    let shaded = shade(frame, &maps, &rays[g], &surfaces[g], &arriving[g]);
+                    sums[g] = if frame.layers == 0 { shaded } else { blend(frame, sums[g], shaded) };
+                }
+            },
+        );
+    }
+}
+
+impl Records<'_> {
+    /// Keeps what the packet from `first` on has found in the layer of this number.
+    #[inline(always)]
+    pub fn keep<L: Wide, const G: usize>(
+        &mut self,
+        frame: &Frame,
+        number: usize,
+        first: usize,
+        best: &[Best<L>; G],
+        surfaces: &[Surfaces<L>; G],
+        shadows: &Shadows<L, G>,
+        arriving: &[Arriving<L>; G],
+    ) {
+        for g in 0..G {
+            for lane in 0..L::WIDTH {
+                let at = first + g * L::WIDTH + lane;
+                if number > 0 {
+                    let behind = frame.layers as usize - 1;
+                    self.layers[at * behind + number - 1] = hit(&best[g], lane);
+                    continue;
+                }
+                self.hits[at] = hit(&best[g], lane);
+                self.surfaces[at] = surfaces[g].lane(lane);
+                let words = frame.mask_words;
+                for w in 0..words {
+                    self.masks[(at as u32 * words + w) as usize] = shadows.word(w)[g].lane(lane);
+                }
+                for (light, tint) in shadows.tints.iter().enumerate() {
+                    self.tints[at * shadows.tints.len() + light] = tint[g].lane(lane);
+                }
+                self.lit[at] = arriving[g].lane(lane);
+            }
+        }
     }
 }
 
@@ -128,10 +299,8 @@ fn packet_colors<L: Wide, const G: usize>(
     mut records: Option<&mut Records<'_>>,
     clock: &mut Clock,
 ) {
-    let Job { views, lists, geometry, attributes, materials, texels, .. } = job;
     let mut frame = *job.frame;
-    let camera = &views[Frame::CAMERA as usize];
-    let maps = Maps { materials, texels };
+    let camera = &job.views[Frame::CAMERA as usize];
     let mut start = Instant::now();
     let zero = L::splat(token, 0.0);
     let none = zero.bits_like(0);
@@ -143,101 +312,19 @@ fn packet_colors<L: Wide, const G: usize>(
     for number in 0.. {
         // The stages of a layer have the names of the first one's, the time does not.
         let stage = |stage: usize| if number == 0 { stage } else { LAYERS };
-        best = if frame.layers == 0 {
-            L::apart(
-                token,
-                #[inline(always)]
-                || visibility::<L, G>(token, &frame, views, lists, geometry, ray),
-            )
-        } else {
-            L::apart(
-                token,
-                #[inline(always)]
-                || layer::<L, G>(token, &frame, views, lists, geometry, ray, &best),
-            )
-        };
+        best = job.seen(token, &frame, ray, &best);
         clock.lap(stage(2), &mut start);
         let rays = rays::<L, G>(token, &frame, camera, ray);
-        let mut surfaces: [Surfaces<L>; G] = L::apart(
-            token,
-            #[inline(always)]
-            || {
-                groups(
-                    #[inline(always)]
-                    |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
-                )
-            },
-        );
-        if frame.details != 0 {
-            let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
-            L::apart(
-                token,
-                #[inline(always)]
-                || {
-                    for g in 0..G {
-                        surfaces[g] = detail(&maps, &vertices, &best[g], &surfaces[g]);
-                    }
-                },
-            );
-        }
+        let surfaces = job.surfaces(token, &rays, &best);
         clock.lap(stage(3), &mut start);
-        let shadows = Shadows::<L, G>::new(token, &frame, job, &surfaces);
+        let shadows = Shadows::<L, G>::new(token, &frame, job, ray, &surfaces);
         clock.lap(stage(4), &mut start);
-        let arriving: [Arriving<L>; G] = L::apart(
-            token,
-            #[inline(always)]
-            || {
-                groups(
-                    #[inline(always)]
-                    |g| {
-                        light(
-                            &frame,
-                            views,
-                            &maps,
-                            #[inline(always)]
-                            |w| shadows.word(w)[g],
-                            #[inline(always)]
-                            |light| shadows.tints[light as usize][g],
-                            &rays[g],
-                            &surfaces[g],
-                        )
-                    },
-                )
-            },
-        );
+        let arriving = job.arriving(token, &frame, ray, &rays, &surfaces, &shadows);
         clock.lap(stage(5), &mut start);
-        L::apart(
-            token,
-            #[inline(always)]
-            || {
-                for g in 0..G {
-                    let shaded = shade(&frame, &maps, &rays[g], &surfaces[g], &arriving[g]);
-                    sums[g] = if frame.layers == 0 { shaded } else { blend(&frame, sums[g], shaded) };
-                }
-            },
-        );
+        job.shade(token, &frame, &rays, &surfaces, &arriving, &mut sums);
         clock.lap(stage(6), &mut start);
         if let Some(records) = &mut records {
-            for g in 0..G {
-                for lane in 0..L::WIDTH {
-                    let at = first + g * L::WIDTH + lane;
-                    if number > 0 {
-                        let behind = job.frame.layers as usize - 1;
-                        records.layers[at * behind + number - 1] = hit(&best[g], lane);
-                        continue;
-                    }
-                    records.hits[at] = hit(&best[g], lane);
-                    records.surfaces[at] = surfaces[g].lane(lane);
-                    let words = frame.mask_words;
-                    for w in 0..words {
-                        records.masks[(at as u32 * words + w) as usize] = shadows.word(w)[g].lane(lane);
-                    }
-                    for (light, tint) in shadows.tints.iter().enumerate() {
-                        records.tints[at * shadows.tints.len() + light] = tint[g].lane(lane);
-                    }
-                    records.lit[at] = arriving[g].lane(lane);
-                }
-            }
+            records.keep(job.frame, number, first, &best, &surfaces, &shadows, &arriving);
         }
         if frame.layers <= 1 {
             break;
@@ -254,16 +341,7 @@ fn packet_colors<L: Wide, const G: usize>(
             break;
         }
     }
-    for (g, sum) in sums.iter().enumerate() {
-        let start_of_group = first + g * L::WIDTH;
-        let [r, g, b, a] = groups(
-            #[inline(always)]
-            |channel| sum[channel].row(),
-        );
-        for lane in 0..L::WIDTH {
-            colors[start_of_group + lane] = [r.at(lane), g.at(lane), b.at(lane), a.at(lane)];
-        }
-    }
+    store(&sums, &mut colors[first..]);
     if let Some(records) = &mut records {
         let range = first..first + G * L::WIDTH;
         records.colors[range.clone()].copy_from_slice(&colors[range]);
@@ -271,11 +349,25 @@ fn packet_colors<L: Wide, const G: usize>(
     clock.lap(6, &mut start);
 }
 
+/// Writes colors lane after lane.
+#[inline(always)]
+pub fn store<L: Lane, const G: usize>(sums: &[[L; 4]; G], colors: &mut [[f32; 4]]) {
+    for (g, sum) in sums.iter().enumerate() {
+        let [red, green, blue, alpha] = groups(
+            #[inline(always)]
+            |channel| sum[channel].row(),
+        );
+        for lane in 0..L::WIDTH {
+            colors[g * L::WIDTH + lane] = [red.at(lane), green.at(lane), blue.at(lane), alpha.at(lane)];
+        }
+    }
+}
+
 /// The stage that layers behind the first belong to.
-const LAYERS: usize = 7;
+pub const LAYERS: usize = 7;
 
 /// Which lights reach a packet's surfaces.
-struct Shadows<L: Lane, const G: usize> {
+pub struct Shadows<L: Lane, const G: usize> {
     /// The first word of the shadow mask: the usual scene has no more.
     first: [L::Bits; G],
     /// The others.
@@ -286,7 +378,13 @@ struct Shadows<L: Lane, const G: usize> {
 
 impl<L: Wide, const G: usize> Shadows<L, G> {
     #[inline(always)]
-    fn new(token: L::Token, frame: &Frame, job: &Job<'_>, surfaces: &[Surfaces<L>; G]) -> Self {
+    fn new(
+        token: L::Token,
+        frame: &Frame,
+        job: &Job<'_>,
+        first: RayIndex,
+        surfaces: &[Surfaces<L>; G],
+    ) -> Self {
         let Job { views, lists, geometry, .. } = job;
         let none = surfaces[0].material.like(0);
         let mut shadows = Self { first: [none; G], more: Vec::new(), tints: Vec::new() };
@@ -299,44 +397,70 @@ impl<L: Wide, const G: usize> Shadows<L, G> {
             for light in 0..frame.lights {
                 let asked = groups(
                     #[inline(always)]
-                    |g| occlusion::ask(frame, views, light, &surfaces[g]),
+                    |g| {
+                        let ray = RayIndex(first.0 + (g * L::WIDTH) as u32);
+                        occlusion::ask(frame, views, light, ray, &surfaces[g])
+                    },
                 );
                 shadows.tints.push(L::apart(
                     token,
                     #[inline(always)]
-                    || occlusion::tint::<L, G>(frame, views, lists, geometry, light, &origins, &asked),
+                    || occlusion::tint::<L, G>(frame, views, lists, geometry, light, first, &origins, &asked),
                 ));
             }
         }
+        if frame.layers != 0 {
+            shadows.fold(frame, none);
+            return shadows;
+        }
         for word in 0..frame.mask_words {
-            let mask = if frame.layers == 0 {
-                L::apart(
-                    token,
-                    #[inline(always)]
-                    || occlusion::word::<L, G>(frame, views, lists, geometry, word, surfaces),
-                )
-            } else {
-                let tints = &shadows.tints;
-                groups(
-                    #[inline(always)]
-                    |g| {
-                        occlusion::mask(
-                            frame,
-                            word,
-                            none,
-                            #[inline(always)]
-                            |light| tints[light as usize][g],
-                        )
-                    },
-                )
-            };
-            if word == 0 {
-                shadows.first = mask;
-            } else {
-                shadows.more.push(mask);
-            }
+            let mask = L::apart(
+                token,
+                #[inline(always)]
+                || occlusion::word::<L, G>(frame, views, lists, geometry, word, first, surfaces),
+            );
+            shadows.push(word, mask);
         }
         shadows
+    }
+
+    /// Those of these colors.
+    #[inline(always)]
+    pub fn of(frame: &Frame, none: L::Bits, tints: Vec<[L::Bits; G]>) -> Self {
+        let mut shadows = Self { first: [none; G], more: Vec::new(), tints };
+        shadows.fold(frame, none);
+        shadows
+    }
+
+    /// Makes the mask that follows from the colors.
+    #[inline(always)]
+    fn fold(&mut self, frame: &Frame, none: L::Bits) {
+        for word in 0..frame.mask_words {
+            let tints = &self.tints;
+            let mask = groups(
+                #[inline(always)]
+                |g| {
+                    occlusion::mask(
+                        frame,
+                        word,
+                        none,
+                        #[inline(always)]
+                        |light| tints[light as usize][g],
+                    )
+                },
+            );
+            self.push(word, mask);
+        }
+    }
+
+    /// Appends a word of the mask.
+    #[inline(always)]
+    fn push(&mut self, word: u32, mask: [L::Bits; G]) {
+        if word == 0 {
+            self.first = mask;
+        } else {
+            self.more.push(mask);
+        }
     }
 
     /// A word of the shadow mask.

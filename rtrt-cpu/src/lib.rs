@@ -4,7 +4,7 @@
 //! Whatever the number of lanes and threads, a picture has the same bits.
 //!
 //! ```
-//! use rtrt_core::backend::{Backend, Picture, Request};
+//! use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 //! use rtrt_core::scene::{Camera, Projection, Scene};
 //!
 //! let camera = Camera {
@@ -13,7 +13,7 @@
 //!     up: [0.0, 1.0, 0.0].into(),
 //!     projection: Projection::Perspective { fov_y: 1.0 },
 //! };
-//! let request = Request { camera: &camera, size: [32, 20], samples: 1, shadows: true, layers: 8, deferred: false };
+//! let request = Request { camera: &camera, size: [32, 20], samples: 1, shadows: Shadows::Soft, layers: 8, deferred: false };
 //! let mut picture = Picture::default();
 //! let mut cpu = rtrt_cpu::Cpu::new(rtrt_cpu::Options::default())?;
 //! cpu.render(&Scene::new(), &request, &mut picture)?;
@@ -27,6 +27,7 @@ mod block;
 mod canary;
 mod level;
 mod prepare;
+mod soft;
 mod wide;
 
 pub use canary::kernels;
@@ -97,6 +98,7 @@ struct Memory {
     bins: bin::Bins,
     /// Pixels, block after block.
     tiles: Vec<u32>,
+    soft: soft::Soft,
 }
 
 impl Cpu {
@@ -155,35 +157,24 @@ impl Memory {
         self.tiles.resize(grid.blocks() as usize * tile, 0);
         let start = Instant::now();
         let tiles = self.tiles.par_chunks_mut(tile);
-        let blocks = grid.blocks() as usize;
-        let busy = match deferred {
-            None => tiles
-                .enumerate()
-                .map(|(block, tile)| level.run(Block { job: &job, index: block as u32, tile, records: None }))
-                .reduce(Clock::default, Clock::plus),
+        let (records, kept) = match deferred {
+            None => ((0..grid.blocks()).map(|_| None).collect(), None),
             Some(deferred) => {
-                let rays = BLOCK_RAYS as usize;
-                let words = frame.mask_words as usize;
                 deferred_room(deferred, &frame, &self.bins.words);
-                let [tints, behind] = [deferred.tint_words, deferred.layer_count].map(|n| n as usize);
-                (
-                    tiles,
-                    deferred.hits.par_chunks_mut(rays),
-                    deferred.surfaces.par_chunks_mut(rays),
-                    deferred.masks.par_chunks_mut(rays * words),
-                    chunks(&mut deferred.tints, blocks, rays * tints),
-                    deferred.lit.par_chunks_mut(rays),
-                    deferred.colors.par_chunks_mut(rays),
-                    chunks(&mut deferred.layers, blocks, rays * behind),
-                )
-                    .into_par_iter()
-                    .enumerate()
-                    .map(|(block, (tile, hits, surfaces, masks, tints, lit, colors, layers))| {
-                        let records = Records { hits, surfaces, masks, tints, lit, colors, layers };
-                        level.run(Block { job: &job, index: block as u32, tile, records: Some(records) })
-                    })
-                    .reduce(Clock::default, Clock::plus)
+                let (records, kept) = block_records(deferred, &frame);
+                (records, Some(kept))
             }
+        };
+        let busy = if frame.window == 0 {
+            tiles
+                .zip(records)
+                .enumerate()
+                .map(|(block, (tile, records))| {
+                    level.run(Block { job: &job, index: block as u32, tile, records })
+                })
+                .reduce(Clock::default, Clock::plus)
+        } else {
+            self.soft.frame(level, &job, tiles, records, kept)
         };
         // The stages of a block follow one another on one thread, so a stage's share of
         // the time that passed is its share of the threads' time.
@@ -199,17 +190,41 @@ fn chunks<T: Send>(all: &mut [T], count: usize, length: usize) -> Vec<&mut [T]> 
     all.chunks_mut(length).collect()
 }
 
+/// The parts of the deferred buffers that blocks fill; and those of shadows before they are
+/// blurred, which are filled as a whole.
+fn block_records<'a>(
+    deferred: &'a mut Deferred,
+    frame: &Frame,
+) -> (Vec<Option<Records<'a>>>, soft::Kept<'a>) {
+    let (blocks, rays) = (frame.grid().blocks() as usize, BLOCK_RAYS as usize);
+    let mut surfaces = deferred.surfaces.chunks_mut(rays);
+    let mut masks = deferred.masks.chunks_mut(rays * frame.mask_words as usize);
+    let mut tints = chunks(&mut deferred.tints, blocks, rays * deferred.tint_words as usize).into_iter();
+    let mut lit = deferred.lit.chunks_mut(rays);
+    let mut colors = deferred.colors.chunks_mut(rays);
+    let mut layers = chunks(&mut deferred.layers, blocks, rays * deferred.layer_count as usize).into_iter();
+    let one = |hits| {
+        let (surfaces, masks, tints) = (surfaces.next()?, masks.next()?, tints.next()?);
+        let (lit, colors, layers) = (lit.next()?, colors.next()?, layers.next()?);
+        Some(Records { hits, surfaces, masks, tints, lit, colors, layers })
+    };
+    let records = deferred.hits.chunks_mut(rays).map(one).collect();
+    (records, soft::Kept { left: &mut deferred.left, penumbras: &mut deferred.penumbras })
+}
+
 /// Makes room for a frame.
 fn deferred_room(deferred: &mut Deferred, frame: &Frame, lists: &[u32]) {
     let rays = frame.rays as usize;
     deferred.mask_words = frame.mask_words;
-    deferred.tint_words = if frame.layers == 0 { 0 } else { frame.lights };
+    deferred.tint_words = if frame.is_tinted() { frame.lights } else { 0 };
     deferred.layer_count = frame.layers.max(1) - 1;
     deferred.lists.clear();
     deferred.lists.extend_from_slice(lists);
     deferred.hits.resize(rays, Hit::MISS);
     deferred.surfaces.resize(rays, Zeroable::zeroed());
     deferred.masks.resize(rays * frame.mask_words as usize, 0);
+    deferred.left.clear();
+    deferred.penumbras.clear();
     deferred.tints.clear();
     deferred.tints.resize(rays * deferred.tint_words as usize, 0);
     deferred.layers.clear();

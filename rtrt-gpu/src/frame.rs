@@ -7,12 +7,14 @@ use crate::pipeline::{FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, groups};
 use crate::timer::Timer;
 use bytemuck::Pod;
 use rtrt_core::backend::{Deferred, Picture, STAGES};
-use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
+use rtrt_core::grid::{BLOCK, BLOCK_RAYS, RayIndex};
 use rtrt_core::kernel::cover::Cover;
 use rtrt_core::kernel::lists::{Entry, Lists};
 use rtrt_core::layout::{Frame, Hit, Lit, Surface, View};
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::stage;
+use rtrt_core::stage::penumbra::reach;
+use std::ops::Range;
 use wgpu::BufferUsages;
 
 /// Entries that the lists have room for at first.
@@ -92,7 +94,7 @@ impl Renderer {
         picture.height = frame.height;
         picture.pixels.resize((frame.width * frame.height) as usize, 0);
         let empty = || {
-            let tint_words = if frame.layers == 0 { 0 } else { frame.lights };
+            let tint_words = if frame.is_tinted() { frame.lights } else { 0 };
             let layer_count = frame.layers.max(1) - 1;
             let mask_words = frame.mask_words;
             deferred.then(|| Deferred { mask_words, tint_words, layer_count, ..Deferred::default() })
@@ -108,7 +110,7 @@ impl Renderer {
         let Some(first) = bands.next() else { return Ok(()) };
         let entries = loop {
             picture.deferred = empty();
-            let entries = self.band(&Frame { capacity: self.capacity, ..first }, 0, picture)?;
+            let entries = self.band(first.with_room(self.capacity), 0, picture)?;
             if entries <= self.capacity {
                 break entries;
             }
@@ -117,26 +119,26 @@ impl Renderer {
             picture.stages_ms = [0.0; STAGES.len()];
         };
         for band in bands {
-            let band = Frame { capacity: self.capacity, ..band };
-            self.band(&band, FIRST_OF_BAND, picture)?;
+            self.band(band.with_room(self.capacity), FIRST_OF_BAND, picture)?;
         }
         if let Some(deferred) = &mut picture.deferred {
             let words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(entries);
-            self.fetch(Slot::Lists, words, &mut deferred.lists)?;
+            self.fetch(Slot::Lists, 0..words as usize, &mut deferred.lists)?;
         }
         Ok(())
     }
 
     /// Runs the stages from `first_stage` on for a band of rays, and reads its pixels and
     /// times back. Gives the number of entries in the lists.
-    fn band(&mut self, frame: &Frame, first_stage: usize, picture: &mut Picture) -> Result<u32, Error> {
-        let device = &self.device;
-        let [first_pixel, pixel_count] = frame.grid().pixels(RayIndex(frame.first_ray), frame.rays);
+    fn band(&mut self, band: Band, first_stage: usize, picture: &mut Picture) -> Result<u32, Error> {
+        let (device, frame) = (&self.device, &band.frame);
+        let [first_made, pixel_count] = frame.grid().pixels(RayIndex(frame.first_ray), frame.rays);
+        let [first_pixel, kept_pixels] = frame.grid().pixels(RayIndex(band.first), band.rays);
         let rays = u64::from(frame.rays);
         let list_words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(frame.capacity);
         let behind = frame.layers.max(1) - 1;
         let kept = if picture.deferred.is_some() { u64::from(behind) } else { 0 };
-        let tints = if frame.layers == 0 { 0 } else { 3 + u64::from(frame.lights) };
+        let [shadows, tints] = shadow_words(frame);
         self.buffers.upload(device, Slot::Frame, &[*frame])?;
         while self.layers.len() < behind as usize {
             let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
@@ -150,6 +152,7 @@ impl Renderer {
         self.buffers.reserve::<Hit>(device, Slot::Hits, rays)?;
         self.buffers.reserve::<Surface>(device, Slot::Surfaces, rays)?;
         self.buffers.reserve::<u32>(device, Slot::Masks, rays * u64::from(frame.mask_words))?;
+        self.buffers.reserve::<u32>(device, Slot::Shadows, rays * shadows)?;
         self.buffers.reserve::<u32>(device, Slot::Tints, rays * tints)?;
         self.buffers.reserve::<Hit>(device, Slot::Layers, rays * kept)?;
         self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;
@@ -167,7 +170,7 @@ impl Renderer {
                 // The layers behind the first take its buffers.
                 let next = device.device.create_command_encoder(&Default::default());
                 device.queue.submit([std::mem::replace(&mut commands, next).finish()]);
-                self.fetch_first_layer(frame, &mut picture.deferred)?;
+                self.fetch_first_layer(&band, &mut picture.deferred)?;
             }
             self.encode(&mut commands, frame, stage, kept > 0);
             self.timer.end_stage(device, &mut commands, stage, &mut picture.stages_ms)?;
@@ -185,10 +188,12 @@ impl Renderer {
         device.finish(commands, read_back, bytes, |mapped| {
             entries = bytemuck::pod_read_unaligned(&mapped[..4]);
             timer.add(&mapped[TIMES as usize..PIXELS as usize], first_stage, &mut picture.stages_ms);
-            let range = first_pixel as usize..(first_pixel + pixel_count) as usize;
-            bytemuck::cast_slice_mut(&mut picture.pixels[range]).copy_from_slice(&mapped[PIXELS as usize..]);
+            let range = first_pixel as usize..(first_pixel + kept_pixels) as usize;
+            let from = PIXELS as usize + 4 * (first_pixel - first_made) as usize;
+            let kept = &mapped[from..from + 4 * kept_pixels as usize];
+            bytemuck::cast_slice_mut(&mut picture.pixels[range]).copy_from_slice(kept);
         })?;
-        self.fetch_colors(frame, &mut picture.deferred)?;
+        self.fetch_colors(&band, &mut picture.deferred)?;
         Ok(entries)
     }
 
@@ -250,41 +255,44 @@ impl Renderer {
 
     /// Appends what a band's first layer has left to the deferred buffers, if they were asked
     /// for.
-    fn fetch_first_layer(&self, frame: &Frame, deferred: &mut Option<Deferred>) -> Result<(), Error> {
+    fn fetch_first_layer(&self, band: &Band, deferred: &mut Option<Deferred>) -> Result<(), Error> {
         let Some(deferred) = deferred else { return Ok(()) };
-        let rays = u64::from(frame.rays);
-        self.fetch(Slot::Hits, rays, &mut deferred.hits)?;
-        self.fetch(Slot::Surfaces, rays, &mut deferred.surfaces)?;
-        self.fetch(Slot::Masks, rays * u64::from(frame.mask_words), &mut deferred.masks)?;
-        self.fetch(Slot::Lit, rays, &mut deferred.lit)?;
-        if deferred.tint_words > 0 {
-            let mut tints: Vec<u32> = Vec::new();
-            self.fetch(Slot::Tints, rays * u64::from(3 + frame.lights), &mut tints)?;
-            // Before them are the starts of the shadow rays.
-            deferred.tints.extend_from_slice(&tints[3 * rays as usize..]);
+        let (frame, tints) = (&band.frame, deferred.tint_words);
+        self.fetch(Slot::Hits, band.kept(1), &mut deferred.hits)?;
+        self.fetch(Slot::Surfaces, band.kept(1), &mut deferred.surfaces)?;
+        self.fetch(Slot::Masks, band.kept(frame.mask_words), &mut deferred.masks)?;
+        self.fetch(Slot::Lit, band.kept(1), &mut deferred.lit)?;
+        self.fetch(Slot::Tints, band.kept(tints), &mut deferred.tints)?;
+        if frame.window > 0 {
+            let (left, behind) = (band.kept(tints), frame.rays as usize * tints as usize);
+            self.fetch(Slot::Shadows, left.clone(), &mut deferred.left)?;
+            let sizes = left.start + behind..left.end + behind;
+            self.fetch(Slot::Shadows, sizes, &mut deferred.penumbras)?;
         }
         Ok(())
     }
 
     /// Appends a band's colors and what its layers have hit to the deferred buffers, if they
     /// were asked for.
-    fn fetch_colors(&self, frame: &Frame, deferred: &mut Option<Deferred>) -> Result<(), Error> {
+    fn fetch_colors(&self, band: &Band, deferred: &mut Option<Deferred>) -> Result<(), Error> {
         let Some(deferred) = deferred else { return Ok(()) };
-        let (rays, count) = (frame.rays as usize, deferred.layer_count as usize);
-        self.fetch(Slot::Colors, rays as u64, &mut deferred.colors)?;
+        let (rays, count) = (band.frame.rays as usize, deferred.layer_count as usize);
+        self.fetch(Slot::Colors, band.kept(1), &mut deferred.colors)?;
         if count > 0 {
             let mut layers: Vec<Hit> = Vec::new();
-            self.fetch(Slot::Layers, (rays * count) as u64, &mut layers)?;
-            deferred.layers.extend((0..rays * count).map(|at| layers[at % count * rays + at / count]));
+            self.fetch(Slot::Layers, 0..rays * count, &mut layers)?;
+            let kept = band.kept(deferred.layer_count);
+            deferred.layers.extend(kept.map(|at| layers[at % count * rays + at / count]));
         }
         Ok(())
     }
 
-    /// Appends the first `count` elements of a buffer to `to`.
-    fn fetch<T: Pod>(&self, slot: Slot, count: u64, to: &mut Vec<T>) -> Result<(), Error> {
-        let Some(buffer) = self.buffers.get(slot) else { return Ok(()) };
-        let bytes = self.device.fetch(buffer, count * size_of::<T>() as u64)?;
-        to.extend(bytemuck::pod_collect_to_vec::<u8, T>(&bytes));
+    /// Appends these elements of a buffer to `to`.
+    fn fetch<T: Pod>(&self, slot: Slot, range: Range<usize>, to: &mut Vec<T>) -> Result<(), Error> {
+        let Some(buffer) = self.buffers.get(slot).filter(|_| !range.is_empty()) else { return Ok(()) };
+        let size = size_of::<T>();
+        let bytes = self.device.fetch(buffer, (range.end * size) as u64)?;
+        to.extend(bytemuck::pod_collect_to_vec::<u8, T>(&bytes[range.start * size..]));
         Ok(())
     }
 }
@@ -298,19 +306,58 @@ fn is_zeroed(frame: &Frame, slot: Slot) -> bool {
     }
 }
 
+/// Words a ray of the shadows and of the tints: where either is bound with the starts of shadow
+/// rays, these are behind the rest.
+fn shadow_words(frame: &Frame) -> [u64; 2] {
+    let lights = u64::from(frame.lights);
+    match (frame.window, frame.layers) {
+        (0, 0) => [0, 0],
+        (0, _) => [0, lights + 3],
+        _ => [2 * lights + 3, lights],
+    }
+}
+
+/// A part of a frame that is rendered at once.
+#[derive(Clone, Copy)]
+struct Band {
+    /// The frame, with the rays that are worked on.
+    frame: Frame,
+    /// The first ray that is kept. Those around are worked on because penumbras reach from them
+    /// to it.
+    first: u32,
+    /// How many are kept.
+    rays: u32,
+}
+
+impl Band {
+    /// With so much room in the lists.
+    fn with_room(self, capacity: u32) -> Self {
+        Self { frame: Frame { capacity, ..self.frame }, ..self }
+    }
+    /// Where the rays that are kept are, in a buffer of so many elements a ray.
+    fn kept(&self, elements: u32) -> Range<usize> {
+        let first = self.first - self.frame.first_ray;
+        (first * elements) as usize..((first + self.rays) * elements) as usize
+    }
+}
+
 /// The frame in bands: whole rows of blocks, as many as no buffer of more than `bytes`
-/// needs, but at least one.
-fn bands(frame: &Frame, bytes: u64) -> impl Iterator<Item = Frame> + use<> {
+/// needs, but at least one; and, where shadows are soft, the rows around from which penumbras
+/// reach.
+fn bands(frame: &Frame, bytes: u64) -> impl Iterator<Item = Band> + use<> {
     let frame = *frame;
     let row = frame.grid().blocks_x() * BLOCK_RAYS;
-    let tints = if frame.layers == 0 { 0 } else { 4 * (3 + u64::from(frame.lights)) };
-    let largest = (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words)).max(tints);
-    let rows = (bytes / largest / u64::from(row)).max(1);
+    let [shadows, tints] = shadow_words(&frame).map(|words| 4 * words);
+    let largest = (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words)).max(tints).max(shadows);
+    let around = if frame.window == 0 { 0 } else { reach(&frame).div_ceil(BLOCK) };
+    let rows = (bytes / largest / u64::from(row)).saturating_sub(2 * u64::from(around)).max(1);
     let step = (rows * u64::from(row)).min(u64::from(frame.rays)) as u32;
-    (0..frame.rays).step_by(step as usize).map(move |first_ray| Frame {
-        first_ray,
-        rays: step.min(frame.rays - first_ray),
-        ..frame
+    let all = frame.rays;
+    (0..all).step_by(step as usize).map(move |first| {
+        let rays = step.min(all - first);
+        let first_ray = first.saturating_sub(around * row);
+        let end = (first + rays).saturating_add(around * row).min(all);
+        Band { frame: Frame { first_ray, rays: end - first_ray, ..frame }, first, rays }
     })
 }
 
@@ -319,7 +366,7 @@ mod tests {
     use super::*;
     use crate::{Gpu, Options};
     use bytemuck::Zeroable;
-    use rtrt_core::backend::{Backend, Request};
+    use rtrt_core::backend::{Backend, Request, Shadows};
     use rtrt_core::scene::{Camera, Projection};
 
     #[test]
@@ -327,10 +374,15 @@ mod tests {
         let frame = Frame { width: 100, height: 90, side: 1, mask_words: 1, ..Frame::zeroed() };
         let frame = Frame { rays: frame.grid().rays(), ..frame };
         let row = 7 * BLOCK_RAYS;
-        let split = |bytes| bands(&frame, bytes).map(|band| (band.first_ray, band.rays)).collect::<Vec<_>>();
+        let split = |bytes| bands(&frame, bytes).map(|band| (band.first, band.rays)).collect::<Vec<_>>();
         assert_eq!(split(u64::MAX), [(0, 6 * row)]);
         assert_eq!(split(0).len(), 6);
         assert_eq!(split(56 * 4 * u64::from(row) + 55), [(0, 4 * row), (4 * row, 2 * row)]);
+        let soft = Frame { window: 24, lights: 1, ..frame };
+        let split: Vec<_> =
+            bands(&soft, 0).map(|band| (band.first, band.frame.first_ray, band.frame.rays)).collect();
+        assert_eq!(split[0], (0, 0, 3 * row));
+        assert_eq!(split[3], (3 * row, row, 5 * row));
     }
 
     #[test]
@@ -349,7 +401,7 @@ mod tests {
             camera: &camera,
             size: [40, 30],
             samples: 1,
-            shadows: true,
+            shadows: Shadows::Soft,
             layers: 8,
             deferred: false,
         };

@@ -112,7 +112,10 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: lights },
         Pass { stage: 4, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Tints], work: colored_lights },
         Pass { stage: 4, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
-        Pass { stage: 4, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: see_through },
+        Pass { stage: 4, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
+        Pass { stage: 4, entry: "near", reads: TINT, writes: &[Shadows], work: soft_lights },
+        Pass { stage: 4, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows], writes: &[Tints], work: soft_lights },
+        Pass { stage: 4, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: tinted },
         Pass { stage: 5, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
         Pass { stage: 6, entry: "shade", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
         Pass { stage: LAYERS, entry: "end", reads: &[Frame, Colors], writes: &[Hits], work: rays },
@@ -121,6 +124,9 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: LAYERS, entry: "detail", reads: DETAIL, writes: &[Surfaces], work: details },
         Pass { stage: LAYERS, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Tints], work: colored_lights },
         Pass { stage: LAYERS, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
+        Pass { stage: LAYERS, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
+        Pass { stage: LAYERS, entry: "near", reads: TINT, writes: &[Shadows], work: soft_lights },
+        Pass { stage: LAYERS, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows], writes: &[Tints], work: soft_lights },
         Pass { stage: LAYERS, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: rays },
         Pass { stage: LAYERS, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
         Pass { stage: LAYERS, entry: "blend", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
@@ -155,14 +161,23 @@ fn opaque(frame: &Frame) -> Work {
 fn see_through(frame: &Frame) -> Work {
     (if frame.layers == 0 { 0 } else { frame.rays }).into()
 }
-/// The same for each light.
+/// The rays of a frame whose shadows are not bits.
+fn tinted(frame: &Frame) -> Work {
+    (if frame.is_tinted() { frame.rays } else { 0 }).into()
+}
+/// The rays and lights of a frame in which not every object is opaque, and shadows are hard.
 fn colored_lights(frame: &Frame) -> Work {
-    Work { layers: frame.lights, ..see_through(frame) }
+    let work = if frame.window == 0 { see_through(frame) } else { 0.into() };
+    Work { layers: frame.lights, ..work }
+}
+/// The rays and lights of a frame with soft shadows.
+fn soft_lights(frame: &Frame) -> Work {
+    Work { invocations: if frame.window == 0 { 0 } else { frame.rays }, layers: frame.lights }
 }
 /// A layer a light: an invocation that asked for all of them would take more loop turns than
 /// some devices allow.
 fn lights(frame: &Frame) -> Work {
-    Work { layers: frame.lights, ..opaque(frame) }
+    Work { invocations: if frame.is_tinted() { 0 } else { frame.rays }, layers: frame.lights }
 }
 fn pixels(frame: &Frame) -> Work {
     frame.grid().pixels(RayIndex(frame.first_ray), frame.rays)[1].into()

@@ -1,7 +1,7 @@
 //! Frames on a GPU have the CPU's bits, in every buffer.
 
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, Picture, Request};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::compare::compare;
 use rtrt_core::layout::{Attribute, Texture, Wrap};
 use rtrt_core::scene::{Camera, Image, Light, Mesh, MeshTree, Projection, Scene, Sequential, phong};
@@ -82,11 +82,11 @@ fn heaps(objects: usize, lights: usize) -> Scene {
         let [x, y, z] = [next(), next(), next()];
         let color = Vec3::new(0.5, 0.4, 0.3) + Vec3::new(z, x, y) * 0.3;
         scene.add_light(if number % 3 == 2 {
-            Light::Sun { direction: Vec3::new(x - 0.5, -1.0, z - 0.5), color }
+            Light::Sun { direction: Vec3::new(x - 0.5, -1.0, z - 0.5), color, radius: 0.0 }
         } else {
             let position = Vec3::new(x * 8.0 - 4.0, y * 3.0 + 2.0, z * 8.0 - 4.0);
             let reach = (number % 2 == 0).then_some(9.0);
-            Light::Point { position, color, reach, inverse_square: number % 4 == 1 }
+            Light::Point { position, color, reach, inverse_square: number % 4 == 1, radius: 0.0 }
         });
     }
     scene
@@ -121,7 +121,7 @@ fn agree(gpu: &mut Gpu, what: &str, scene: &Scene, request: &Request<'_>) -> Pic
 }
 
 fn request(size: [u32; 2], samples: u32) -> Request<'static> {
-    Request { camera: &CAMERA, size, samples, shadows: true, layers: 8, deferred: true }
+    Request { camera: &CAMERA, size, samples, shadows: Shadows::Soft, layers: 8, deferred: true }
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn all_scenes(route: Route) {
     agree(&mut gpu, "sixteen samples", &heaps(2, 1), &request([37, 21], 16));
     agree(&mut gpu, "many heaps", &heaps(40, 3), &request([160, 90], 1));
     agree(&mut gpu, "many lights", &heaps(5, 35), &request([64, 36], 1));
-    let dark = Request { shadows: false, ..request([64, 36], 1) };
+    let dark = Request { shadows: Shadows::Off, ..request([64, 36], 1) };
     agree(&mut gpu, "no shadows", &heaps(5, 3), &dark);
     let flat = Camera { projection: Projection::Orthographic { height: 6.0 }, ..CAMERA };
     agree(&mut gpu, "parallel", &heaps(5, 3), &Request { camera: &flat, ..request([64, 36], 1) });
@@ -163,7 +163,7 @@ fn light_too_faint_to_count_is_nothing_everywhere() {
     for (color, distance) in [(1.0, 1e2), (1e-3, 1e4), (1e-15, 3.0), (1e-30, 3.0), (1e-40, 3.0)] {
         let position = Vec3::new(distance, 3.0, distance);
         let color = Vec3::splat(color);
-        scene.add_light(Light::Point { position, color, reach: None, inverse_square: true });
+        scene.add_light(Light::Point { position, color, reach: None, inverse_square: true, radius: 0.0 });
         let picture = agree(&mut gpu, "faint", &scene, &request([128, 72], 1));
         let deferred = picture.deferred.unwrap();
         let numbers: [&[f32]; 2] =
@@ -202,6 +202,12 @@ fn lists_longer_than_their_room_are_made_again() {
 fn no_pixel_depends_on_bands() {
     let Some(mut gpu) = open(Options { band_bytes: Some(200_000), ..Options::default() }) else { return };
     agree(&mut gpu, "bands", &heaps(6, 2), &request([131, 77], 4));
+    let mut scene = heaps(6, 2);
+    for light in scene.lights_mut() {
+        let (Light::Point { radius, .. } | Light::Spot { radius, .. } | Light::Sun { radius, .. }) = light;
+        *radius = 0.2;
+    }
+    agree(&mut gpu, "bands with soft shadows", &scene, &request([131, 177], 4));
 }
 
 #[test]

@@ -18,6 +18,7 @@ pub mod detail;
 pub mod layers;
 pub mod light;
 pub mod occlusion;
+pub mod penumbra;
 pub mod prepare;
 pub mod resolve;
 pub mod shade;

@@ -1,12 +1,12 @@
 //! Light: one invocation a ray.
 
 use crate::index;
-use crate::tint::tint_at;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::lane::Word;
 use rtrt_core::layout::{Frame, Lit, Material, Surface, View};
 use rtrt_core::stage;
+use rtrt_core::stage::penumbra::left_at;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
@@ -31,9 +31,9 @@ pub fn light(
         let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let mask = |word: u32| Word(masks[(index * frame.mask_words + word) as usize]);
-        let tint = |light: u32| Word(tints[tint_at(frame, index, light) as usize]);
+        let tint = |light: u32| Word(tints[left_at(frame, index, light)]);
         let maps = Maps { materials, texels };
-        let arriving = stage::light::light(frame, views, &maps, mask, tint, &rays[0], &surface);
+        let arriving = stage::light::light(frame, views, &maps, mask, tint, ray, &rays[0], &surface);
         lit[index as usize] = arriving.lane(0);
     }
 }

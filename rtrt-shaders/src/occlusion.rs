@@ -1,6 +1,7 @@
 //! Occlusion: one invocation a ray and light.
 
 use crate::index;
+use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::lists::Lists;
 use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::layout::{Frame, Node, Object, Surface, View};
@@ -31,8 +32,9 @@ pub fn occlusion(
         let lists = Lists { words: lists, blocks: frame.blocks };
         let geometry =
             Geometry { objects, nodes, words, positions, texels: words, magnitude: frame.magnitude };
+        let ray = RayIndex(frame.first_ray + index);
         let surface = [Surfaces::new(&surfaces[index as usize])];
-        let lit = stage::occlusion::occlusion(frame, views, &lists, &geometry, light, &surface);
+        let lit = stage::occlusion::occlusion(frame, views, &lists, &geometry, light, ray, &surface);
         if lit[0].0 == 1 {
             let (word, bit) = stage::occlusion::place(frame, index, light);
             // SAFETY: the word is in a storage buffer, and every access to it during the

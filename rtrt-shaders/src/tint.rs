@@ -1,23 +1,23 @@
 //! Tint: the colors of shadows, where not every object is opaque.
 
 use crate::index;
+use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::lists::Lists;
 use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::lane::{V3, Word};
 use rtrt_core::layout::{Frame, Node, Object, Surface, View};
 use rtrt_core::stage;
+use rtrt_core::stage::penumbra::left_at;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
-/// Words of a shadow ray's start.
-const START: u32 = 3;
-
-/// Where, in the tints, a ray's word of a light is. Before all of them are the places where
-/// the rays' shadow rays start: an entry point may bind eight buffers, and with those of the
-/// surfaces there would be nine.
-pub(crate) fn tint_at(frame: &Frame, ray: u32, light: u32) -> u32 {
-    START * frame.rays + ray * frame.lights + light
+/// Where, in the tints (or, where lights have a radius, in the shadows), the place is where a
+/// ray's shadow rays start. It is behind all else: an entry point may bind eight buffers, and
+/// with those of the surfaces there would be nine.
+pub(crate) fn start_at(frame: &Frame, ray: u32) -> usize {
+    let words = if frame.window == 0 { frame.lights } else { 2 * frame.lights };
+    (frame.rays * words + 3 * ray) as usize
 }
 
 /// Where each ray's shadow rays start, and whether they are to be asked for: one invocation a
@@ -33,9 +33,11 @@ pub fn ask(
     let (index, light) = (index(id), id.z);
     if index < frame.rays {
         let surface = Surfaces::new(&surfaces[index as usize]);
-        tints[tint_at(frame, index, light) as usize] = stage::occlusion::ask(frame, views, light, &surface).0;
+        let ray = RayIndex(frame.first_ray + index);
+        let asked = stage::occlusion::ask(frame, views, light, ray, &surface).0;
+        tints[left_at(frame, index, light)] = asked;
         if light == 0 {
-            let start = (START * index) as usize;
+            let start = start_at(frame, index);
             tints[start] = surface.origin.x.to_bits();
             tints[start + 1] = surface.origin.y.to_bits();
             tints[start + 2] = surface.origin.z.to_bits();
@@ -59,17 +61,19 @@ pub fn tint(
 ) {
     let (index, light) = (index(id), id.z);
     if index < frame.rays {
-        let at = tint_at(frame, index, light) as usize;
+        let at = left_at(frame, index, light);
         let lists = Lists { words: lists, blocks: frame.blocks };
         let geometry = Geometry { objects, nodes, words, positions, texels, magnitude: frame.magnitude };
-        let start = (START * index) as usize;
+        let start = start_at(frame, index);
         let origin = [V3 {
             x: f32::from_bits(tints[start]),
             y: f32::from_bits(tints[start + 1]),
             z: f32::from_bits(tints[start + 2]),
         }];
         let asked = [Word(tints[at])];
-        let left = stage::occlusion::tint::<f32, 1>(frame, views, &lists, &geometry, light, &origin, &asked);
+        let ray = RayIndex(frame.first_ray + index);
+        let left =
+            stage::occlusion::tint::<f32, 1>(frame, views, &lists, &geometry, light, ray, &origin, &asked);
         tints[at] = left[0].0;
     }
 }
@@ -84,7 +88,7 @@ pub fn fold(
 ) {
     let index = index(id);
     if index < frame.rays {
-        let tint = |light: u32| Word(tints[tint_at(frame, index, light) as usize]);
+        let tint = |light: u32| Word(tints[left_at(frame, index, light)]);
         let mut word = 0;
         while word < frame.mask_words {
             let mask = stage::occlusion::mask(frame, word, Word(0), tint).0;

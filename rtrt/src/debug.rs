@@ -195,7 +195,7 @@ fn pack(color: [f32; 3]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rtrt_core::backend::Backend;
+    use rtrt_core::backend::{Backend, Shadows};
     use rtrt_cpu::{Cpu, Options};
 
     #[test]
@@ -207,7 +207,7 @@ mod tests {
                 camera: &loaded.camera,
                 size: [97, 55],
                 samples,
-                shadows: true,
+                shadows: Shadows::Soft,
                 layers: rtrt_core::backend::LAYERS,
                 deferred: true,
             };

@@ -5,12 +5,12 @@
 //! frame is made of.
 //!
 //! ```
-//! use rtrt_core::backend::{Picture, Request};
+//! use rtrt_core::backend::{Picture, Request, Shadows};
 //!
 //! let loaded = rtrt::demo::matchbox(&rtrt_core::scene::Sequential)?;
 //! let mut chosen = rtrt::choose::choose(&rtrt::choose::Options::default())?;
 //! let request =
-//!     Request { camera: &loaded.camera, size: [32, 18], samples: 1, shadows: true, layers: 8, deferred: false };
+//!     Request { camera: &loaded.camera, size: [32, 18], samples: 1, shadows: Shadows::Soft, layers: 8, deferred: false };
 //! let mut picture = Picture::default();
 //! chosen.backend.render(&loaded.scene, &request, &mut picture)?;
 //! assert_eq!(picture.pixels.len(), 32 * 18);

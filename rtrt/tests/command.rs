@@ -1,6 +1,6 @@
 //! The `rtrt` command as a shell sees it: exit codes, output, files.
 
-use rtrt_core::backend::{Picture, Request};
+use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::Grid;
 use rtrt_core::layout::NONE;
 use rtrt_core::scene::ObjectIndex;
@@ -112,7 +112,7 @@ fn layers_are_the_deferred_buffers() {
             camera: &camera,
             size: [37, 21],
             samples,
-            shadows: true,
+            shadows: Shadows::Soft,
             layers: rtrt_core::backend::LAYERS,
             deferred: true,
         };

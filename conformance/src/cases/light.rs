@@ -3,6 +3,7 @@
 use crate::case::{Case, look};
 use crate::shape::{Build, PLAIN, Random, Shape, bulb, lamp, spot, sun};
 use glam::{Mat4, Vec3};
+use rtrt_core::backend::Shadows;
 use rtrt_core::scene::{Light, Scene, phong};
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.5, 0.0]), ..Case::USUAL };
@@ -74,7 +75,16 @@ pub(super) const CASES: &[Case] = &[
                 unreachable!()
             };
             let (inner, reach) = (outer, Some(2.3));
-            lit([Light::Spot { position, direction, inner, outer, color, reach, inverse_square: true }])
+            lit([Light::Spot {
+                position,
+                direction,
+                inner,
+                outer,
+                color,
+                reach,
+                inverse_square: true,
+                radius: 0.0,
+            }])
         },
         ..FROM_ABOVE
     },
@@ -126,7 +136,7 @@ pub(super) const CASES: &[Case] = &[
         name: "light/thirty_three_without_shadows",
         claim: "The words of the mask do not depend on shadows.",
         scene: || many(33),
-        shadows: false,
+        shadows: Shadows::Off,
         ..FROM_ABOVE
     },
     Case {
@@ -155,6 +165,7 @@ pub(super) const CASES: &[Case] = &[
                 color,
                 reach: None,
                 inverse_square: false,
+                radius: 0.0,
             };
             let glowing = phong([0.2; 3], 0.0, 0.5, PLAIN, [0.1, 5.0, 0.3]);
             Build::default()
@@ -174,6 +185,7 @@ pub(super) const CASES: &[Case] = &[
                 color: Vec3::splat(color),
                 reach: None,
                 inverse_square: false,
+                radius: 0.0,
             };
             lit([dark(1.0, 0.0), dark(-1.0, -0.5), bulb([0.0, 2.0, 1.0])])
         },
@@ -182,7 +194,13 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 fn square(position: [f32; 3], reach: Option<f32>) -> Light {
-    Light::Point { position: position.into(), color: Vec3::new(1.0, 0.9, 0.7), reach, inverse_square: true }
+    Light::Point {
+        position: position.into(),
+        color: Vec3::new(1.0, 0.9, 0.7),
+        reach,
+        inverse_square: true,
+        radius: 0.0,
+    }
 }
 
 /// A ball on a floor.
@@ -201,8 +219,8 @@ fn many(count: u32) -> Scene {
         let color = (random.vector(0.5) + 0.5) / 10.0;
         let reach = (i % 3 == 0).then_some(2.5);
         build = build.light(match i % 5 {
-            4 => Light::Sun { direction: position - Vec3::Y * 4.0, color },
-            _ => Light::Point { position, color, reach, inverse_square: i % 2 == 0 },
+            4 => Light::Sun { direction: position - Vec3::Y * 4.0, color, radius: 0.0 },
+            _ => Light::Point { position, color, reach, inverse_square: i % 2 == 0, radius: 0.0 },
         });
     }
     build.scene
@@ -218,7 +236,7 @@ fn meadow_of_lights() -> Scene {
     }
     let light = |i: u32| {
         let position = Vec3::new(2.0 + 0.01 * i as f32, -0.94, 0.03 * i as f32);
-        Light::Point { position, color: Vec3::splat(0.05), reach: None, inverse_square: false }
+        Light::Point { position, color: Vec3::splat(0.05), reach: None, inverse_square: false, radius: 0.0 }
     };
     (0..32).map(light).fold(build, Build::light).scene
 }

@@ -1,5 +1,6 @@
 //! The cases, in files named for the kernels and stages that they are about.
 
+mod area;
 mod bin;
 mod camera;
 mod environment;
@@ -7,6 +8,7 @@ mod light;
 mod material;
 mod motion;
 mod shadow;
+mod soft;
 mod sphere;
 mod surface;
 mod texture;
@@ -26,6 +28,8 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         texture::CASES,
         material::CASES,
         shadow::CASES,
+        area::CASES,
+        soft::CASES,
         light::CASES,
         environment::CASES,
         transparency::CASES,

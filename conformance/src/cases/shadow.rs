@@ -3,6 +3,7 @@
 use crate::case::{Case, look};
 use crate::shape::{Build, Random, Shape, bulb, lamp, sun};
 use glam::{Mat4, Vec3};
+use rtrt_core::backend::Shadows;
 use rtrt_core::scene::Light;
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.5, 0.0]), ..Case::USUAL };
@@ -37,7 +38,7 @@ pub(super) const CASES: &[Case] = &[
         name: "shadow/off",
         claim: "Without shadows everything that faces a light is lit.",
         scene: || room(bulb([1.5, 2.0, 1.0])).scene,
-        shadows: false,
+        shadows: Shadows::Off,
         ..FROM_ABOVE
     },
     Case {
@@ -141,7 +142,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 /// A cube, a ball and a turned bar on a floor.
-fn room(light: Light) -> Build {
+pub(super) fn room(light: Light) -> Build {
     let fixed = Shape::floor(3.0, -1.0).and(Shape::ball(5).at([0.8, -0.4, -0.3], 0.6));
     let mut build = Build::default().shape(fixed).shape(Shape::cube().at([0.0, -0.4, 0.0], 0.4));
     let bar = build.mesh(Shape::cube());

@@ -1,8 +1,9 @@
 //! Spheres: as an eye, light and layers meet them.
 
 use crate::case::{Case, look, parallel, zoom};
-use crate::shape::{Build, PLAIN, Random, Shape, bulb, spot, sun};
+use crate::shape::{Build, PLAIN, Random, Shape, bulb, sized, spot, sun};
 use glam::{Mat4, Quat, Vec3};
+use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{AlphaMode, Material, Wrap};
 use rtrt_core::scene::{Image, MaterialIndex, phong};
 
@@ -197,6 +198,43 @@ pub(super) const CASES: &[Case] = &[
             build.scene.hide(all[1]).expect("a sphere");
             build.light(bulb([1.0, 3.0, 2.0])).scene
         },
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "sphere/lights_that_show",
+        claim: "Lights show as spheres, which shadow what other lights shine on and not their own.",
+        scene: || {
+            let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
+            add(&mut build, ball([0.0, -0.5, 0.0], 0.5));
+            for light in
+                [bulb([-0.9, 0.4, 0.3]), bulb([0.8, 0.9, 0.0]), spot([0.0, 1.2, 0.9], [0.0, -1.0, -0.4], 0.7)]
+            {
+                build = build.light(sized(light, 0.2));
+            }
+            for light in [0, 1, 2, 1] {
+                build.scene.show_light(light).expect("it is there").expect("it has a radius");
+            }
+            build.scene
+        },
+        shadows: Shadows::Hard,
+        size: [61, 45],
+        ..FROM_ABOVE
+    },
+    Case {
+        name: "sphere/soft_lights_that_show",
+        claim: "The same where their shadows are soft, and panes are between.",
+        scene: || {
+            let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
+            let glass = build.scene.add_material(glass([0.9, 0.3, 0.1], 0.4));
+            build.scene.add_sphere(glass, ball([0.0, -0.4, 0.0], 0.5)).expect("a case's sphere");
+            let mut build =
+                build.light(sized(bulb([-0.7, 0.6, 0.3]), 0.2)).light(sized(bulb([0.8, 0.9, 0.0]), 0.1));
+            for light in 0..2 {
+                build.scene.show_light(light).expect("it is there").expect("it has a radius");
+            }
+            build.scene
+        },
+        size: [61, 45],
         ..FROM_ABOVE
     },
     Case {

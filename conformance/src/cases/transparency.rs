@@ -3,6 +3,7 @@
 use crate::case::{Case, look, parallel};
 use crate::shape::{Build, PLAIN, Random, Shape, bulb, sun};
 use glam::{Mat4, Vec3};
+use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{AlphaMode, Material, Texture, Wrap};
 use rtrt_core::scene::{Image, Scene, phong};
 
@@ -151,13 +152,13 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "transparency/shadows_of_panes",
         claim: "Panes color the light of bulbs and suns, one by one and one behind the other.",
-        scene: || shadows(&[0, 1, 2]),
+        scene: || panes(&[0, 1, 2]),
         ..FROM_ABOVE
     },
     Case {
         name: "transparency/shadows_of_panes_in_another_order",
         claim: "The order of the panes does not matter to the light.",
-        scene: || shadows(&[2, 0, 1]),
+        scene: || panes(&[2, 0, 1]),
         ..FROM_ABOVE
     },
     Case {
@@ -179,7 +180,7 @@ pub(super) const CASES: &[Case] = &[
         claim: "Forty lights, of two words of the shadow mask, each have their own color of shadow.",
         scene: || {
             let mut random = Random(12);
-            let mut scene = shadows(&[0, 1, 2]);
+            let mut scene = panes(&[0, 1, 2]);
             for _ in 0..38 {
                 scene.add_light(bulb((random.vector(1.5) + Vec3::Y * 2.0).to_array()));
             }
@@ -191,8 +192,8 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "transparency/without_shadows",
         claim: "Without shadows panes are seen through and color nothing.",
-        scene: || shadows(&[0, 1, 2]),
-        shadows: false,
+        scene: || panes(&[0, 1, 2]),
+        shadows: Shadows::Off,
         ..FROM_ABOVE
     },
     Case {
@@ -304,7 +305,7 @@ fn leaves() -> Scene {
 }
 
 /// Three panes above one another over a floor, those of these numbers from the top.
-fn shadows(order: &[usize]) -> Scene {
+pub(super) fn panes(order: &[usize]) -> Scene {
     let mut build = Build::default();
     let map = noise(&mut build, 5);
     let panes = [

@@ -5,6 +5,7 @@ use rtrt_core::backend::{Picture, Request};
 use rtrt_core::compare::{Difference, compare};
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::pane::{cutoff, mode, pane};
+use rtrt_core::kernel::penumbra::Nearest;
 use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::sphere::Chord;
 use rtrt_core::kernel::tint::{Crossing, WHITE};
@@ -61,6 +62,22 @@ impl<'a> Brute<'a> {
         }
     }
 
+    /// The same for a ray to a light, which passes through what shows that light.
+    fn between(
+        &self,
+        ray: &Ray<f32>,
+        limit: f32,
+        light: u32,
+        mut visit: impl FnMut(u32, u32, &Meeting<f32>),
+    ) {
+        let objects = self.geometry().objects;
+        self.each(ray, limit, |object, triangle, found| {
+            if !objects[object as usize].shows(light) {
+                visit(object, triangle, found);
+            }
+        });
+    }
+
     /// The geometry of the scene.
     fn geometry(&self) -> Geometry<'_> {
         Geometry {
@@ -112,20 +129,20 @@ impl<'a> Brute<'a> {
 
     /// What is left of the light at the surface, as a word (see [`rtrt_core::kernel::tint`]):
     /// everything between them, in the order of the objects from last to first.
-    pub fn tint(&self, surface: &Surface, light: u32) -> u32 {
+    pub fn tint(&self, ray: RayIndex, surface: &Surface, light: u32) -> u32 {
         let frame = &self.setup.frame;
         let view = &self.setup.views[frame.light_view(light) as usize];
         let surface = Surfaces::new(surface);
-        let limit = limit(view, &surface);
+        let limit = limit(frame, view, ray, &surface);
         if limit <= 0.0 {
             return 0;
         }
         if frame.shadows == 0 {
             return WHITE;
         }
-        let ray = Ray::new(surface.origin, to_light(view, surface.origin).0);
+        let ray = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
         let mut met = Vec::new();
-        self.each(&ray, limit, |object, triangle, found| met.push((object, triangle, *found)));
+        self.between(&ray, limit, light, |object, triangle, found| met.push((object, triangle, *found)));
         let geometry = self.geometry();
         let mut crossing = Crossing::new(0.0_f32);
         for (object, triangle, found) in met.iter().rev() {
@@ -136,6 +153,33 @@ impl<'a> Brute<'a> {
             }
         }
         crossing.word().0
+    }
+
+    /// What is left of the light at the surface, and the radius of the penumbra there, before
+    /// shadows are blurred.
+    pub fn near(&self, ray: RayIndex, surface: &Surface, light: u32) -> (u32, f32) {
+        let left = self.tint(ray, surface, light);
+        let frame = &self.setup.frame;
+        let view = &self.setup.views[frame.light_view(light) as usize];
+        let surface = Surfaces::new(surface);
+        let limit = limit(frame, view, ray, &surface);
+        let cast = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
+        let geometry = self.geometry();
+        let mut nearest: Option<(u32, u32, Meeting<f32>)> = None;
+        if limit > 0.0 {
+            self.between(&cast, limit, light, |object, triangle, found| {
+                let is_nearer = nearest.is_none_or(|(_, _, nearest)| found.t < nearest.t);
+                let is_seen = mode(&geometry, object) != AlphaMode::Blend as u32
+                    || pane(&geometry, object, triangle, found)[3] > 0.0;
+                if is_nearer && is_seen && self.is_there(object, triangle, found) {
+                    nearest = Some((object, triangle, *found));
+                }
+            });
+        }
+        let Some((object, triangle, found)) = nearest else { return (left, -1.0) };
+        let mut search = Nearest::new(0.0_f32);
+        search.keep(&geometry, object, triangle, &found, &mut Best::new(&Hit::MISS));
+        (left, search.penumbra(view))
     }
 
     /// The closest hit of a camera ray: the least `(t, object, triangle)`.
@@ -159,15 +203,15 @@ impl<'a> Brute<'a> {
     }
 
     /// Whether the light reaches the surface.
-    pub fn is_lit(&self, surface: &Surface, light: u32) -> bool {
+    pub fn is_lit(&self, ray: RayIndex, surface: &Surface, light: u32) -> bool {
         let frame = &self.setup.frame;
         let view = &self.setup.views[frame.light_view(light) as usize];
         let surface = Surfaces::new(surface);
-        let limit = limit(view, &surface);
-        let ray = Ray::new(surface.origin, to_light(view, surface.origin).0);
+        let limit = limit(frame, view, ray, &surface);
+        let ray = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
         let mut lit = limit > 0.0;
         if lit && frame.shadows == 1 {
-            self.each(&ray, limit, |_, _, _| lit = false);
+            self.between(&ray, limit, light, |_, _, _| lit = false);
         }
         lit
     }
@@ -202,12 +246,20 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
             }
         }
         for light in 0..brute.setup.frame.lights {
-            let lit = if brute.setup.frame.layers > 0 {
-                let tint = brute.tint(&deferred.surfaces[ray], light);
+            if brute.setup.frame.window > 0 {
+                let (left, size) = brute.near(RayIndex(ray as u32), &deferred.surfaces[ray], light);
+                let at = ray * deferred.tint_words as usize + light as usize;
+                (deferred.left[at], deferred.penumbras[at]) = (left, size);
+            }
+            // Blurred ones are not what a ray meets.
+            let lit = if brute.setup.frame.window > 0 {
+                deferred.tints[ray * deferred.tint_words as usize + light as usize] != 0
+            } else if brute.setup.frame.layers > 0 {
+                let tint = brute.tint(RayIndex(ray as u32), &deferred.surfaces[ray], light);
                 deferred.tints[ray * deferred.tint_words as usize + light as usize] = tint;
                 tint != 0
             } else {
-                brute.is_lit(&deferred.surfaces[ray], light)
+                brute.is_lit(RayIndex(ray as u32), &deferred.surfaces[ray], light)
             };
             mask[(light / LIGHTS_PER_WORD) as usize] |= u32::from(lit) << (light % LIGHTS_PER_WORD);
         }

@@ -9,9 +9,9 @@
 //! how many are.
 
 use glam::{DVec2, DVec3, dvec2};
-use rtrt_core::backend::{Picture, Request};
+use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::{Grid, RayIndex};
-use rtrt_core::layout::{Hit, Lit, NONE, Object, Surface};
+use rtrt_core::layout::{Hit, Kind, Lit, NONE, Object, Surface};
 use rtrt_core::scene::{Light, Projection, Scene, Setup};
 
 /// How many rays and shadow rays could be judged, of how many. All of them were right.
@@ -46,6 +46,8 @@ struct Triangle {
     transform: f64,
     /// The largest coordinate.
     size: f64,
+    /// The light that it shows, if any.
+    shows: Option<u32>,
     /// Of a sphere: its matrix from world space, three rows.
     sphere: Option<[[f64; 4]; 3]>,
 }
@@ -68,7 +70,7 @@ struct Candidate<'a> {
 }
 
 /// Checks hits, shadow masks and arriving light of every `step`-th ray of a picture. A scene in
-/// which not every object is opaque is not judged at all.
+/// which not every object is opaque, or shadows are not hard, is not judged at all.
 ///
 /// # Errors
 /// The first judged ray that is wrong.
@@ -80,7 +82,9 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
     let Request { camera, size, samples, shadows, layers, .. } = *request;
     setup.prepare(scene, camera, size, samples, shadows, layers).expect("a frame that has been rendered");
     let objects = setup.objects(scene);
-    if objects.iter().any(|object| object.pane != 0) {
+    let is_wide = !matches!(request.shadows, Shadows::Off | Shadows::Hard)
+        && scene.lights().iter().any(|light| light.radius() > 0.0);
+    if is_wide || objects.iter().any(|object| object.pane != 0) {
         return Ok(Judged::default());
     }
     let side = f64::from(request.samples).sqrt() as u32;
@@ -108,8 +112,17 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         let masks = &deferred.masks[(index * deferred.mask_words) as usize..][..deferred.mask_words as usize];
         for (light, which) in scene.lights().iter().zip(0_u32..) {
             judged.shadow_rays += 1;
-            let lit =
-                is_lit(&triangles, light, request.shadows, &ray, place, doubt, normal, nearest.triangle);
+            let lit = is_lit(
+                &triangles,
+                light,
+                which,
+                request.shadows,
+                &ray,
+                place,
+                doubt,
+                normal,
+                nearest.triangle,
+            );
             let Some(lit) = lit else { continue };
             judged.judged_shadow_rays += 1;
             if reaches(masks, which) != lit {
@@ -128,6 +141,7 @@ fn triangles(scene: &Scene, objects: &[Object]) -> Vec<Triangle> {
     for (object, o) in (0..).zip(objects) {
         let indices = &scene.words()[o.first_index as usize..][..3 * o.triangles as usize];
         for (id, corners) in (0..).zip(indices.chunks_exact(3)) {
+            let shows = o.kind.checked_sub(Kind::Light as u32);
             let sphere = o.is_sphere().then(|| o.to_object.map(|row| row.map(f64::from)));
             let [a, b, c] = [0, 1, 2].map(|i| {
                 let p = scene.positions()[(o.first_vertex + corners[i]) as usize].map(f64::from);
@@ -139,7 +153,17 @@ fn triangles(scene: &Scene, objects: &[Object]) -> Vec<Triangle> {
             let size = [a, b, c].iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
             // An object's slack is how much its transform magnifies errors, times 2⁻¹⁶.
             let transform = if o.is_identity == 1 { 0.0 } else { f64::from(o.slack) * 65536.0 * ROUNDINGS };
-            all.push(Triangle { object, id, corner: a, ab: b - a, ac: c - a, transform, size, sphere });
+            all.push(Triangle {
+                object,
+                id,
+                corner: a,
+                ab: b - a,
+                ac: c - a,
+                transform,
+                size,
+                shows,
+                sphere,
+            });
         }
     }
     all
@@ -291,7 +315,7 @@ fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Re
     let (mut sum, mut doubt) = (DVec3::ZERO, DVec3::splat(1e-9));
     for (light, _) in scene.lights().iter().zip(0..).filter(|(_, which)| reaches(masks, *which)) {
         let (way, color) = match *light {
-            Light::Sun { direction, color } => (-direction.as_dvec3(), color),
+            Light::Sun { direction, color, .. } => (-direction.as_dvec3(), color),
             Light::Point { position, color, .. } | Light::Spot { position, color, .. } => {
                 (position.as_dvec3() - place, color)
             }
@@ -340,7 +364,8 @@ fn cone(light: &Light, way: DVec3) -> (f64, f64) {
 fn is_lit(
     triangles: &[Triangle],
     light: &Light,
-    shadows: bool,
+    which: u32,
+    shadows: Shadows,
     camera: &Ray,
     place: DVec3,
     doubt: f64,
@@ -381,14 +406,15 @@ fn is_lit(
     if cosine(normal) < 0.0 {
         return Some(false);
     }
-    if !shadows {
+    if shadows == Shadows::Off {
         return Some(true);
     }
     if cosine(flat) < 2e-2 {
         return None;
     }
     let ray = Ray { origin: place, direction: way, doubt };
-    let others = triangles.iter().filter(|t| (t.object, t.id) != (own.object, own.id));
+    let others =
+        triangles.iter().filter(|t| (t.object, t.id) != (own.object, own.id) && t.shows != Some(which));
     let mut free = true;
     for Candidate { t, doubt, is_safe, .. } in others.filter_map(|t| candidate(t, &ray)) {
         let pad = doubt + MARGIN;

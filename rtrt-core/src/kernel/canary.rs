@@ -1,6 +1,7 @@
 //! A sample of every kernel that decides what a frame looks like, as words: what a device
 //! is asked when it is opened, and what the CPU compares the answer with.
 
+use crate::kernel::area::disc;
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{Around, meets, slab};
 use crate::kernel::triangle::{Triangle, meet};
@@ -8,7 +9,7 @@ use crate::lane::{Bits, Lane, Select, V3};
 use crate::num;
 
 /// How many words [`canary`] gives.
-pub const OUTPUTS: usize = 17;
+pub const OUTPUTS: usize = 19;
 
 /// What each word of [`canary`] is.
 pub const NAMES: [&str; OUTPUTS] = [
@@ -29,6 +30,8 @@ pub const NAMES: [&str; OUTPUTS] = [
     "t",
     "u",
     "v",
+    "disc across",
+    "disc up",
 ];
 
 /// Words that one case reads, from its own on: a ray's origin and direction, and the three
@@ -68,6 +71,8 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], index: u32) -> [L::Bits; 
     // Whole numbers are asked for of nothing that a device may flush.
     let whole = num::flush(x);
     let found = rays::<L>(&Ray::new(origin, direction), words, index);
+    let within = |number: L| num::clamp(num::flush(number), -1.0, 1.0);
+    let [across, up] = disc(within(x), within(y));
     [
         bits(num::recip(x)),
         bits(num::rsqrt(x)),
@@ -86,6 +91,8 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], index: u32) -> [L::Bits; 
         found.t,
         found.u,
         found.v,
+        bits(num::flush(across)),
+        bits(num::flush(up)),
     ]
 }
 
@@ -197,7 +204,7 @@ mod tests {
             [0.2, 0.3, -2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0_f32];
         let found = answers(&ray_and_triangle.map(f32::to_bits), 0);
         assert_eq!(found[13], 1);
-        for (got, exact) in found[14..].iter().zip([2.0_f32, 0.2, 0.3]) {
+        for (got, exact) in found[14..17].iter().zip([2.0_f32, 0.2, 0.3]) {
             // Two roundings of the reciprocal and one of the product.
             assert!(got.abs_diff(exact.to_bits()) <= 3, "{} is not {exact}", f32::from_bits(*got));
         }

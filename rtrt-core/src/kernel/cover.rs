@@ -66,6 +66,11 @@ fn range(row: &[f32; 3], around: &Around) -> Range {
 /// The blocks of `view` that the box of `object` covers, and its key. The box is widened
 /// by the rounding errors of tracing in a frame of this magnitude.
 ///
+/// It is also widened by the view's margin. A ray from a surface `p` to the point `c + r` of an
+/// area light around `c` is, at the share `s` of its way, `s · r` off the line from `p` to `c`; so
+/// what it meets there is met, so widened, by that line, and is in the list of the block that `p`
+/// lies in. For a sun, `r` is what the whole scene's size makes of the directions' difference.
+///
 /// Where the whole box is in front of the view, its eight corners are projected. Where it
 /// crosses the view's plane, each column `k` is kept unless the box is outside of one of
 /// its two planes, `X − kW` and `X − (k + 1)W`; likewise the rows. Neither divides by a
@@ -76,10 +81,10 @@ pub fn cover(view: &View, object: &Object, magnitude: f32) -> Cover {
         return Cover { x0: 0, y0: 0, x1: 1, y1: 1, key: 0 };
     }
     let (low, high) = object.widened(magnitude);
-    let c = &view.center;
+    let (c, m) = (&view.center, view.margin);
     let around = Around {
-        low: [low[0] - c[0], low[1] - c[1], low[2] - c[2]],
-        high: [high[0] - c[0], high[1] - c[1], high[2] - c[2]],
+        low: [low[0] - c[0] - m, low[1] - c[1] - m, low[2] - c[2] - m],
+        high: [high[0] - c[0] + m, high[1] - c[1] + m, high[2] - c[2] + m],
     };
     if view.kind == ViewKind::Off as u32 || out_of_reach(view, &around) {
         return Cover::NONE;
@@ -187,7 +192,7 @@ pub fn sphere_in_block(view: &View, object: &Object, magnitude: f32, column: u32
     if view.one_list == 1 {
         return true;
     }
-    let radius = object.radius + 2.0 * object.slack * magnitude;
+    let radius = object.radius + 2.0 * object.slack * magnitude + view.margin;
     let (a, b) = (column as f32 + 0.5, row as f32 + 0.5);
     let at =
         |base: &[f32; 3], by_a: &[f32; 3], by_b: &[f32; 3], i: usize| base[i] + a * by_a[i] + b * by_b[i];

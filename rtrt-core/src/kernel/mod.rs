@@ -1,5 +1,6 @@
 //! One idea a file: pure functions that stages are composed of.
 
+pub mod area;
 pub mod canary;
 pub mod cone;
 pub mod cover;
@@ -11,6 +12,7 @@ pub mod lists;
 pub mod mip;
 pub mod offset;
 pub mod pane;
+pub mod penumbra;
 pub mod ray;
 pub mod reflect;
 pub mod slab;

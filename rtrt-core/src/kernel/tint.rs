@@ -57,13 +57,25 @@ impl<L: Lane> Crossing<L> {
         let inverse = recip(sum.max(sum.like(1.0)));
         let alpha = sum * UNIT;
         let left = clamp(sum.like(1.0) - alpha, 0.0, 1.0);
-        let channel = |tints: L::Bits| {
-            let average = from_integer::<L>(tints) * inverse;
-            let share = left * (left + alpha * average);
-            to_integer(floor(sqrt(clamp(share, 0.0, 1.0)) * MOST + 0.5))
-        };
-        channel(self.red) | channel(self.green) << 10 | channel(self.blue) << 20
+        let share = |tints: L::Bits| left * (left + alpha * (from_integer::<L>(tints) * inverse));
+        packed([share(self.red), share(self.green), share(self.blue)])
     }
+
+    /// Adds a pane of this tint and alpha; all 0 in the lanes that have met nothing.
+    #[inline(always)]
+    pub fn add(&mut self, [red, green, blue, alpha]: [L; 4]) {
+        self.alpha = self.alpha + fixed(alpha);
+        self.red = self.red + fixed(red * alpha);
+        self.green = self.green + fixed(green * alpha);
+        self.blue = self.blue + fixed(blue * alpha);
+    }
+}
+
+/// The word that stands for these shares of white light, linear RGB.
+#[inline(always)]
+pub fn packed<L: Lane>([red, green, blue]: [L; 3]) -> L::Bits {
+    let channel = |share: L| to_integer(floor(sqrt(clamp(share, 0.0, 1.0)) * MOST + 0.5));
+    channel(red) | channel(green) << 10 | channel(blue) << 20
 }
 
 /// A share of 1, as a whole number for sums.
@@ -100,15 +112,11 @@ impl<L: Lane> Search<L> for Crossing<L> {
         let mode = mode(geometry, object);
         let mut ended = found.mask;
         if mode != AlphaMode::Opaque as u32 {
-            let [red, green, blue, alpha] = pane(geometry, object, id, found);
+            let pane = pane(geometry, object, id, found);
             if mode == AlphaMode::Mask as u32 {
-                ended = ended & alpha.like(cutoff(geometry, object)).less_equal(alpha);
+                ended = ended & pane[3].like(cutoff(geometry, object)).less_equal(pane[3]);
             } else {
-                // All zero in the lanes that have met nothing.
-                self.alpha = self.alpha + fixed(alpha);
-                self.red = self.red + fixed(red * alpha);
-                self.green = self.green + fixed(green * alpha);
-                self.blue = self.blue + fixed(blue * alpha);
+                self.add(pane);
                 ended = ended & !self.alpha.less_than(self.alpha.like(ONE));
             }
         }
@@ -124,10 +132,7 @@ mod tests {
     fn crossed(panes: &[([f32; 3], f32)]) -> [f32; 3] {
         let mut crossing = Crossing::new(0.0_f32);
         for &([red, green, blue], alpha) in panes {
-            crossing.alpha = crossing.alpha + fixed(alpha);
-            crossing.red = crossing.red + fixed(red * alpha);
-            crossing.green = crossing.green + fixed(green * alpha);
-            crossing.blue = crossing.blue + fixed(blue * alpha);
+            crossing.add([red, green, blue, alpha]);
         }
         let V3 { x, y, z } = color::<f32>(crossing.word());
         [x, y, z]

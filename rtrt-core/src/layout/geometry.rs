@@ -55,6 +55,9 @@ pub enum Kind {
     /// The sphere of radius 1 around the origin of its space, with two triangles: 0 where a ray
     /// enters, 1 where it leaves (see [`crate::kernel::sphere`]).
     Sphere = 1,
+    /// And more: such a sphere that shows the light of number `kind − Kind::Light`. It casts no
+    /// shadow of that light.
+    Light = 2,
 }
 
 /// A mesh, or a sphere, placed in the world.
@@ -104,6 +107,11 @@ const _: () = assert!(offset_of!(Object, low) == 96 && offset_of!(Object, center
 const _: () = assert!(offset_of!(Object, first_index) == 144);
 
 impl Object {
+    /// Whether it is what shows the light.
+    #[inline(always)]
+    pub fn shows(&self, light: u32) -> bool {
+        self.kind == Kind::Light as u32 + light
+    }
     /// Whether it is a sphere.
     #[inline(always)]
     pub fn is_sphere(&self) -> bool {

@@ -3,7 +3,7 @@
 use crate::layout::{Attribute, Frame, Hit, Material, Node, Object, Surface, View};
 
 /// How many words [`probe`] gives.
-pub const PROBES: usize = 27;
+pub const PROBES: usize = 29;
 
 /// Fields from all over the layouts, as words: of the frame, and of the second element of
 /// each slice. Filled with words that tell where they are, buffers so tell where a device
@@ -28,11 +28,13 @@ pub fn probe(
         frame.rays,
         frame.magnitude.to_bits(),
         frame.layers,
+        frame.window,
         view.center[0].to_bits(),
         view.kind,
         view.depth[2].to_bits(),
         view.first_block,
         view.reach_squared.to_bits(),
+        view.jitter,
         object.to_object[0][0].to_bits(),
         object.to_world[2][3].to_bits(),
         object.root,

@@ -81,12 +81,21 @@ pub struct View {
     pub cone_scale: f32,
     /// Spot light: the cone's share where the cosine is 0.
     pub cone_offset: f32,
+    /// Light: its radius, world units; of a sun, the tangent of the angle that it is seen under.
+    pub radius: f32,
+    /// Light: the radius over which the sub-rays of a pixel choose their points (see
+    /// [`area`](crate::kernel::area)); 0 where all of them take its middle.
+    pub disc: f32,
+    /// Light: how far such a point moves a shadow ray aside, at most, world units.
+    pub margin: f32,
+    /// Light: what the numbers of rays are mixed with to jitter these points; 0 for no jitter.
+    pub jitter: u32,
     /// 1 where all blocks share one list, of every object in order.
     pub one_list: u32,
     /// Camera: 1 where footprints grow with the angle at which a surface is seen, else 0.
     pub by_angle: u32,
 }
-const _: () = assert!(size_of::<View>() == 220 && offset_of!(View, depth) == 64);
+const _: () = assert!(size_of::<View>() == 236 && offset_of!(View, depth) == 64);
 const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, axis) == 192);
 
 /// The numbers of one frame. Scalars only, so that it may be a uniform block.
@@ -143,8 +152,17 @@ pub struct Frame {
     /// The most layers of surfaces that a ray still looks at, those of this dispatch included;
     /// 0 where every object is opaque everywhere.
     pub layers: u32,
+    /// The most rays that a penumbra reaches aside (see [`penumbra`](crate::stage::penumbra));
+    /// 0 for a frame without soft shadows.
+    pub window: u32,
+    /// Unused: a uniform block is a multiple of 16 bytes.
+    pub unused_0: u32,
+    /// Unused.
+    pub unused_1: u32,
+    /// Unused.
+    pub unused_2: u32,
 }
-const _: () = assert!(size_of::<Frame>() == 96 && offset_of!(Frame, ambient_r) == 48);
+const _: () = assert!(size_of::<Frame>() == 112 && offset_of!(Frame, ambient_r) == 48);
 
 impl View {
     /// The camera's list for a block of the frame.
@@ -174,6 +192,11 @@ impl Frame {
             side: self.sky_side,
             levels: self.sky_levels,
         }
+    }
+    /// Whether shadows have colors, or shares, instead of a bit.
+    #[inline(always)]
+    pub fn is_tinted(&self) -> bool {
+        self.layers != 0 || self.window != 0
     }
     /// The first view of a light.
     #[inline(always)]

@@ -23,6 +23,8 @@ pub enum Light {
         /// Whether it fades with the square of the distance; else linearly toward
         /// `reach`, or not at all without one.
         inverse_square: bool,
+        /// World units, 0 or more. Only shadows show it.
+        radius: f32,
     },
     /// Shines from a point within a cone.
     Spot {
@@ -41,6 +43,8 @@ pub enum Light {
         reach: Option<f32>,
         /// As that of a point light.
         inverse_square: bool,
+        /// As that of a point light.
+        radius: f32,
     },
     /// Shines from infinitely far away.
     Sun {
@@ -48,6 +52,9 @@ pub enum Light {
         direction: Vec3,
         /// Linear RGB.
         color: Vec3,
+        /// The angle between its middle and its edge, radians, 0 or more and below π/4. Only
+        /// shadows show it. That of the sun is 0.0047.
+        radius: f32,
     },
 }
 
@@ -56,38 +63,56 @@ pub enum Light {
 const LEAST_REACH: f32 = f32::from_bits((127 - 45) << 23);
 
 impl Light {
+    /// Its radius: world units, or, of a sun, radians.
+    pub fn radius(&self) -> f32 {
+        let (Self::Point { radius, .. } | Self::Spot { radius, .. } | Self::Sun { radius, .. }) = *self;
+        radius
+    }
+
     /// The views of the light: six faces of a cube around a point (those that a spot light
     /// does not shine through bin nothing), one parallel view and five that bin nothing for a
-    /// sun. `cells` is the number of blocks along one side.
+    /// sun. `cells` is the number of blocks along one side; `jitter` is that of the view, none
+    /// if all sub-rays take the light's middle.
     pub(super) fn views(
         &self,
         bounds: &Bounds,
         cells: u32,
         first_block: u32,
+        jitter: Option<u32>,
     ) -> Result<[View; Frame::VIEWS_PER_LIGHT as usize], SetupError> {
         match *self {
-            Self::Point { position, color, reach, inverse_square } => {
+            Self::Point { position, color, reach, inverse_square, radius } => {
                 let light = bulb(position, color, reach, inverse_square)?;
-                Ok(cube(&light, cells, first_block))
+                Ok(cube(&with_radius(light, radius, 1.0, jitter)?, cells, first_block))
             }
-            Self::Spot { position, direction, inner, outer, color, reach, inverse_square } => {
+            Self::Spot { position, direction, inner, outer, color, reach, inverse_square, radius } => {
                 let light = bulb(position, color, reach, inverse_square)?;
                 let (axis, light) = with_cone(light, direction, inner, outer)?;
+                let light = with_radius(light, radius, 1.0, jitter)?;
                 let mut faces = cube(&light, cells, first_block);
                 for (face, view) in faces.iter_mut().enumerate() {
-                    if libm::acos(axis.dot(forward(face))) > f64::from(outer) + FACE {
+                    // Cones that start beside the middle reach into other faces.
+                    if light.disc == 0.0 && libm::acos(axis.dot(forward(face))) > f64::from(outer) + FACE {
                         view.kind = ViewKind::Off as u32;
                     }
                 }
                 Ok(faces)
             }
-            Self::Sun { direction, color } => {
+            Self::Sun { direction, color, radius } => {
                 let direction =
                     unit(direction.as_dvec3()).filter(|_| color.is_finite()).ok_or(SetupError::Light {
                         why: "the direction must not be zero, and the color finite",
                     })?;
                 let mut views = [View::zeroed(); Frame::VIEWS_PER_LIGHT as usize];
-                views[0] = parallel(direction, color, bounds, cells, first_block);
+                let sun = parallel(direction, color, bounds, cells, first_block);
+                if radius >= core::f32::consts::FRAC_PI_4 {
+                    return Err(SetupError::Light { why: "a sun's radius must be below 45 degrees" });
+                }
+                // From any surface of the scene to what casts a shadow on it.
+                let size = DVec3::from(bounds.high.map(f64::from)) - DVec3::from(bounds.low.map(f64::from));
+                let farthest = Some(libm::sqrt(size.length_squared())).filter(|size| size.is_finite());
+                let tangent = libm::tan(f64::from(radius)) as f32;
+                views[0] = with_radius(sun, tangent, farthest.unwrap_or(0.0), jitter)?;
                 Ok(views)
             }
         }
@@ -114,6 +139,19 @@ fn bulb(position: Vec3, color: Vec3, reach: Option<f32>, inverse_square: bool) -
         reach_squared: if squared.is_finite() { squared } else { f32::MAX },
         ..View::zeroed()
     })
+}
+
+/// The light with a radius. Where its sub-rays spread over it, they are off the ray to its
+/// middle by `lever` times the radius, at most; there is room for the roundings of that.
+fn with_radius(light: View, radius: f32, lever: f64, jitter: Option<u32>) -> Result<View, SetupError> {
+    if !(radius >= 0.0 && radius.is_finite()) {
+        return Err(SetupError::Light { why: "the radius must be finite and not negative" });
+    }
+    let radius = floored(radius);
+    let light = View { radius, ..light };
+    let Some(jitter) = jitter else { return Ok(light) };
+    let margin = (f64::from(radius) * lever * (1.0 + 1.0 / 1024.0)) as f32;
+    Ok(View { disc: radius, margin, jitter, ..light })
 }
 
 /// The light with a cone, whose axis comes first; see [`crate::kernel::cone::cone`].

@@ -1,6 +1,8 @@
 //! The numbers of one frame: views, grids, sizes.
 
+use crate::backend::Shadows;
 use crate::grid::{BLOCK_RAYS, Grid};
+use crate::kernel::area::hash;
 use crate::layout::{AlphaMode, Frame, Object, View, ViewKind};
 use crate::scene::floor::floored;
 use crate::scene::{Camera, Mip, Scene, Structure};
@@ -85,6 +87,9 @@ impl Setup {
     pub const MAX_LIGHTS: usize = 1024;
     /// The most layers of surfaces that a ray looks at.
     pub const MAX_LAYERS: u32 = 64;
+    /// The most pixels that a soft shadow is blurred aside: it ends there, however large its
+    /// penumbra is.
+    pub const WINDOW: u32 = 24;
 
     /// The objects of the frame: the scene's, with the levels of detail that the camera sees.
     pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
@@ -107,7 +112,7 @@ impl Setup {
         camera: &Camera,
         [width, height]: [u32; 2],
         samples: u32,
-        shadows: bool,
+        shadows: Shadows,
         layers: u32,
     ) -> Result<(), SetupError> {
         let side = match samples {
@@ -143,17 +148,22 @@ impl Setup {
         }
         let cells = if is_one_list { 1 } else { light_cells(scene.objects().len(), lights.len()) };
         let mut blocks = self.views[0].width * self.views[0].height;
-        for light in lights {
-            let views = light.views(&bounds, cells, blocks)?;
+        for (number, light) in (0..).zip(lights) {
+            let jitter = match shadows {
+                Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
+                _ => None,
+            };
+            let views = light.views(&bounds, cells, blocks, jitter)?;
             blocks += views.iter().map(|v| v.width * v.height).sum::<u32>();
             self.views.extend(views);
         }
         for view in self.views.iter_mut().filter(|view| view.kind != ViewKind::Off as u32) {
             view.one_list = u32::from(is_one_list);
         }
-        let centers = self.views.iter().flat_map(|view| view.center);
+        let centers = self.views.iter().flat_map(|view| view.center.map(|c| c.abs() + view.disc));
         let corners = bounds.low.into_iter().chain(bounds.high);
         let magnitude = centers.chain(corners).fold(0.0_f32, |most, c| most.max(c.abs()));
+        let is_soft = shadows == Shadows::Soft && lights.iter().any(|light| light.radius() > 0.0);
         let ([ambient_r, ambient_g, ambient_b], [background_r, background_g, background_b]) =
             (scene.ambient.map(floored).to_array(), scene.background.map(floored).to_array());
         self.frame = Frame {
@@ -165,7 +175,7 @@ impl Setup {
             lights: lights.len() as u32,
             blocks,
             mask_words: (lights.len() as u32).div_ceil(LIGHTS_PER_WORD).max(1),
-            shadows: u32::from(shadows),
+            shadows: u32::from(shadows != Shadows::Off),
             rays: grid.rays(),
             ambient_r,
             ambient_g,
@@ -184,10 +194,16 @@ impl Setup {
                 AlphaMode::Mask => 1,
                 AlphaMode::Blend => layers,
             },
+            window: if is_soft { Self::WINDOW * side } else { 0 },
             ..Frame::zeroed()
         };
         Ok(())
     }
+}
+
+/// What the numbers of rays are mixed with to jitter the points of a light; not 0.
+fn key(seed: u32, light: u32) -> u32 {
+    hash(hash(seed) ^ light) | 1
 }
 
 /// Blocks along one side of a light's view: about two a side for each object that would
@@ -217,9 +233,15 @@ mod tests {
         let mut scene = Scene::new();
         (scene.ambient, scene.background) = (small, small);
         for reach in [None, Some(1e-40), Some(1e-30), Some(3e38)] {
-            scene.add_light(Light::Point { position: small, color: small, reach, inverse_square: true });
+            scene.add_light(Light::Point {
+                position: small,
+                color: small,
+                reach,
+                inverse_square: true,
+                radius: 1e-40,
+            });
         }
-        scene.add_light(Light::Sun { direction: Vec3::Y + small, color: small });
+        scene.add_light(Light::Sun { direction: Vec3::Y + small, color: small, radius: 1e-40 });
         let mut material = phong([1e-40; 3], 0.0, 0.5, Texture::zeroed(), small.to_array());
         material.shininess = 1e-40;
         scene.add_material(material);
@@ -230,7 +252,7 @@ mod tests {
             projection: Projection::Orthographic { height: 1.0 },
         };
         let mut setup = Setup::default();
-        setup.prepare(&scene, &camera, [32, 16], 1, true, 8).unwrap();
+        setup.prepare(&scene, &camera, [32, 16], 1, Shadows::Area { jitter: Some(1) }, 8).unwrap();
         for view in &setup.views {
             let vectors = [
                 view.center,
@@ -247,7 +269,9 @@ mod tests {
                 view.color,
             ];
             assert_eq!(denormal(vectors.as_flattened()), None, "{view:?}");
-            assert_eq!(denormal(&[view.inv_reach, view.reach_squared, view.pixel]), None, "{view:?}");
+            let numbers =
+                [view.inv_reach, view.reach_squared, view.pixel, view.radius, view.disc, view.margin];
+            assert_eq!(denormal(&numbers), None, "{view:?}");
         }
         let Frame { ambient_r, ambient_g, ambient_b, .. } = setup.frame;
         let Frame { background_r, background_g, background_b, magnitude, .. } = setup.frame;
@@ -268,9 +292,10 @@ mod tests {
             projection: Projection::Perspective { fov_y: 1.0 },
         };
         let mut setup = Setup::default();
-        let none = setup.prepare(&Scene::new(), &camera, [9, 9], 1, true, 0);
+        let none = setup.prepare(&Scene::new(), &camera, [9, 9], 1, Shadows::Hard, 0);
         assert_eq!(none, Err(SetupError::Layers { layers: 0 }));
-        let mut prepare = |size, samples| setup.prepare(&Scene::new(), &camera, size, samples, true, 8);
+        let mut prepare =
+            |size, samples| setup.prepare(&Scene::new(), &camera, size, samples, Shadows::Hard, 8);
         assert!(matches!(prepare([16_384, 16_384], 16), Err(SetupError::Rays { .. })));
         assert!(matches!(prepare([0, 9], 1), Err(SetupError::Size { .. })));
         assert!(matches!(prepare([9, 9], 2), Err(SetupError::Samples { samples: 2 })));

@@ -8,7 +8,9 @@ use crate::scene::image::decode_words;
 use crate::scene::levels::Level;
 use crate::scene::place::{Stored, matrix, place, sphere};
 use crate::scene::tree::{Bounds, refit};
-use crate::scene::{Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential};
+use crate::scene::{
+    Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential, phong,
+};
 use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -126,6 +128,8 @@ pub struct Scene {
     meshes: Vec<Stored>,
     /// The mesh of all spheres, once there is one.
     sphere: Option<MeshIndex>,
+    /// By number, the objects that show lights.
+    shown: BTreeMap<u32, u32>,
     lights: Vec<Light>,
     sky: Sky,
     see_through: AlphaMode,
@@ -166,6 +170,7 @@ impl Scene {
             object_meshes: vec![],
             meshes: vec![],
             sphere: None,
+            shown: BTreeMap::new(),
             lights: vec![],
             sky: Sky::default(),
             see_through: AlphaMode::Opaque,
@@ -368,6 +373,39 @@ impl Scene {
         self.add_object(mesh, material, to_world)
     }
 
+    /// Shows a light as a sphere of its color, where it is and as large as its radius says. It
+    /// casts no shadow of that light, but of others. Called again, it puts the sphere where the
+    /// light now is. None is shown of a sun, or where the radius is 0.
+    ///
+    /// # Errors
+    /// There is no such light, or it is out of range.
+    pub fn show_light(&mut self, light: usize) -> Result<Option<ObjectIndex>, SceneError> {
+        let number = light as u32;
+        let shown = self.shown.get(&number).copied().map(ObjectIndex);
+        let missing = SceneError::Index { what: "light", index: number };
+        let (position, color, radius) = match *self.lights.get(light).ok_or(missing)? {
+            Light::Point { position, color, radius, .. } | Light::Spot { position, color, radius, .. } => {
+                (position, color, radius)
+            }
+            Light::Sun { color, .. } => (Vec3::ZERO, color, 0.0),
+        };
+        if radius <= 0.0 {
+            shown.map_or(Ok(()), |sphere| self.hide(sphere))?;
+            return Ok(None);
+        }
+        let place = Mat4::from_translation(position) * Mat4::from_scale(Vec3::splat(radius));
+        if let Some(sphere) = shown {
+            self.set_transform(sphere, place)?;
+            return Ok(Some(sphere));
+        }
+        let glow = phong(color.to_array(), 0.0, 1.0, Texture::NONE, [0.0; 3]);
+        let glow = self.add_material(Material { unlit: 1, ..glow });
+        let sphere = self.add_sphere(glow, place)?;
+        self.shown.insert(number, sphere.0);
+        self.objects[sphere.0 as usize].kind = Kind::Light as u32 + number;
+        Ok(Some(sphere))
+    }
+
     /// Moves an object; one that was hidden is seen again.
     ///
     /// # Errors
@@ -388,7 +426,10 @@ impl Scene {
         let result = moved.into_iter().try_for_each(|(object, to_world)| {
             let (index, old) = self.object(object)?;
             let stored = self.mesh(self.object_meshes[index])?;
-            let placed = Object { pane: old.pane, ..place(stored, old.material, to_world)? };
+            let mut placed = Object { pane: old.pane, ..place(stored, old.material, to_world)? };
+            if let Some((light, _)) = self.shown.iter().find(|(_, sphere)| **sphere == object.0) {
+                placed.kind = Kind::Light as u32 + light;
+            }
             let levels = self.moved_levels(index, to_world)?;
             self.objects[index] = placed;
             if !levels.is_empty() {

@@ -1,5 +1,6 @@
 //! Light: what arrives at a surface from all lights that reach it.
 
+use crate::grid::RayIndex;
 use crate::kernel::cone::cone;
 use crate::kernel::falloff::falloff;
 use crate::kernel::ray::Ray;
@@ -64,14 +65,16 @@ impl<L: Lane> ArrivingRows<L> {
 
 /// The light that arrives at a group of surfaces from all lights, in their order.
 /// `mask(word)` is a word of the shadow mask, `tint(light)` the color of a light's shadow; it
-/// is asked only where not every object is opaque.
+/// is asked only in frames whose shadows are not bits. The rays are numbered from `first` on.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 pub fn light<L: Lane>(
     frame: &Frame,
     views: &[View],
     maps: &Maps<'_>,
     mask: impl Fn(u32) -> L::Bits,
     tint: impl Fn(u32) -> L::Bits,
+    first: RayIndex,
     ray: &Ray<L>,
     surfaces: &Surfaces<L>,
 ) -> Arriving<L> {
@@ -83,8 +86,8 @@ pub fn light<L: Lane>(
     let mut light = 0;
     while light < frame.lights {
         let lit = mask(light / LIGHTS_PER_WORD);
-        let left = if frame.layers == 0 { lit } else { tint(light) };
-        sum = add(frame, views, light, lit, left, ray, surfaces, shininess, &sum);
+        let left = if frame.is_tinted() { tint(light) } else { lit };
+        sum = add(frame, views, light, lit, left, first, ray, surfaces, shininess, &sum);
         light += 1;
     }
     sum
@@ -120,7 +123,7 @@ impl Pick<3> for Gloss {
 
 /// `sum` and what the light adds to it, in the lanes where `lit` has the light's bit.
 /// `lit` is the word of the shadow mask that the light belongs to, `left` what its shadow leaves
-/// of it, where not every object is opaque.
+/// of it, in frames whose shadows are not bits.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 fn add<L: Lane>(
@@ -129,6 +132,7 @@ fn add<L: Lane>(
     light: u32,
     lit: L::Bits,
     left: L::Bits,
+    first: RayIndex,
     ray: &Ray<L>,
     surfaces: &Surfaces<L>,
     shininess: L,
@@ -141,7 +145,7 @@ fn add<L: Lane>(
         return *sum;
     }
     let view = &views[frame.light_view(light) as usize];
-    let (way, _) = to_light(view, surfaces.origin);
+    let (way, _) = to_light(frame, view, first, surfaces.origin);
     let toward = normalize(way);
     let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
     let strength = if view.cone_scale == 0.0 { strength } else { strength * cone(view, toward) };
@@ -149,7 +153,7 @@ fn add<L: Lane>(
     let lobe = blinn_phong(surfaces.normal, toward, normalize(-ray.direction), shininess);
     // Off its peak a lobe is so small that some devices keep its products and others do not.
     let light = V3::splat(token, view.color).scale(strength);
-    let light = if frame.layers == 0 { light } else { times(light, color(left)) };
+    let light = if frame.is_tinted() { times(light, color(left)) } else { light };
     let diffuse = flush3(light);
     Arriving { diffuse: sum.diffuse + diffuse, specular: sum.specular + flush3(diffuse.scale(lobe)) }
 }

@@ -7,6 +7,7 @@ pub mod inspect;
 pub mod layers;
 pub mod light;
 pub mod occlusion;
+pub mod penumbra;
 pub mod prepare;
 pub mod resolve;
 pub mod shade;

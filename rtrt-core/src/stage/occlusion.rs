@@ -1,9 +1,11 @@
 //! Occlusion: which lights reach a surface.
 
+use crate::grid::RayIndex;
+use crate::kernel::area::aside;
 use crate::kernel::cone::cone;
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
-use crate::kernel::tint::{Crossing, WHITE};
+use crate::kernel::tint::Crossing;
 use crate::kernel::traverse::{Any, Best, Geometry, Search};
 use crate::kernel::view::light_block;
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
@@ -23,14 +25,16 @@ pub fn place(frame: &Frame, ray: u32, light: u32) -> (u32, u32) {
 }
 
 /// One word of the shadow mask for each group of surfaces: bit `i` is 1 in the lanes that
-/// light `word · 32 + i` reaches.
+/// light `word · 32 + i` reaches. The rays that found the surfaces are numbered from `first` on.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
 pub fn word<L: Lane, const G: usize>(
     frame: &Frame,
     views: &[View],
     lists: &Lists<'_>,
     geometry: &Geometry<'_>,
     word: u32,
+    first: RayIndex,
     surfaces: &[Surfaces<L>; G],
 ) -> [L::Bits; G] {
     let mut mask: [L::Bits; G] = groups(
@@ -40,7 +44,7 @@ pub fn word<L: Lane, const G: usize>(
     let mut light = word * LIGHTS_PER_WORD;
     let mut bit = 0;
     while bit < LIGHTS_PER_WORD && light < frame.lights {
-        let lit = occlusion::<L, G>(frame, views, lists, geometry, light, surfaces);
+        let lit = occlusion::<L, G>(frame, views, lists, geometry, light, first, surfaces);
         let mut g = 0;
         while g < G {
             mask[g] = mask[g] | (lit[g] << bit);
@@ -53,25 +57,28 @@ pub fn word<L: Lane, const G: usize>(
 }
 
 /// For each group of surfaces, 1 in the lanes that the light reaches, else 0: the surface
-/// faces the light, is within its reach and cone, and nothing stands between them.
+/// faces the light, is within its reach and cone, and nothing stands between them. The rays that
+/// found the surfaces are numbered from `first` on.
 ///
 /// The shadow rays of a packet are sorted by the block of the light that they end in, and
 /// each block's list, which holds every object that the light sees there, is asked once
 /// for all of its rays.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
 pub fn occlusion<L: Lane, const G: usize>(
     frame: &Frame,
     views: &[View],
     lists: &Lists<'_>,
     geometry: &Geometry<'_>,
     light: u32,
+    first: RayIndex,
     surfaces: &[Surfaces<L>; G],
 ) -> [L::Bits; G] {
     let light = &views[frame.light_view(light) as usize];
     let (one, none) = (surfaces[0].material.like(1), surfaces[0].material.like(0));
     let mut pending: [L; G] = groups(
         #[inline(always)]
-        |g| limit(light, &surfaces[g]),
+        |g| limit(frame, light, group::<L>(first, g), &surfaces[g]),
     );
     let mut lit: [L::Bits; G] = groups(
         #[inline(always)]
@@ -85,7 +92,10 @@ pub fn occlusion<L: Lane, const G: usize>(
     }
     let rays: [Ray<L>; G] = groups(
         #[inline(always)]
-        |g| Ray::new(surfaces[g].origin, to_light(light, surfaces[g].origin).0),
+        |g| {
+            let origin = surfaces[g].origin;
+            Ray::new(origin, to_light(frame, light, group::<L>(first, g), origin).0)
+        },
     );
     let blocks: [L::Bits; G] = groups(
         #[inline(always)]
@@ -107,42 +117,63 @@ pub fn tint<L: Lane, const G: usize>(
     lists: &Lists<'_>,
     geometry: &Geometry<'_>,
     light: u32,
+    first: RayIndex,
     origins: &[V3<L>; G],
     asked: &[L::Bits; G],
+) -> [L::Bits; G] {
+    let mut searches: [Crossing<L>; G] = groups(
+        #[inline(always)]
+        |g| Crossing::new(origins[g].x),
+    );
+    let lit = cross(frame, views, lists, geometry, light, first, origins, asked, &mut searches);
+    let none = asked[0].like(0);
+    groups(
+        #[inline(always)]
+        |g| none.less_than(lit[g]).select(searches[g].word(), none),
+    )
+}
+
+/// Casts the shadow rays from the origins that ask for the light (`asked` is 1), each for its
+/// group's search: 1 in the lanes in which no ray was ended, else 0.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
+pub(super) fn cross<L: Lane, S: Search<L>, const G: usize>(
+    frame: &Frame,
+    views: &[View],
+    lists: &Lists<'_>,
+    geometry: &Geometry<'_>,
+    light: u32,
+    first: RayIndex,
+    origins: &[V3<L>; G],
+    asked: &[L::Bits; G],
+    searches: &mut [S; G],
 ) -> [L::Bits; G] {
     let light = &views[frame.light_view(light) as usize];
     let none = asked[0].like(0);
     let mut pending: [L; G] = groups(
         #[inline(always)]
         |g| {
-            let limit = to_light(light, origins[g]).1;
+            let limit = arrival(light, origins[g]);
             none.less_than(asked[g]).select(limit, limit.like(-1.0))
         },
     );
     let mut lit: [L::Bits; G] = groups(
         #[inline(always)]
-        |g| none.less_than(asked[g]).select(none.like(WHITE), none),
+        |g| asked[g],
     );
     if frame.shadows == 0 || !any_pending(&pending) {
         return lit;
     }
     let rays: [Ray<L>; G] = groups(
         #[inline(always)]
-        |g| Ray::new(origins[g], to_light(light, origins[g]).0),
+        |g| Ray::new(origins[g], to_light(frame, light, group::<L>(first, g), origins[g]).0),
     );
     let blocks: [L::Bits; G] = groups(
         #[inline(always)]
         |g| light_block(light, origins[g]),
     );
-    let mut searches: [Crossing<L>; G] = groups(
-        #[inline(always)]
-        |g| Crossing::new(pending[g]),
-    );
-    cast(lists, geometry, &rays, &blocks, &mut searches, &mut pending, &mut lit);
-    groups(
-        #[inline(always)]
-        |g| none.less_than(lit[g]).select(searches[g].word(), none),
-    )
+    cast(lists, geometry, &rays, &blocks, searches, &mut pending, &mut lit);
+    lit
 }
 
 /// One word of the shadow mask of a group of surfaces, where `tint(light)` is what is left of
@@ -165,10 +196,16 @@ where
 }
 
 /// 1 in the lanes of a group of surfaces that the light would reach if nothing stood between
-/// them, else 0.
+/// them, else 0. The rays that found the surfaces are numbered from `first` on.
 #[inline(always)]
-pub fn ask<L: Lane>(frame: &Frame, views: &[View], light: u32, surfaces: &Surfaces<L>) -> L::Bits {
-    let limit = limit(&views[frame.light_view(light) as usize], surfaces);
+pub fn ask<L: Lane>(
+    frame: &Frame,
+    views: &[View],
+    light: u32,
+    first: RayIndex,
+    surfaces: &Surfaces<L>,
+) -> L::Bits {
+    let limit = limit(frame, &views[frame.light_view(light) as usize], first, surfaces);
     limit.like(0.0).less_than(limit).select(surfaces.material.like(1), surfaces.material.like(0))
 }
 
@@ -221,10 +258,11 @@ fn cast<L: Lane, S: Search<L>, const G: usize>(
 }
 
 /// How far each surface's shadow ray goes; −1 where the light cannot reach anyway: nothing
-/// was hit, the surface faces away, or is beyond the light's reach or outside of its cone.
+/// was hit, the surface faces away, or is beyond the light's reach or outside of its cone. The
+/// rays that found the surfaces are numbered from `first` on.
 #[inline(always)]
-pub fn limit<L: Lane>(light: &View, surfaces: &Surfaces<L>) -> L {
-    let (to_light, limit) = to_light(light, surfaces.origin);
+pub fn limit<L: Lane>(frame: &Frame, light: &View, first: RayIndex, surfaces: &Surfaces<L>) -> L {
+    let (to_light, limit) = to_light(frame, light, first, surfaces.origin);
     let zero = limit.like(0.0);
     let faces = zero.less_than(surfaces.normal.dot(to_light));
     let reach = if light.kind == ViewKind::Sun as u32 { f32::MAX } else { light.reach_squared };
@@ -237,15 +275,31 @@ pub fn limit<L: Lane>(light: &View, surfaces: &Surfaces<L>) -> L {
     reached.select(limit, zero.like(-1.0))
 }
 
-/// The vector to the light, and the `t` at which a ray along it has arrived.
+/// The vector to the light, and the `t` at which a ray along it has arrived. To its middle, or,
+/// of an area light, to the point that each ray takes (see [`aside`]); the rays are numbered from
+/// `first` on.
 #[inline(always)]
-pub fn to_light<L: Lane>(light: &View, from: V3<L>) -> (V3<L>, L) {
+pub fn to_light<L: Lane>(frame: &Frame, light: &View, first: RayIndex, from: V3<L>) -> (V3<L>, L) {
     let token = from.x.token();
-    if light.kind == ViewKind::Sun as u32 {
-        (-V3::splat(token, light.along), L::splat(token, f32::MAX))
+    let way = if light.kind == ViewKind::Sun as u32 {
+        -V3::splat(token, light.along)
     } else {
-        (V3::splat(token, light.center) - from, L::splat(token, 1.0))
-    }
+        V3::splat(token, light.center) - from
+    };
+    let way = if light.disc == 0.0 { way } else { way + aside(frame, light, first, way) };
+    (way, arrival(light, from))
+}
+
+/// The `t` at which a ray along the vector to the light has arrived.
+#[inline(always)]
+fn arrival<L: Lane>(light: &View, from: V3<L>) -> L {
+    from.x.like(if light.kind == ViewKind::Sun as u32 { f32::MAX } else { 1.0 })
+}
+
+/// The first ray of a group of those numbered from `first` on.
+#[inline(always)]
+fn group<L: Lane>(first: RayIndex, group: usize) -> RayIndex {
+    RayIndex(first.0 + (group * L::WIDTH) as u32)
 }
 
 /// Whether any ray waits for its answer.

@@ -6,7 +6,7 @@ use super::job::{Job, open};
 use super::options::Bench;
 use super::output;
 use super::report::{Machine, PerStage, pixel_hash};
-use rtrt_core::backend::{Backend, Picture, Request, STAGES};
+use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
 use rtrt_core::scene::Structure;
 use std::fmt;
 use std::time::Instant;
@@ -129,11 +129,11 @@ fn times(mut of: Vec<f64>) -> Times {
 /// that would have asked whether something is in between: the bits of the shadow mask are
 /// the rays.
 fn shadow_rays(job: &Job<'_>, backend: &mut dyn Backend) -> Result<u64, Error> {
-    if !job.shadows {
+    if job.shadows == Shadows::Off {
         return Ok(0);
     }
     let mut picture = Picture::default();
-    job.render(backend, &Request { shadows: false, ..job.request(true) }, &mut picture)?;
+    job.render(backend, &Request { shadows: Shadows::Off, ..job.request(true) }, &mut picture)?;
     let masks = picture.deferred.map(|deferred| deferred.masks).unwrap_or_default();
     Ok(masks.iter().map(|word| u64::from(word.count_ones())).sum())
 }

@@ -8,9 +8,9 @@ use rtrt::cache::Cache;
 use rtrt::choose::{ChooseError, Chosen, choose};
 use rtrt::debug::{Shown, View, show};
 use rtrt::demo;
-use rtrt::import::{self, Animation, Loaded, NamedCamera};
-use rtrt_core::backend::{Backend, Picture, Request};
-use rtrt_core::scene::{Camera, Projection, Scene};
+use rtrt::import::{self, Animation, ImportError, Loaded, NamedCamera};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+use rtrt_core::scene::{Camera, Light, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
 
 /// The most rays of a frame: they are numbered with 32 bits, those of blocks that reach
@@ -25,7 +25,7 @@ pub struct Job<'a> {
     pub camera: Camera,
     pub size: [u32; 2],
     pub samples: u32,
-    pub shadows: bool,
+    pub shadows: Shadows,
     /// The most layers of surfaces that a ray looks at.
     pub layers: u32,
     /// Rays from the camera.
@@ -72,6 +72,13 @@ impl<'a> Job<'a> {
         } else if lit_by_default {
             import::light_by_default(&mut scene, &camera);
         }
+        if let Some(size) = common.light_radius {
+            for light in scene.lights_mut() {
+                if let Light::Point { radius, .. } | Light::Spot { radius, .. } = light {
+                    *radius = size;
+                }
+            }
+        }
         if let Some(path) = &common.environment {
             import::surround(&mut scene, path)?;
         }
@@ -79,13 +86,14 @@ impl<'a> Job<'a> {
             console.say("warning: nothing in the scene is animated");
         }
         scene.mip = common.mip;
+        show_lights(&mut scene, common)?;
         let mut job = Self {
             scene,
             camera,
             size: common.size,
             samples,
             rays,
-            shadows: !common.no_shadows,
+            shadows: common.shadows(),
             layers: common.transparency_depth,
             tree_build_ms,
             own_lights: common.lights.is_empty() && !lit_by_default,
@@ -107,6 +115,7 @@ impl<'a> Job<'a> {
         pose.apply(&mut self.scene)?;
         if self.own_lights {
             pose.aim(self.scene.lights_mut());
+            show_lights(&mut self.scene, self.common)?;
         }
         for (index, camera) in pose.cameras {
             self.cameras[index].camera = camera;
@@ -170,6 +179,16 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
         None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
     }
+}
+
+/// Shows the lights that have a radius, where they are, if the options say so.
+fn show_lights(scene: &mut Scene, common: &Common) -> Result<(), Error> {
+    for light in (0..scene.lights().len()).filter(|_| common.show_lights) {
+        scene
+            .show_light(light)
+            .map_err(|source| ImportError::Scene { path: common.scene.clone(), source })?;
+    }
+    Ok(())
 }
 
 /// The scene's camera, or the one chosen of its cameras, changed as the options say.

@@ -5,7 +5,7 @@ use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::{self, Choice};
 use rtrt::debug::View;
-use rtrt_core::backend::LAYERS;
+use rtrt_core::backend::{LAYERS, Shadows};
 use rtrt_core::scene::{Light, Mip, Setup, Structure};
 use std::path::{Path, PathBuf};
 
@@ -80,13 +80,24 @@ pub struct Common {
     /// Sub-rays a pixel; render takes 4, verify and bench 1
     #[arg(long, value_parser = one_of(["1", "4", "16"]))]
     pub samples: Option<u32>,
-    /// Render without shadows
+    /// How lights with a radius cast shadows: hard, as if all came from their middle; soft,
+    /// blurred as far as their penumbra reaches; area, where each sub-ray of a pixel asks for
+    /// another point of the light; jitter, the same with other points in each pixel. Or off
+    #[arg(long, value_name = "HOW", default_value = "soft", value_parser = shadows())]
+    shadows: Shadows,
+    /// Render without shadows, as --shadows off does
     #[arg(long)]
-    pub no_shadows: bool,
+    no_shadows: bool,
+    /// Give every point and spot light this radius, world units
+    #[arg(long, value_name = "R", value_parser = radius)]
+    pub light_radius: Option<f32>,
     /// Look at most so many surfaces that cover one another only in part, the last of which is
     /// then drawn as opaque; 1 draws everything as opaque
     #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)))]
     pub transparency_depth: u32,
+    /// Show point and spot lights that have a radius as spheres
+    #[arg(long)]
+    pub show_lights: bool,
     /// Choose the levels of textures by the distance of a surface, or also by the angle at which it
     /// is seen
     #[arg(long, default_value = "distance", value_parser = mip())]
@@ -94,7 +105,8 @@ pub struct Common {
     /// Add a white light; the scene's own lights are then off. point:x,y,z shines from there
     /// without limit; spot:x,y,z:dx,dy,dz:degrees shines from there in the direction dx,dy,dz,
     /// brightest in the middle and up to that angle off it (within 0 and 90); sun:x,y,z stands
-    /// infinitely far away in that direction
+    /// infinitely far away in that direction. A radius may follow, as in point:x,y,z:0.5, that of
+    /// a sun in degrees: shadows are then soft
     #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]
     pub lights: Vec<Light>,
     /// Surround the scene with this panorama, a Radiance .hdr file: it is the background, is
@@ -117,6 +129,13 @@ pub struct Common {
     pub camera: CameraOptions,
     #[command(flatten)]
     pub backend: BackendOptions,
+}
+
+impl Common {
+    /// How lights cast shadows.
+    pub fn shadows(&self) -> Shadows {
+        if self.no_shadows { Shadows::Off } else { self.shadows }
+    }
 }
 
 /// Where the scene is seen from. What is not given is the scene's.
@@ -182,6 +201,17 @@ fn one_of<const N: usize>(allowed: [&'static str; N]) -> impl TypedValueParser<V
     PossibleValuesParser::new(allowed).try_map(|text| text.parse::<u32>())
 }
 
+/// A way to cast shadows.
+fn shadows() -> impl TypedValueParser<Value = Shadows> {
+    PossibleValuesParser::new(["off", "hard", "soft", "area", "jitter"]).map(|name| match &name[..] {
+        "off" => Shadows::Off,
+        "hard" => Shadows::Hard,
+        "area" => Shadows::Area { jitter: None },
+        "jitter" => Shadows::Area { jitter: Some(0) },
+        _ => Shadows::Soft,
+    })
+}
+
 /// A backend's name.
 fn choice() -> impl TypedValueParser<Value = Choice> {
     PossibleValuesParser::new(["auto", "cpu", "gpu"]).map(|name| match &name[..] {
@@ -244,34 +274,55 @@ fn rate(text: &str) -> Result<f64, &'static str> {
     seconds(text).ok().filter(|rate| *rate >= 1e-6).ok_or("not a number above 0")
 }
 
-/// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`.
+/// A radius, 0 or more.
+fn radius(text: &str) -> Result<f32, &'static str> {
+    text.parse().ok().filter(|r: &f32| r.is_finite() && *r >= 0.0).ok_or("not a number of 0 or more")
+}
+
+/// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`, and perhaps a radius.
 fn light(text: &str) -> Result<Light, String> {
-    const FORMS: &str = "not point:X,Y,Z, spot:X,Y,Z:X,Y,Z:DEGREES or sun:X,Y,Z";
-    let (kind, place) = text.split_once(':').ok_or(FORMS)?;
-    if kind == "spot" {
-        return spot(place.split(':').collect::<Vec<_>>().as_slice().try_into().map_err(|_| FORMS)?);
-    }
-    let place = vector(place)?;
-    match kind {
-        "point" => Ok(Light::Point { position: place, color: Vec3::ONE, reach: None, inverse_square: false }),
-        "sun" if place.abs().max_element() < 1e-18 => Err("the sun has no direction".into()),
-        "sun" => Ok(Light::Sun { direction: -place, color: Vec3::ONE }),
+    const FORMS: &str = "not point:X,Y,Z, spot:X,Y,Z:X,Y,Z:DEGREES or sun:X,Y,Z, with or without :RADIUS";
+    let parts: Vec<&str> = text.split(':').collect();
+    match parts[..] {
+        ["point", place] => point(place, "0"),
+        ["point", place, radius] => point(place, radius),
+        ["spot", place, direction, outer] => spot(place, direction, outer, "0"),
+        ["spot", place, direction, outer, radius] => spot(place, direction, outer, radius),
+        ["sun", place] => sun(place, "0"),
+        ["sun", place, radius] => sun(place, radius),
         _ => Err(FORMS.into()),
     }
 }
 
-/// Position, direction and outer angle of a spot light. It fades from the middle on, as
+/// Position and radius of a point light.
+fn point(position: &str, size: &str) -> Result<Light, String> {
+    let (position, radius) = (vector(position)?, radius(size)?);
+    Ok(Light::Point { position, color: Vec3::ONE, reach: None, inverse_square: false, radius })
+}
+
+/// Where the sun stands, and its radius in degrees.
+fn sun(place: &str, size: &str) -> Result<Light, String> {
+    let (place, radius) = (vector(place)?, radius(size)?.to_radians());
+    if place.abs().max_element() < 1e-18 {
+        return Err("the sun has no direction".into());
+    }
+    if radius >= core::f32::consts::FRAC_PI_4 {
+        return Err("the sun's radius is not below 45".into());
+    }
+    Ok(Light::Sun { direction: -place, color: Vec3::ONE, radius })
+}
+
+/// Position, direction, outer angle and radius of a spot light. It fades from the middle on, as
 /// glTF's does if nothing else is said.
-fn spot([position, direction, outer]: [&str; 3]) -> Result<Light, String> {
-    let direction = vector(direction)?;
-    let outer = angle(outer)?;
+fn spot(position: &str, direction: &str, outer: &str, size: &str) -> Result<Light, String> {
+    let (position, direction) = (vector(position)?, vector(direction)?);
+    let (outer, radius) = (angle(outer)?, radius(size)?);
     if direction.abs().max_element() < 1e-18 {
         return Err("the spot light has no direction".into());
     }
     if outer > core::f32::consts::FRAC_PI_2 {
         return Err("the spot light's angle is above 90".into());
     }
-    let position = vector(position)?;
     Ok(Light::Spot {
         position,
         direction,
@@ -280,6 +331,7 @@ fn spot([position, direction, outer]: [&str; 3]) -> Result<Light, String> {
         color: Vec3::ONE,
         reach: None,
         inverse_square: false,
+        radius,
     })
 }
 
@@ -340,10 +392,21 @@ mod tests {
         let Ok(Light::Sun { direction, .. }) = light("sun:1,2,2") else { panic!("no sun") };
         assert_eq!(direction, Vec3::new(-1.0, -2.0, -2.0));
         assert!(light("spot:0,1,0:0,-1,0:90").is_ok());
-        for bad in ["spot:0,1,0", "spot:0,1,0:0,0,0:30", "spot:0,1,0:0,-1,0:91", "spot:0,1,0:0,-1,0:30:1"] {
+        for bad in ["spot:0,1,0", "spot:0,1,0:0,0,0:30", "spot:0,1,0:0,-1,0:91", "spot:0,1,0:0,-1,0:30:1:1"] {
             assert!(light(bad).is_err(), "{bad}");
         }
-        for bad in ["sun:0,0,0", "sun:0,-0,1e-38", "moon:1,2,3", "1,2,3", "point:1,2", "point:"] {
+        assert_eq!(light("point:1,2,3:0.5").map(|light| light.radius()), Ok(0.5));
+        assert_eq!(light("sun:1,2,3:0.27").map(|light| light.radius()), Ok(0.27_f32.to_radians()));
+        for bad in [
+            "sun:0,0,0",
+            "sun:0,-0,1e-38",
+            "moon:1,2,3",
+            "1,2,3",
+            "point:1,2",
+            "point:",
+            "point:1,2,3:-1",
+            "sun:1,2,2:45",
+        ] {
             assert!(light(bad).is_err(), "{bad}");
         }
     }

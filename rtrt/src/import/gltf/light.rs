@@ -19,8 +19,10 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
         return builder.warn(format!("only the first {} lights are drawn", Setup::MAX_LIGHTS));
     }
     let light = match source.type_ {
-        Checked::Valid(Type::Directional) => Light::Sun { direction, color },
-        Checked::Valid(Type::Point) => Light::Point { position, color, reach, inverse_square: true },
+        Checked::Valid(Type::Directional) => Light::Sun { direction, color, radius: 0.0 },
+        Checked::Valid(Type::Point) => {
+            Light::Point { position, color, reach, inverse_square: true, radius: 0.0 }
+        }
         Checked::Valid(Type::Spot) => {
             let (inner, outer) = source
                 .spot
@@ -29,7 +31,7 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
             // The format's own limits; an outer angle of 0 would shine nowhere.
             let outer = if outer > 0.0 { outer.clamp(1e-3, FRAC_PI_2) } else { FRAC_PI_4 };
             let inner = if inner > 0.0 { inner.min(outer) } else { 0.0 };
-            Light::Spot { position, direction, inner, outer, color, reach, inverse_square: true }
+            Light::Spot { position, direction, inner, outer, color, reach, inverse_square: true, radius: 0.0 }
         }
         Checked::Invalid => return builder.warn("a light of an unknown type is left out".into()),
     };

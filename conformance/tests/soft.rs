@@ -1,0 +1,208 @@
+//! Lights with a radius: what their shadows look like.
+
+use conformance::reference;
+use conformance::shape::{Build, PLAIN, Shape, bulb, sized};
+use glam::Vec3;
+use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
+use rtrt_core::grid::Grid;
+use rtrt_core::kernel::tint::{WHITE, color};
+use rtrt_core::lane::Word;
+use rtrt_core::layout::{AlphaMode, Material};
+use rtrt_core::scene::{Camera, Light, Projection, Scene, phong};
+
+/// Pixels on a side; the picture is 1.28 units high.
+const SIZE: u32 = 128;
+
+/// Looks down on the floor from this height, so that x goes to the right, a pixel being 0.01.
+fn above(height: f32) -> Camera {
+    let projection = Projection::Orthographic { height: 0.01 * SIZE as f32 };
+    Camera { eye: Vec3::Y * height, look_at: Vec3::ZERO, up: Vec3::NEG_Z, projection }
+}
+
+fn render(scene: &Scene, camera: &Camera, samples: u32, shadows: Shadows) -> (Picture, Deferred) {
+    let request = Request { camera, size: [SIZE; 2], samples, shadows, layers: 8, deferred: true };
+    let mut picture = Picture::default();
+    reference().render(scene, &request, &mut picture).unwrap();
+    let deferred = picture.deferred.take().unwrap();
+    (picture, deferred)
+}
+
+/// A floor, and half a unit or so above it a sheet left of x = 0.
+fn sheet(height: f32, material: Option<Material>, light: Light) -> Scene {
+    let sheet = Shape::quad([-9.0, height, 9.0], [9.0, 0.0, 0.0], [0.0, 0.0, -18.0]);
+    let build = Build::default().shape(Shape::floor(9.0, 0.0));
+    match material {
+        Some(material) => build.shape_of(sheet, material),
+        None => build.shape(sheet),
+    }
+    .light(light)
+    .scene
+}
+
+/// The share of the light that arrives along the middle row, and the x there.
+fn profile(deferred: &Deferred) -> impl Iterator<Item = (f64, f64)> + '_ {
+    let grid = Grid { width: SIZE, height: SIZE, side: 1 };
+    (0..SIZE).map(move |x| {
+        let ray = grid.index([x, SIZE / 2]).0 as usize;
+        let share = color::<f32>(Word(deferred.tints[ray])).y;
+        ((f64::from(x) + 0.5 - f64::from(SIZE) * 0.5) * 0.01, f64::from(share))
+    })
+}
+
+/// The share of a disc of radius 1 that lies left of `x`.
+fn segment(x: f64) -> f64 {
+    let x = x.clamp(-1.0, 1.0);
+    0.5 + (x * (1.0 - x * x).sqrt() + x.asin()) / std::f64::consts::PI
+}
+
+/// A light above the edge of the sheet, whose penumbra there is as wide as `radius` says.
+fn over_the_edge(height: f32, penumbra: f32) -> Light {
+    sized(bulb([0.0, 4.0, 0.0]), penumbra * (4.0 - height) / height)
+}
+
+#[test]
+fn an_edge_fades_as_the_light_behind_it_appears() {
+    for (height, penumbra) in [(0.5, 0.02), (0.5, 0.05), (1.0, 0.13), (1.5, 0.2)] {
+        let scene = sheet(height, None, over_the_edge(height, penumbra));
+        let (_, deferred) = render(&scene, &above(height * 0.5), 1, Shadows::Soft);
+        let (mut worst, mut width) = (0.0_f64, 0);
+        for (x, share) in profile(&deferred) {
+            worst = worst.max((share - segment(x / f64::from(penumbra))).abs());
+            width += u32::from(share > 0.0 && share < 1.0);
+        }
+        println!("penumbra {penumbra}: {width} pixels, off by {worst}");
+        // The outermost pixels of either side see less than 1 % of the light, or of the edge.
+        let expected = f64::from(penumbra) * 200.0;
+        assert!((f64::from(width) - expected).abs() <= 3.0, "{width} pixels, not {expected}");
+        // Few rays across, few levels between.
+        assert!(worst < 0.03 + 0.1 * 0.01 / f64::from(penumbra), "off by {worst}");
+    }
+}
+
+#[test]
+fn sixteen_points_fade_as_the_light_behind_them_appears() {
+    let scene = sheet(1.0, None, over_the_edge(1.0, 0.13));
+    let (_, deferred) = render(&scene, &above(0.5), 16, Shadows::Area { jitter: Some(3) });
+    let grid = Grid { width: SIZE, height: SIZE, side: 4 };
+    for x in (0..SIZE * 4).step_by(4) {
+        // All sub-rays of a column of pixels: 2048 points of the light.
+        let lit: u32 = (0..4)
+            .flat_map(|a| (0..SIZE * 4).map(move |y| [x + a, y]))
+            .map(|at| deferred.masks[grid.index(at).0 as usize])
+            .sum();
+        let share = f64::from(lit) / f64::from(SIZE * 16);
+        let place = (f64::from(x / 4) + 0.5 - f64::from(SIZE) * 0.5) * 0.01;
+        // The edge is straight, the light is near: half a pixel's more to the sides.
+        assert!((share - segment(place / 0.13)).abs() < 0.06, "{share} at {place}");
+    }
+}
+
+#[test]
+fn shadows_do_not_leak_over_edges() {
+    // The edge's shadow ends at 0.67; seen from above, the sheet hides all that is left of 0.
+    let scene = sheet(1.0, None, sized(bulb([-2.0, 4.0, 0.0]), 0.3));
+    let (_, deferred) = render(&scene, &above(3.0), 1, Shadows::Soft);
+    let mut counts = [0; 2];
+    for (x, share) in profile(&deferred) {
+        if x < 0.0 {
+            assert_eq!(share, 1.0, "the sheet is dark at {x}");
+            counts[0] += 1;
+        } else if x < 0.5 {
+            assert_eq!(share, 0.0, "the floor is lit at {x}");
+            counts[1] += 1;
+        }
+    }
+    assert!(counts.iter().all(|&count| count > 40), "{counts:?}");
+}
+
+#[test]
+fn shadows_do_not_leak_around_corners() {
+    // A wall at x = 0 that faces the light, and a floor that lies in a sheet's shadow.
+    let sheet = Shape::quad([-9.0, 0.3, 9.0], [9.0, 0.0, 0.0], [0.0, 0.0, -18.0]);
+    let wall = Shape::quad([0.0, 0.0, 9.0], [0.0, 0.0, -18.0], [0.0, 9.0, 0.0]);
+    let build = Build::default().shape(Shape::floor(9.0, 0.0)).shape(sheet).shape(wall);
+    let scene = build.light(sized(bulb([-3.0, 1.5, 0.0]), 0.3)).scene;
+    let camera = Camera {
+        eye: Vec3::new(-0.5, 0.2, 0.0),
+        look_at: Vec3::new(0.0, 0.0, 0.0),
+        up: Vec3::Y,
+        projection: Projection::Orthographic { height: 0.3 },
+    };
+    let (_, deferred) = render(&scene, &camera, 1, Shadows::Soft);
+    let mut seen = [0; 2];
+    for (hit, &word) in deferred.hits.iter().zip(&deferred.tints) {
+        match hit.object {
+            0 => assert_eq!(word, 0, "the floor is lit"),
+            2 => assert_eq!(word, 0, "the wall below the sheet is lit"),
+            _ => continue,
+        }
+        seen[hit.object as usize / 2] += 1;
+    }
+    assert!(seen.iter().all(|&count| count > 100), "{seen:?}");
+}
+
+#[test]
+fn a_light_without_a_radius_casts_hard_shadows() {
+    let scene = |radius| sheet(1.0, None, sized(bulb([0.3, 4.0, 0.0]), radius));
+    let all = [Shadows::Soft, Shadows::Area { jitter: None }, Shadows::Area { jitter: Some(9) }];
+    for samples in [1, 4] {
+        let (hard, buffers) = render(&scene(0.5), &above(0.5), samples, Shadows::Hard);
+        for shadows in all {
+            let (picture, deferred) = render(&scene(0.0), &above(0.5), samples, shadows);
+            assert_eq!(picture.pixels, hard.pixels, "{shadows:?}");
+            assert_eq!(deferred, buffers, "{shadows:?}");
+            let (soft, _) = render(&scene(0.5), &above(0.5), samples, shadows);
+            let is_hard = soft.pixels == hard.pixels;
+            // The one sub-ray of a pixel takes the middle.
+            assert_eq!(is_hard, samples == 1 && shadows == Shadows::Area { jitter: None }, "{shadows:?}");
+        }
+    }
+}
+
+#[test]
+fn a_light_without_a_radius_casts_hard_shadows_beside_one_with_a_radius() {
+    let mut scene = sheet(1.0, None, bulb([0.3, 4.0, 0.0]));
+    let (_, hard) = render(&scene, &above(0.5), 1, Shadows::Hard);
+    scene.add_light(sized(bulb([-0.3, 4.0, 0.0]), 0.4));
+    let (_, soft) = render(&scene, &above(0.5), 1, Shadows::Soft);
+    for (ray, mask) in hard.masks.iter().enumerate() {
+        assert_eq!(soft.tints[2 * ray], mask * WHITE);
+        assert_eq!(soft.masks[ray] & 1, *mask);
+    }
+}
+
+/// A material that blends and shows its color whatever the light.
+fn glass(base: [f32; 3], alpha: f32) -> Material {
+    let alpha_mode = AlphaMode::Blend as u32;
+    Material { alpha, alpha_mode, unlit: 1, ..phong(base, 0.0, 0.5, PLAIN, [0.0; 3]) }
+}
+
+#[test]
+fn a_pane_fades_from_its_color_to_white() {
+    let scene = sheet(1.0, Some(glass([1.0, 0.5, 0.0], 0.5)), over_the_edge(1.0, 0.13));
+    let (_, deferred) = render(&scene, &above(0.5), 1, Shadows::Soft);
+    // A = 0.5, tint = 0.5: half of the light is left, three quarters of its green.
+    for (x, share) in profile(&deferred) {
+        let expected = 0.375 + (1.0 - 0.375) * segment(x / 0.13);
+        assert!((share - expected).abs() < 0.04, "{share} at {x}, not {expected}");
+    }
+}
+
+#[test]
+fn the_order_of_panes_does_not_matter() {
+    let tints = |order: [usize; 3]| {
+        let panes = [glass([1.0, 0.1, 0.0], 0.2), glass([0.0, 0.2, 1.0], 0.4), glass([0.5; 3], 0.1)];
+        let mut build = Build::default().shape(Shape::floor(9.0, 0.0));
+        for (place, pane) in order.into_iter().enumerate() {
+            let y = 0.6 + 0.3 * place as f32;
+            let shape = Shape::quad([-9.0, y, 9.0], [9.0, 0.0, 0.0], [0.0, 0.0, -18.0]);
+            build = build.shape_of(shape, panes[pane]);
+        }
+        let scene = build.light(over_the_edge(0.6, 0.1)).scene;
+        render(&scene, &above(0.3), 1, Shadows::Soft).1.tints
+    };
+    let one = tints([0, 1, 2]);
+    assert!(one.iter().any(|&word| word != one[0]));
+    assert_eq!(one, tints([2, 1, 0]));
+    assert_eq!(one, tints([1, 2, 0]));
+}
