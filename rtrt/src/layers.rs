@@ -3,6 +3,8 @@
 use rtrt_core::backend::{Deferred, Picture};
 use rtrt_core::grid::Grid;
 use rtrt_core::kernel::texture::Maps;
+use rtrt_core::kernel::tint::color;
+use rtrt_core::lane::{V3, Word};
 use rtrt_core::layout::{NONE, Surface};
 use rtrt_core::num::srgb_encode;
 use rtrt_core::scene::{ObjectIndex, Scene};
@@ -39,8 +41,8 @@ pub struct Layers {
     pub barycentrics: Vec<[f32; 2]>,
     /// Texture coordinates.
     pub uv: Vec<[f32; 2]>,
-    /// The share of the scene's lights that reach the surface; one that it faces away from does
-    /// not. 0 where nothing is hit.
+    /// The share of the scene's lights that reaches the surface: of each what its shadow leaves,
+    /// nothing of one that the surface faces away from. 0 where nothing is hit.
     pub shadow: Vec<f32>,
 }
 
@@ -92,8 +94,16 @@ fn albedo(maps: &Maps<'_>, surface: &Surface) -> [f32; 3] {
     [base.x, base.y, base.z]
 }
 
-/// How many lights reach the surface of a ray.
+/// How many lights reach the surface of a ray; one of which a part does is a part.
 fn reached(deferred: &Deferred, ray: usize) -> f32 {
+    let lights = deferred.tint_words as usize;
+    if lights > 0 {
+        let part = |&word: &u32| {
+            let V3 { x, y, z } = color::<f32>(Word(word));
+            (x + y + z) * (1.0 / 3.0)
+        };
+        return deferred.tints[ray * lights..][..lights].iter().map(part).sum();
+    }
     let words = deferred.mask_words as usize;
     deferred.masks[ray * words..][..words].iter().map(|word| word.count_ones()).sum::<u32>() as f32
 }

@@ -420,13 +420,46 @@ fn lanes_and_threads_do_not_change_a_hash() {
     };
     let scalar = hashes("--lanes 1 --threads 1");
     let names: Vec<_> = scalar.lines().map(|line| line.split("  ").last().unwrap()).collect();
-    let buffers = ["pixels", "colors", "hits", "layers", "lists", "lit", "masks", "surfaces", "tints"];
+    let buffers = [
+        "pixels",
+        "colors",
+        "hits",
+        "layers",
+        "left",
+        "lists",
+        "lit",
+        "masks",
+        "penumbras",
+        "surfaces",
+        "tints",
+    ];
     assert_eq!(names, buffers);
     for options in ["--lanes 8 --threads 1", "--lanes 1 --threads 2", "--lanes 8 --threads 2", ""] {
         assert_eq!(hashes(options), scalar, "{options}");
     }
     assert_ne!(hashes("--eye -1,2,3"), scalar);
     assert_ne!(hashes("--no-shadows"), scalar);
+}
+
+#[test]
+fn lights_with_a_radius_cast_the_shadows_that_are_asked_for() {
+    let folder = Folder::new("radius");
+    let hashes = |options: &str| {
+        let line = format!("render demo:matchbox --hash --size 64x36 --samples 4 --backend cpu {options}");
+        stdout(&folder.run(&line))
+    };
+    let ways = ["off", "hard", "soft", "area", "jitter"];
+    let wide = ways.map(|how| hashes(&format!("--light-radius 0.3 --shadows {how}")));
+    assert!((1..ways.len()).all(|at| !wide[..at].contains(&wide[at])), "two ways are the same");
+    assert_eq!(hashes("--light-radius 0.3"), wide[2]);
+    assert_eq!(hashes("--no-shadows --light-radius 0.3"), wide[0]);
+    // Without a radius all shadows are hard.
+    let hard = ways[1..].iter().map(|how| hashes(&format!("--shadows {how}")));
+    assert!(hard.into_iter().all(|hashes| hashes == wide[1]));
+    let one = hashes("--light point:0,3,0:0.3");
+    assert_eq!(hashes("--light point:0,3,0 --light-radius 0.3"), one);
+    assert_ne!(hashes("--light point:0,3,0"), one);
+    assert_ne!(hashes("--light sun:1,3,1:2"), hashes("--light sun:1,3,1"));
 }
 
 #[test]

@@ -60,10 +60,12 @@ pub fn pixel_hash(picture: &Picture) -> String {
 /// The SHA-256 of each deferred buffer; none if they were not kept.
 pub fn buffer_hashes(picture: &Picture) -> Option<BTreeMap<&'static str, String>> {
     let deferred = picture.deferred.as_ref()?;
-    let buffers: [(_, &[u8]); 8] = [
+    let buffers: [(_, &[u8]); 10] = [
         ("lists", bytemuck::cast_slice(&deferred.lists)),
         ("hits", bytemuck::cast_slice(&deferred.hits)),
         ("surfaces", bytemuck::cast_slice(&deferred.surfaces)),
+        ("left", bytemuck::cast_slice(&deferred.left)),
+        ("penumbras", bytemuck::cast_slice(&deferred.penumbras)),
         ("masks", bytemuck::cast_slice(&deferred.masks)),
         ("tints", bytemuck::cast_slice(&deferred.tints)),
         ("lit", bytemuck::cast_slice(&deferred.lit)),
