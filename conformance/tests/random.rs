@@ -116,11 +116,17 @@ fn scene(random: &mut Random) -> Scene {
     for _ in 0..1 + random.below(20) {
         let mesh = meshes[random.below(meshes.len() as u32) as usize];
         let place = transform(random);
-        if clear * random.below(3) == 0 {
+        if random.below(6) == 0 {
+            build.scene.add_sphere(build.gray, place).expect("a transform that was tried");
+        } else if clear * random.below(3) == 0 {
             build.object(mesh, place);
         } else {
             let material = materials[random.below(3) as usize];
-            build.scene.add_object(mesh, material, place).expect("a transform that was tried");
+            let added = match random.below(5) {
+                0 => build.scene.add_sphere(material, place),
+                _ => build.scene.add_object(mesh, material, place),
+            };
+            added.expect("a transform that was tried");
         }
     }
     (0..random.below(5)).fold(build, |build, _| build.light(light(random))).scene

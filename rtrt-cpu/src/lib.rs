@@ -128,10 +128,11 @@ impl Memory {
         let frame = self.setup.frame;
         let views = &self.setup.views[..];
         let start = Instant::now();
-        prepare::prepare(&frame, views, scene.objects(), &mut self.covers);
+        let objects = self.setup.objects(scene);
+        prepare::prepare(&frame, views, objects, &mut self.covers);
         clock.add(0, start);
         let start = Instant::now();
-        self.bins.fill(&frame, views, scene.objects(), &self.covers);
+        self.bins.fill(&frame, views, objects, &self.covers);
         clock.add(1, start);
 
         let job = Job {
@@ -139,7 +140,7 @@ impl Memory {
             views,
             lists: Lists { words: &self.bins.words, blocks: frame.blocks },
             geometry: Geometry {
-                objects: scene.objects(),
+                objects,
                 nodes: scene.nodes(),
                 words: scene.words(),
                 positions: scene.positions(),

@@ -100,7 +100,7 @@ impl Renderer {
             deferred.then(|| Deferred { mask_words, tint_words, layer_count, ..Deferred::default() })
         };
         picture.stages_ms = [0.0; STAGES.len()];
-        self.buffers.upload_scene(&self.device, scene)?;
+        self.buffers.upload_scene(&self.device, scene, setup)?;
         self.buffers.upload::<View>(&self.device, Slot::Views, &setup.views)?;
         let covers = u64::from(stage::prepare::count(&frame));
         self.buffers.reserve::<Cover>(&self.device, Slot::Covers, covers)?;

@@ -7,6 +7,7 @@ use super::options::Bench;
 use super::output;
 use super::report::{Machine, PerStage, pixel_hash};
 use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
+use rtrt_core::scene::Structure;
 use std::fmt;
 use std::time::Instant;
 
@@ -60,8 +61,11 @@ struct Times {
 
 /// Measures.
 pub fn run(options: &Bench) -> Result<(), Error> {
-    let console = Console::new(u64::from(options.frames + WARM_UP) + 3);
-    let job = Job::load(&options.common, SAMPLES, true, options.common.time, &console)?;
+    let console = Console::new(
+        u64::from(options.frames + WARM_UP) + 3 + u64::from(options.structure == Structure::None),
+    );
+    let mut job = Job::load(&options.common, SAMPLES, true, options.common.time, &console)?;
+    job.scene.structure = options.structure;
     let (mut backend, machine) = open(&options.common.backend, &console)?;
     let mut picture = Picture::default();
     let mut frames: Vec<[f64; STAGES.len()]> = Vec::new();
@@ -76,6 +80,15 @@ pub fn run(options: &Bench) -> Result<(), Error> {
         }
     }
     let peak_rss_bytes = peak_rss_bytes();
+    if options.structure == Structure::None {
+        console.step("comparing with blocks");
+        job.scene.structure = Structure::Blocks;
+        let mut usual = Picture::default();
+        job.render(&mut *backend, &job.request(false), &mut usual)?;
+        if usual.pixels != picture.pixels {
+            return Err(Error::Structure { scene: options.common.scene.clone() });
+        }
+    }
     console.step("counting rays");
     let shadow_rays = shadow_rays(&job, &mut *backend)?;
     drop(console);

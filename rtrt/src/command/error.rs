@@ -81,6 +81,12 @@ pub enum Error {
     /// Results could not be written.
     #[error("cannot write to standard output: {0}")]
     Print(#[from] io::Error),
+    /// A picture made without lists of blocks differs from one made with them.
+    #[error("the picture depends on the structure: {}", scene.display())]
+    Structure {
+        /// The scene.
+        scene: PathBuf,
+    },
     /// Results differ from the reference.
     #[error("backends disagree: {}: {differ} of {variants} differ from the reference", scene.display())]
     Disagree {
@@ -101,7 +107,7 @@ impl Error {
             Self::Demo { .. } | Self::Camera { .. } | Self::TooLarge { .. } | Self::Usage(_) => 2,
             Self::Import(_) => 3,
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => 4,
-            Self::Disagree { .. } => 5,
+            Self::Disagree { .. } | Self::Structure { .. } => 5,
             Self::Render { source: RenderError::Setup(error), .. } => match error {
                 // The command's own lights are checked when they are parsed.
                 SetupError::Light { .. } | SetupError::Lights { .. } => 3,

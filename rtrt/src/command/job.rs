@@ -8,7 +8,7 @@ use rtrt::cache::Cache;
 use rtrt::choose::{ChooseError, Chosen, choose};
 use rtrt::debug::{Shown, View, show};
 use rtrt::demo;
-use rtrt::import::{self, Animation, Loaded, NamedCamera};
+use rtrt::import::{self, Animation, ImportError, Loaded, NamedCamera};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Camera, Light, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
@@ -85,6 +85,8 @@ impl<'a> Job<'a> {
         if animation.is_none() && time.is_some() {
             console.say("warning: nothing in the scene is animated");
         }
+        scene.mip = common.mip;
+        show_lights(&mut scene, common)?;
         let mut job = Self {
             scene,
             camera,
@@ -113,6 +115,7 @@ impl<'a> Job<'a> {
         pose.apply(&mut self.scene)?;
         if self.own_lights {
             pose.aim(self.scene.lights_mut());
+            show_lights(&mut self.scene, self.common)?;
         }
         for (index, camera) in pose.cameras {
             self.cameras[index].camera = camera;
@@ -171,9 +174,21 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
     match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
         Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
         Some("glass") => Ok(pool.install(|| demo::glass(&Parallel))?),
+        Some("spheres") => Ok(pool.install(|| demo::spheres(&Parallel))?),
+        Some("levels") => Ok(pool.install(|| demo::levels(&Parallel))?),
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
         None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
     }
+}
+
+/// Shows the lights that have a radius, where they are, if the options say so.
+fn show_lights(scene: &mut Scene, common: &Common) -> Result<(), Error> {
+    for light in (0..scene.lights().len()).filter(|_| common.show_lights) {
+        scene
+            .show_light(light)
+            .map_err(|source| ImportError::Scene { path: common.scene.clone(), source })?;
+    }
+    Ok(())
 }
 
 /// The scene's camera, or the one chosen of its cameras, changed as the options say.

@@ -6,7 +6,7 @@ use glam::Vec3;
 use rtrt::choose::{self, Choice};
 use rtrt::debug::View;
 use rtrt_core::backend::{LAYERS, Shadows};
-use rtrt_core::scene::{Light, Setup};
+use rtrt_core::scene::{Light, Mip, Setup, Structure};
 use std::path::{Path, PathBuf};
 
 /// Options of `rtrt render`.
@@ -61,6 +61,10 @@ pub struct Bench {
     /// Frames to measure, after two that are not counted
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
+    /// What keeps rays from being asked for every object: lists of blocks, or nothing, to see what
+    /// these are worth. That the picture is the same is checked
+    #[arg(long, default_value = "blocks", value_parser = structure())]
+    pub structure: Structure,
     #[command(flatten)]
     pub common: Common,
 }
@@ -68,7 +72,7 @@ pub struct Bench {
 /// What all commands that render take.
 #[derive(Debug, Args)]
 pub struct Common {
-    /// A .glb, .gltf or .obj file, demo:matchbox or demo:glass
+    /// A .glb, .gltf or .obj file, demo:matchbox, demo:glass, demo:spheres or demo:levels
     pub scene: PathBuf,
     /// Width and height in pixels, each at most 16384
     #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size)]
@@ -91,6 +95,13 @@ pub struct Common {
     /// then drawn as opaque; 1 draws everything as opaque
     #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)))]
     pub transparency_depth: u32,
+    /// Show point and spot lights that have a radius as spheres
+    #[arg(long)]
+    pub show_lights: bool,
+    /// Choose the levels of textures by the distance of a surface, or also by the angle at which it
+    /// is seen
+    #[arg(long, default_value = "distance", value_parser = mip())]
+    pub mip: Mip,
     /// Add a white light; the scene's own lights are then off. point:x,y,z shines from there
     /// without limit; spot:x,y,z:dx,dy,dz:degrees shines from there in the direction dx,dy,dz,
     /// brightest in the middle and up to that angle off it (within 0 and 90); sun:x,y,z stands
@@ -207,6 +218,22 @@ fn choice() -> impl TypedValueParser<Value = Choice> {
         "cpu" => Choice::Cpu,
         "gpu" => Choice::Gpu,
         _ => Choice::Auto,
+    })
+}
+
+/// How levels of textures are chosen.
+fn mip() -> impl TypedValueParser<Value = Mip> {
+    PossibleValuesParser::new(["distance", "angle"]).map(|name| match &name[..] {
+        "angle" => Mip::Angle,
+        _ => Mip::Distance,
+    })
+}
+
+/// What keeps rays from being asked for every object.
+fn structure() -> impl TypedValueParser<Value = Structure> {
+    PossibleValuesParser::new(["blocks", "none"]).map(|name| match &name[..] {
+        "none" => Structure::None,
+        _ => Structure::Blocks,
     })
 }
 
