@@ -20,7 +20,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    fn new(kind: wgpu::DeviceType) -> Self {
+    pub(crate) fn new(kind: wgpu::DeviceType) -> Self {
         match kind {
             wgpu::DeviceType::DiscreteGpu => Self::Discrete,
             wgpu::DeviceType::IntegratedGpu => Self::Integrated,
@@ -70,7 +70,7 @@ pub fn adapters() -> Vec<AdapterReport> {
             api: info.backend.to_string(),
             kind: Kind::new(info.device_type),
             driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
-            passthrough: has_passthrough(adapter),
+            passthrough: has_passthrough(&info, adapter.features()),
             canary: open(adapter, Route::Auto).map(drop),
             name: info.name,
         }
@@ -91,13 +91,14 @@ pub(crate) fn choose(options: &Options) -> Result<Device, Error> {
         }
         return Err(Error::NoAdapter { tried });
     };
-    let named = |adapter: &&wgpu::Adapter| label(adapter).to_lowercase().contains(&wanted.to_lowercase());
+    let named =
+        |adapter: &&wgpu::Adapter| label(&adapter.get_info()).to_lowercase().contains(&wanted.to_lowercase());
     let numbered = wanted.parse().ok().and_then(|number: usize| adapters.get(number));
     match numbered.or_else(|| adapters.iter().find(named)) {
         Some(adapter) => open(adapter, options.route),
         None => Err(Error::AdapterNotFound {
             wanted: wanted.clone(),
-            names: adapters.iter().map(label).collect(),
+            names: adapters.iter().map(|adapter| label(&adapter.get_info())).collect(),
         }),
     }
 }
@@ -123,18 +124,11 @@ fn enumerate() -> Vec<wgpu::Adapter> {
 }
 
 /// What the adapter is called, with its interface: one GPU may be there twice.
-pub(crate) fn label(adapter: &wgpu::Adapter) -> String {
-    let info = adapter.get_info();
+pub(crate) fn label(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({})", info.name, info.backend)
 }
 
-/// What the adapter is.
-pub(crate) fn kind(adapter: &wgpu::Adapter) -> Kind {
-    Kind::new(adapter.get_info().device_type)
-}
-
-/// Whether the adapter takes SPIR-V as it is.
-pub(crate) fn has_passthrough(adapter: &wgpu::Adapter) -> bool {
-    adapter.get_info().backend == wgpu::Backend::Vulkan
-        && adapter.features().contains(wgpu::Features::PASSTHROUGH_SHADERS)
+/// Whether an adapter or a device with these features takes SPIR-V as it is.
+pub(crate) fn has_passthrough(info: &wgpu::AdapterInfo, features: wgpu::Features) -> bool {
+    info.backend == wgpu::Backend::Vulkan && features.contains(wgpu::Features::PASSTHROUGH_SHADERS)
 }

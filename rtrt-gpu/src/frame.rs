@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::buffers::{Buffers, Slot};
-use crate::device::Device;
+use crate::device::{Device, watched};
 use crate::pipeline::{FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, groups};
 use crate::timer::Timer;
 use bytemuck::Pod;
@@ -40,17 +40,7 @@ pub(crate) struct Renderer {
 impl Renderer {
     /// Compiles all entry points.
     pub fn new(device: Device, band_bytes: Option<u64>) -> Result<Self, Error> {
-        let mut pipelines: Vec<Pipeline> = Vec::with_capacity(PASSES.len());
-        for (number, pass) in PASSES.iter().enumerate() {
-            let known = PASSES[..number].iter().position(|earlier| earlier.entry == pass.entry);
-            let pipeline = match known {
-                Some(earlier) => pipelines[earlier].clone(),
-                None => device.pipeline(pass.entry, pass.accesses()),
-            };
-            pipelines.push(pipeline);
-        }
-        let timer = Timer::new(&device)?;
-        device.check()?;
+        let (pipelines, timer) = watched(&device.device, || Ok((pipelines(&device), Timer::new(&device)?)))?;
         Ok(Self {
             band_bytes: band_bytes.unwrap_or(u64::MAX).min(device.limit),
             device,
@@ -63,15 +53,18 @@ impl Renderer {
         })
     }
 
-    /// Renders the frame that was set up.
+    /// Renders the frame that was set up into the picture, or into a texture: the picture then holds
+    /// times, and no pixels.
     pub fn render(
         &mut self,
         scene: &Scene,
         setup: &Setup,
         deferred: bool,
+        texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
-        let result = self.frame(scene, setup, deferred, picture);
+        let device = self.device.device.clone();
+        let result = watched(&device, || self.frame(scene, setup, deferred, texture, picture));
         if result.is_err() {
             // Whatever is there now is not to be relied on.
             self.buffers = Buffers::default();
@@ -85,12 +78,18 @@ impl Renderer {
         scene: &Scene,
         setup: &Setup,
         deferred: bool,
+        texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
         let frame = setup.frame;
-        picture.width = frame.width;
-        picture.height = frame.height;
-        picture.pixels.resize((frame.width * frame.height) as usize, 0);
+        match texture {
+            Some(texture) => check(texture, &frame)?,
+            None => {
+                picture.width = frame.width;
+                picture.height = frame.height;
+                picture.pixels.resize((frame.width * frame.height) as usize, 0);
+            }
+        }
         let empty = || {
             let tint_words = if frame.layers == 0 { 0 } else { frame.lights };
             let layer_count = frame.layers.max(1) - 1;
@@ -108,7 +107,7 @@ impl Renderer {
         let Some(first) = bands.next() else { return Ok(()) };
         let entries = loop {
             picture.deferred = empty();
-            let entries = self.band(&Frame { capacity: self.capacity, ..first }, 0, picture)?;
+            let entries = self.band(&Frame { capacity: self.capacity, ..first }, 0, texture, picture)?;
             if entries <= self.capacity {
                 break entries;
             }
@@ -118,7 +117,7 @@ impl Renderer {
         };
         for band in bands {
             let band = Frame { capacity: self.capacity, ..band };
-            self.band(&band, FIRST_OF_BAND, picture)?;
+            self.band(&band, FIRST_OF_BAND, texture, picture)?;
         }
         if let Some(deferred) = &mut picture.deferred {
             let words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(entries);
@@ -127,9 +126,15 @@ impl Renderer {
         Ok(())
     }
 
-    /// Runs the stages from `first_stage` on for a band of rays, and reads its pixels and
-    /// times back. Gives the number of entries in the lists.
-    fn band(&mut self, frame: &Frame, first_stage: usize, picture: &mut Picture) -> Result<u32, Error> {
+    /// Runs the stages from `first_stage` on for a band of rays, and reads its times back, and its
+    /// pixels if they do not go into a texture. Gives the number of entries in the lists.
+    fn band(
+        &mut self,
+        frame: &Frame,
+        first_stage: usize,
+        texture: Option<&wgpu::Texture>,
+        picture: &mut Picture,
+    ) -> Result<u32, Error> {
         let device = &self.device;
         let [first_pixel, pixel_count] = frame.grid().pixels(RayIndex(frame.first_ray), frame.rays);
         let rays = u64::from(frame.rays);
@@ -155,7 +160,7 @@ impl Renderer {
         self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;
         self.buffers.reserve::<[f32; 4]>(device, Slot::Colors, rays)?;
         self.buffers.reserve::<u32>(device, Slot::Pixels, u64::from(pixel_count))?;
-        let bytes = PIXELS + 4 * u64::from(pixel_count);
+        let bytes = PIXELS + if texture.is_some() { 0 } else { 4 * u64::from(pixel_count) };
         if self.read_back.as_ref().is_none_or(|buffer| buffer.size() < bytes) {
             let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
             self.read_back = Some(device.buffer("read back", bytes, usage)?);
@@ -178,15 +183,21 @@ impl Renderer {
             return Ok(0);
         };
         commands.copy_buffer_to_buffer(lists, 4 * u64::from(frame.blocks), read_back, 0, 4);
-        commands.copy_buffer_to_buffer(made, 0, read_back, PIXELS, 4 * u64::from(pixel_count));
+        match texture {
+            Some(texture) => copy(&mut commands, made, frame.width, first_pixel, pixel_count, texture),
+            None => commands.copy_buffer_to_buffer(made, 0, read_back, PIXELS, 4 * u64::from(pixel_count)),
+        }
         self.timer.copy(&mut commands, read_back, TIMES);
         let mut entries = 0;
         let timer = &self.timer;
         device.finish(commands, read_back, bytes, |mapped| {
             entries = bytemuck::pod_read_unaligned(&mapped[..4]);
             timer.add(&mapped[TIMES as usize..PIXELS as usize], first_stage, &mut picture.stages_ms);
-            let range = first_pixel as usize..(first_pixel + pixel_count) as usize;
-            bytemuck::cast_slice_mut(&mut picture.pixels[range]).copy_from_slice(&mapped[PIXELS as usize..]);
+            if texture.is_none() {
+                let range = first_pixel as usize..(first_pixel + pixel_count) as usize;
+                bytemuck::cast_slice_mut(&mut picture.pixels[range])
+                    .copy_from_slice(&mapped[PIXELS as usize..]);
+            }
         })?;
         self.fetch_colors(frame, &mut picture.deferred)?;
         Ok(entries)
@@ -286,6 +297,62 @@ impl Renderer {
         let bytes = self.device.fetch(buffer, count * size_of::<T>() as u64)?;
         to.extend(bytemuck::pod_collect_to_vec::<u8, T>(&bytes));
         Ok(())
+    }
+}
+
+/// The pipelines of all passes; one that is in the table twice is compiled once.
+fn pipelines(device: &Device) -> Vec<Pipeline> {
+    let mut pipelines: Vec<Pipeline> = Vec::with_capacity(PASSES.len());
+    for (number, pass) in PASSES.iter().enumerate() {
+        let known = PASSES[..number].iter().position(|earlier| earlier.entry == pass.entry);
+        pipelines.push(match known {
+            Some(earlier) => pipelines[earlier].clone(),
+            None => device.pipeline(pass.entry, pass.accesses()),
+        });
+    }
+    pipelines
+}
+
+/// Whether a frame can be rendered into the texture.
+fn check(texture: &wgpu::Texture, frame: &Frame) -> Result<(), Error> {
+    let wrong = |is: String, needed: String| Err(Error::Texture { is, needed });
+    let (size, needed) = (texture.size(), [frame.width, frame.height, 1]);
+    if [size.width, size.height, size.depth_or_array_layers] != needed {
+        return wrong(format!("the size {size:?}"), format!("{needed:?}"));
+    }
+    let format = texture.format();
+    if format.remove_srgb_suffix() != wgpu::TextureFormat::Rgba8Unorm {
+        return wrong(format!("the format {format:?}"), "Rgba8Unorm or Rgba8UnormSrgb".into());
+    }
+    if !texture.usage().contains(wgpu::TextureUsages::COPY_DST) || texture.sample_count() != 1 {
+        let is = format!("the usage {:?} and {} samples", texture.usage(), texture.sample_count());
+        return wrong(is, "COPY_DST and 1 sample".into());
+    }
+    Ok(())
+}
+
+/// Appends the copy of whole rows of pixels to where they are in a texture: all at once where
+/// rows are aligned as copies want it, else one by one.
+fn copy(
+    commands: &mut wgpu::CommandEncoder,
+    pixels: &wgpu::Buffer,
+    width: u32,
+    first: u32,
+    count: u32,
+    texture: &wgpu::Texture,
+) {
+    let (row_bytes, rows) = (4 * width, count / width);
+    let at_once = if row_bytes.is_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT) { rows } else { 1 };
+    for row in (0..rows).step_by(at_once.max(1) as usize) {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: u64::from(row * row_bytes),
+            bytes_per_row: (at_once > 1).then_some(row_bytes),
+            rows_per_image: None,
+        };
+        let origin = wgpu::Origin3d { x: 0, y: first / width + row, z: 0 };
+        let to = wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() };
+        let extent = wgpu::Extent3d { width, height: at_once, depth_or_array_layers: 1 };
+        commands.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer: pixels, layout }, to, extent);
     }
 }
 
