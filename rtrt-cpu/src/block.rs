@@ -2,6 +2,7 @@
 //! first-level cache.
 
 use crate::level::Work;
+use crate::wide::Wide;
 use rayon::prelude::*;
 use rtrt_core::backend::STAGES;
 use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
@@ -85,7 +86,7 @@ impl Work for Block<'_> {
     type Output = Clock;
 
     #[inline(always)]
-    fn run<L: Lane, const G: usize>(self, token: L::Token) -> Clock {
+    fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
         let Self { job, index, tile, mut records } = self;
         let mut clock = Clock::default();
         let mut colors = [[0.0; 4]; BLOCK_RAYS as usize];
@@ -118,7 +119,7 @@ impl Work for Block<'_> {
 
 /// The colors of one packet: the first layer of surfaces, and those behind it that can be seen.
 #[inline(always)]
-fn packet_colors<L: Lane, const G: usize>(
+fn packet_colors<L: Wide, const G: usize>(
     token: L::Token,
     job: &Job<'_>,
     ray: RayIndex,
@@ -143,49 +144,78 @@ fn packet_colors<L: Lane, const G: usize>(
         // The stages of a layer have the names of the first one's, the time does not.
         let stage = |stage: usize| if number == 0 { stage } else { LAYERS };
         best = if frame.layers == 0 {
-            visibility::<L, G>(token, &frame, views, lists, geometry, ray)
+            L::apart(
+                token,
+                #[inline(always)]
+                || visibility::<L, G>(token, &frame, views, lists, geometry, ray),
+            )
         } else {
-            layer::<L, G>(token, &frame, views, lists, geometry, ray, &best)
+            L::apart(
+                token,
+                #[inline(always)]
+                || layer::<L, G>(token, &frame, views, lists, geometry, ray, &best),
+            )
         };
         clock.lap(stage(2), &mut start);
         let rays = rays::<L, G>(token, &frame, camera, ray);
-        let surfaces: [Surfaces<L>; G] = groups(
+        let mut surfaces: [Surfaces<L>; G] = L::apart(
+            token,
             #[inline(always)]
-            |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
+            || {
+                groups(
+                    #[inline(always)]
+                    |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
+                )
+            },
         );
-        let surfaces = if frame.details == 0 {
-            surfaces
-        } else {
+        if frame.details != 0 {
             let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
-            groups(
+            L::apart(
+                token,
                 #[inline(always)]
-                |g| detail(&maps, &vertices, &best[g], &surfaces[g]),
-            )
-        };
+                || {
+                    for g in 0..G {
+                        surfaces[g] = detail(&maps, &vertices, &best[g], &surfaces[g]);
+                    }
+                },
+            );
+        }
         clock.lap(stage(3), &mut start);
-        let shadows = Shadows::<L, G>::new(&frame, job, &surfaces);
+        let shadows = Shadows::<L, G>::new(token, &frame, job, &surfaces);
         clock.lap(stage(4), &mut start);
-        let arriving: [Arriving<L>; G] = groups(
+        let arriving: [Arriving<L>; G] = L::apart(
+            token,
             #[inline(always)]
-            |g| {
-                light(
-                    &frame,
-                    views,
-                    &maps,
+            || {
+                groups(
                     #[inline(always)]
-                    |w| shadows.word(w)[g],
-                    #[inline(always)]
-                    |light| shadows.tints[light as usize][g],
-                    &rays[g],
-                    &surfaces[g],
+                    |g| {
+                        light(
+                            &frame,
+                            views,
+                            &maps,
+                            #[inline(always)]
+                            |w| shadows.word(w)[g],
+                            #[inline(always)]
+                            |light| shadows.tints[light as usize][g],
+                            &rays[g],
+                            &surfaces[g],
+                        )
+                    },
                 )
             },
         );
         clock.lap(stage(5), &mut start);
-        for g in 0..G {
-            let shaded = shade(&frame, &maps, &rays[g], &surfaces[g], &arriving[g]);
-            sums[g] = if frame.layers == 0 { shaded } else { blend(&frame, sums[g], shaded) };
-        }
+        L::apart(
+            token,
+            #[inline(always)]
+            || {
+                for g in 0..G {
+                    let shaded = shade(&frame, &maps, &rays[g], &surfaces[g], &arriving[g]);
+                    sums[g] = if frame.layers == 0 { shaded } else { blend(&frame, sums[g], shaded) };
+                }
+            },
+        );
         clock.lap(stage(6), &mut start);
         if let Some(records) = &mut records {
             for g in 0..G {
@@ -254,52 +284,59 @@ struct Shadows<L: Lane, const G: usize> {
     tints: Vec<[L::Bits; G]>,
 }
 
-impl<L: Lane, const G: usize> Shadows<L, G> {
+impl<L: Wide, const G: usize> Shadows<L, G> {
     #[inline(always)]
-    fn new(frame: &Frame, job: &Job<'_>, surfaces: &[Surfaces<L>; G]) -> Self {
+    fn new(token: L::Token, frame: &Frame, job: &Job<'_>, surfaces: &[Surfaces<L>; G]) -> Self {
         let Job { views, lists, geometry, .. } = job;
+        let none = surfaces[0].material.like(0);
+        let mut shadows = Self { first: [none; G], more: Vec::new(), tints: Vec::new() };
         // Loops, not iterators: what is called back is not compiled for the instruction set.
-        let (mut more, mut tints) = (Vec::new(), Vec::new());
-        if frame.layers == 0 {
-            let first = occlusion::word::<L, G>(frame, views, lists, geometry, 0, surfaces);
-            for word in 1..frame.mask_words {
-                more.push(occlusion::word::<L, G>(frame, views, lists, geometry, word, surfaces));
-            }
-            return Self { first, more, tints };
-        }
-        let origins = groups(
-            #[inline(always)]
-            |g| surfaces[g].origin,
-        );
-        for light in 0..frame.lights {
-            let asked = groups(
+        if frame.layers != 0 {
+            let origins = groups(
                 #[inline(always)]
-                |g| occlusion::ask(frame, views, light, &surfaces[g]),
+                |g| surfaces[g].origin,
             );
-            tints.push(occlusion::tint::<L, G>(frame, views, lists, geometry, light, &origins, &asked));
-        }
-        let first = Self::mask(frame, 0, surfaces, &tints);
-        for word in 1..frame.mask_words {
-            more.push(Self::mask(frame, word, surfaces, &tints));
-        }
-        Self { first, more, tints }
-    }
-
-    /// A word of the shadow mask that follows from what is left of the lights.
-    #[inline(always)]
-    fn mask(frame: &Frame, word: u32, surfaces: &[Surfaces<L>; G], tints: &[[L::Bits; G]]) -> [L::Bits; G] {
-        groups(
-            #[inline(always)]
-            |g| {
-                occlusion::mask(
-                    frame,
-                    word,
-                    surfaces[g].material.like(0),
+            for light in 0..frame.lights {
+                let asked = groups(
                     #[inline(always)]
-                    |light| tints[light as usize][g],
+                    |g| occlusion::ask(frame, views, light, &surfaces[g]),
+                );
+                shadows.tints.push(L::apart(
+                    token,
+                    #[inline(always)]
+                    || occlusion::tint::<L, G>(frame, views, lists, geometry, light, &origins, &asked),
+                ));
+            }
+        }
+        for word in 0..frame.mask_words {
+            let mask = if frame.layers == 0 {
+                L::apart(
+                    token,
+                    #[inline(always)]
+                    || occlusion::word::<L, G>(frame, views, lists, geometry, word, surfaces),
                 )
-            },
-        )
+            } else {
+                let tints = &shadows.tints;
+                groups(
+                    #[inline(always)]
+                    |g| {
+                        occlusion::mask(
+                            frame,
+                            word,
+                            none,
+                            #[inline(always)]
+                            |light| tints[light as usize][g],
+                        )
+                    },
+                )
+            };
+            if word == 0 {
+                shadows.first = mask;
+            } else {
+                shadows.more.push(mask);
+            }
+        }
+        shadows
     }
 
     /// A word of the shadow mask.

@@ -1,8 +1,9 @@
 //! The kernels on edge values, with several lanes.
 
 use crate::level::{Level, Work};
+use crate::wide::Wide;
 use rtrt_core::kernel::canary::{OUTPUTS, canary};
-use rtrt_core::lane::{Bits, Lane};
+use rtrt_core::lane::Bits;
 
 /// The answers of every instruction set that is here and has several lanes, by its name, to
 /// [`rtrt_core::kernel::canary::canary`] for every index of `words`.
@@ -18,7 +19,7 @@ impl Work for Kernels<'_> {
     type Output = Vec<[u32; OUTPUTS]>;
 
     #[inline(always)]
-    fn run<L: Lane, const G: usize>(self, token: L::Token) -> Self::Output {
+    fn run<L: Wide, const G: usize>(self, token: L::Token) -> Self::Output {
         let mut answers = vec![[0; OUTPUTS]; self.words.len()];
         for (packet, answers) in answers.chunks_mut(L::WIDTH).enumerate() {
             let found = canary::<L>(token, self.words, (packet * L::WIDTH) as u32);

@@ -1,9 +1,8 @@
 //! Which instructions run a block.
 
 use crate::Error;
-use crate::wide::{Float8, Float16};
+use crate::wide::{Float8, Float16, Wide};
 use fearless_simd::Simd;
-use rtrt_core::lane::Lane;
 
 /// Lane groups in a packet. A packet is a block, but for single lanes, whose packets are
 /// smaller: a mask of groups has 32 bits.
@@ -145,5 +144,5 @@ pub trait Work {
     type Output;
 
     /// Runs it, with `G` lane groups in a packet.
-    fn run<L: Lane, const G: usize>(self, token: L::Token) -> Self::Output;
+    fn run<L: Wide, const G: usize>(self, token: L::Token) -> Self::Output;
 }

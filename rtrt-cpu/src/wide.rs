@@ -10,6 +10,20 @@ use fearless_simd::{
 };
 use rtrt_core::lane::{Bits, Lane, Mask, Select};
 
+/// Lanes whose work can be compiled in parts.
+pub trait Wide: Lane {
+    /// Runs `work` with the lanes' instructions, as a function of its own: one function of all
+    /// stages takes the compiler far longer than one for each.
+    fn apart<R>(token: Self::Token, work: impl FnOnce() -> R) -> R;
+}
+
+impl Wide for f32 {
+    #[inline(never)]
+    fn apart<R>((): (), work: impl FnOnce() -> R) -> R {
+        work()
+    }
+}
+
 /// Implements an operator by the same operator of what is inside.
 macro_rules! pass {
     ($type:ident: $($operator:ident $name:ident $($right:ident)?;)*) => {$(
@@ -124,6 +138,13 @@ macro_rules! lane {
             #[inline(always)]
             fn row(self) -> [u32; $width] {
                 self.0.into()
+            }
+        }
+
+        impl<S: Simd> Wide for $float<S> {
+            #[inline(never)]
+            fn apart<R>(token: S, work: impl FnOnce() -> R) -> R {
+                token.vectorize(work)
             }
         }
 
