@@ -125,3 +125,8 @@ fn read(
     let rows = mapped.chunks_exact(padded as usize);
     Ok(rows.flat_map(|padded| &padded[..row as usize]).copied().collect())
 }
+
+#[test]
+fn runs() {
+    main().expect("no error");
+}

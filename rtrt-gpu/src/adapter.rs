@@ -62,7 +62,7 @@ pub struct AdapterReport {
 }
 
 /// All adapters in the order in which [`crate::Gpu::new`] would try them, each opened and
-/// asked. Their position here is their number in [`Options::adapter`].
+/// asked. `WGPU_BACKEND` and `WGPU_POWER_PREF` in the environment have the meaning that wgpu gives them. Their position here is their number in [`Options::adapter`].
 pub fn adapters() -> Vec<AdapterReport> {
     let report = |adapter: &wgpu::Adapter| {
         let info = adapter.get_info();
@@ -110,16 +110,24 @@ fn open(adapter: &wgpu::Adapter, route: Route) -> Result<Device, Error> {
     Ok(device)
 }
 
-/// All adapters, the most promising first.
+/// All adapters, the most promising first. `WGPU_BACKEND` in the environment leaves out those that are reached
+/// otherwise, and with `WGPU_POWER_PREF=low` integrated GPUs come before discrete ones.
 fn enumerate() -> Vec<wgpu::Adapter> {
-    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    let known = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    let backends = wgpu::Backends::from_env().map_or(known, |wanted| wanted & known);
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,
         flags: wgpu::InstanceFlags::empty(),
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     });
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
-    adapters.sort_by_key(|adapter| Kind::new(adapter.get_info().device_type));
+    let saves_power = wgpu::PowerPreference::from_env() == Some(wgpu::PowerPreference::LowPower);
+    adapters.sort_by_key(|adapter| match Kind::new(adapter.get_info().device_type) {
+        kind @ (Kind::Discrete | Kind::Integrated) => {
+            (Kind::Discrete, saves_power == (kind == Kind::Discrete))
+        }
+        kind => (kind, false),
+    });
     adapters
 }
 

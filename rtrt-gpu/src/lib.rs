@@ -28,6 +28,9 @@ pub use adapter::{AdapterReport, Kind, adapters};
 pub use error::Error;
 pub use wgpu;
 
+/// The compiled stages, as they are handed to a device: SPIR-V.
+pub const SHADERS: &[u8] = rtrt_shaders::SPIRV;
+
 use device::watched;
 use frame::Renderer;
 use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request, STAGES};

@@ -5,7 +5,8 @@ use super::console::Console;
 use super::job::{Job, open};
 use super::options::Bench;
 use super::output;
-use super::report::{Machine, PerStage, pixel_hash};
+use super::report::{Machine, PerStage};
+use rtrt::hash;
 use rtrt_core::backend::{Backend, Picture, Request, STAGES};
 use std::fmt;
 use std::time::Instant;
@@ -60,7 +61,7 @@ struct Times {
 
 /// Measures.
 pub fn run(options: &Bench) -> Result<(), Error> {
-    let console = Console::new(u64::from(options.frames + WARM_UP) + 3);
+    let console = Console::new(options.common.talk, u64::from(options.frames + WARM_UP) + 3);
     let job = Job::load(&options.common, SAMPLES, true, options.common.time, &console)?;
     let (mut backend, machine) = open(&options.common.backend, &console)?;
     let mut picture = Picture::default();
@@ -99,7 +100,7 @@ pub fn run(options: &Bench) -> Result<(), Error> {
         triangles: scene.triangles(),
         drawn_triangles: scene.drawn_triangles(),
         objects: scene.objects().len(),
-        hash: pixel_hash(&picture),
+        hash: hash::pixels(&picture),
     };
     if options.common.json { output::print_json(&report) } else { output::print(report) }
 }

@@ -1,0 +1,16 @@
+//! The `rtrt` command as a shell sees it: exit codes, output, files.
+
+mod animation;
+mod background;
+mod cache;
+mod compare;
+mod environment;
+mod failures;
+mod folder;
+mod help;
+mod layers;
+mod names;
+mod pictures;
+mod reports;
+mod talk;
+mod verify;
