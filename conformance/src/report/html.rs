@@ -72,6 +72,9 @@ impl Report {
                 let class = if case.result == Verdict::Known { "known" } else { "differs" };
                 let [name, variant] = [case.case, &ran.variant].map(escaped);
                 _ = writeln!(page, "<h2><span class={class}>{name}</span> on {variant}</h2>");
+                if let Some(why) = case.known {
+                    _ = writeln!(page, "<p class=known>Known: {}</p>", escaped(why));
+                }
                 if let Some(stage) = case.stage {
                     _ = writeln!(page, "<p>First different stage: <b>{stage}</b>.</p>");
                 }

@@ -64,6 +64,8 @@ pub struct CaseRan {
     pub ms: f64,
     /// What differs first, or why there is no picture.
     pub detail: Option<String>,
+    /// Why it is known to differ, if it is.
+    pub known: Option<&'static str>,
     /// The stage to blame.
     pub stage: Option<&'static str>,
     /// Column and row of the first pixel that differs.
@@ -173,8 +175,16 @@ impl Ran {
 impl CaseRan {
     fn new(case: &'static str, ms: f64, failed: Option<(Verdict, &Failed)>) -> io::Result<Self> {
         let Some((result, failed)) = failed else {
-            let (detail, stage, pixel) = (None, None, None);
-            return Ok(Self { case, result: Verdict::Equal, ms, detail, stage, pixel, pictures: vec![] });
+            return Ok(Self {
+                case,
+                result: Verdict::Equal,
+                ms,
+                detail: None,
+                known: None,
+                stage: None,
+                pixel: None,
+                pictures: vec![],
+            });
         };
         let (stage, pixel) = match &failed.failure {
             Failure::Different(difference) => (
@@ -190,6 +200,8 @@ impl CaseRan {
         for (name, picture) in crate::image::pictures(failed) {
             pictures.extend(crate::image::png(&picture)?.map(|png| (name, png)));
         }
-        Ok(Self { case, result, ms, detail: Some(failed.failure.to_string()), stage, pixel, pictures })
+        let known = failed.case.known.map(|known| known.why).filter(|_| result == Verdict::Known);
+        let detail = Some(failed.failure.to_string());
+        Ok(Self { case, result, ms, detail, known, stage, pixel, pictures })
     }
 }
