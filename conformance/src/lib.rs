@@ -41,3 +41,8 @@ pub use case::{Agree, Case, Known};
 pub use image::leave_images;
 pub use rtrt_core::compare::{Difference, Place, compare};
 pub use suite::{Failed, Failure, Itself, Outcome, Suite, check, reference};
+
+/// Runs the README's examples as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -35,8 +35,3 @@ pub mod hash;
 pub mod import;
 pub mod layers;
 pub mod replace;
-
-/// Runs the README's example as a test.
-#[cfg(all(doctest, feature = "import"))]
-#[doc = include_str!("../../README.md")]
-struct Readme;
