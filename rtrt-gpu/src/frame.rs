@@ -387,7 +387,7 @@ mod tests {
     use crate::{Gpu, Options};
     use bytemuck::Zeroable;
     use rtrt_core::backend::{Backend, Request};
-    use rtrt_core::scene::{Camera, Projection};
+    use rtrt_core::scene::{Camera, Panorama, Projection};
 
     #[test]
     fn bands_are_whole_rows_of_blocks_and_make_the_frame() {
@@ -426,5 +426,67 @@ mod tests {
         assert!(error.to_string().contains("the device allows 10000"), "{error}");
         gpu.renderer.device.limit = limit;
         gpu.render(&Scene::new(), &request, &mut picture).unwrap();
+    }
+
+    /// The bytes of a texture.
+    fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<u8> {
+        let device = &gpu.renderer.device;
+        let padded = (4 * texture.width()).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let bytes = u64::from(padded * texture.height());
+        let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        let buffer = device.buffer("texels", bytes, usage).unwrap();
+        let mut commands = device.device.create_command_encoder(&Default::default());
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+        commands.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+        let mut rows = vec![];
+        device
+            .finish(commands, &buffer, bytes, |mapped| {
+                let row = 4 * texture.width() as usize;
+                mapped.chunks(padded as usize).for_each(|padded| rows.extend_from_slice(&padded[..row]));
+            })
+            .unwrap();
+        rows
+    }
+
+    #[test]
+    fn a_texture_gets_the_picture_whatever_its_rows_and_bands() {
+        for (size, band_bytes) in
+            [([128, 50], None), ([128, 50], Some(1)), ([75, 50], None), ([75, 50], Some(1))]
+        {
+            let mut gpu = match Gpu::new(Options { band_bytes, ..Options::default() }) {
+                Ok(gpu) => gpu,
+                Err(error) => return println!("skipped: {error}"),
+            };
+            let camera = Camera {
+                eye: [0.0, 0.0, 3.0].into(),
+                look_at: [0.0; 3].into(),
+                up: [0.0, 1.0, 0.0].into(),
+                projection: Projection::Perspective { fov_y: 1.0 },
+            };
+            let request =
+                Request { camera: &camera, size, samples: 4, shadows: true, layers: 8, deferred: true };
+            // What is seen is the sky, a gradient.
+            let mut scene = Scene::new();
+            let rgb = (0..64).map(|i| [i as f32 / 64.0, (i % 8) as f32 / 8.0, 0.5]).collect();
+            scene.set_environment(&Panorama { width: 8, height: 8, rgb }).unwrap();
+            let mut picture = Picture::default();
+            gpu.render(&scene, &request, &mut picture).unwrap();
+            let texture = gpu.renderer.device.device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let times = gpu.render_into(&texture, &scene, &request).unwrap();
+            assert!(times.iter().sum::<f64>() > 0.0);
+            assert_eq!(texels(&gpu, &texture), picture.bytes());
+            assert!(picture.pixels.iter().any(|pixel| *pixel != picture.pixels[0]));
+        }
     }
 }
