@@ -5,7 +5,8 @@ use super::console::Console;
 use super::job::{Job, open};
 use super::options::Bench;
 use super::output;
-use super::report::{Machine, PerStage, pixel_hash};
+use super::report::{Machine, PerStage};
+use rtrt::hash;
 use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
 use rtrt_core::scene::Structure;
 use std::fmt;
@@ -62,6 +63,7 @@ struct Times {
 /// Measures.
 pub fn run(options: &Bench) -> Result<(), Error> {
     let console = Console::new(
+        options.common.talk,
         u64::from(options.frames + WARM_UP) + 3 + u64::from(options.structure == Structure::None),
     );
     let mut job = Job::load(&options.common, SAMPLES, true, options.common.time, &console)?;
@@ -112,7 +114,7 @@ pub fn run(options: &Bench) -> Result<(), Error> {
         triangles: scene.triangles(),
         drawn_triangles: scene.drawn_triangles(),
         objects: scene.objects().len(),
-        hash: pixel_hash(&picture),
+        hash: hash::pixels(&picture),
     };
     if options.common.json { output::print_json(&report) } else { output::print(report) }
 }

@@ -87,6 +87,46 @@ pub enum Error {
         /// The scene.
         scene: PathBuf,
     },
+    /// The picture to be compared with cannot be read.
+    #[error("cannot read the picture: {}: {why}", path.display())]
+    Reference {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// The picture has another size than the one it is compared with.
+    #[error("pictures differ: {}: it has {} x {} pixels, the frame {} x {}", path.display(), has[0], has[1], frame[0], frame[1])]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        has: [u32; 2],
+        /// The frame's.
+        frame: [u32; 2],
+    },
+    /// The picture is another than the one it is compared with.
+    #[error("pictures differ: {}: {pixels} pixels, the first at {},{}: is {is:?}, not {expected:?}", path.display(), at[0], at[1])]
+    Differs {
+        /// The file.
+        path: PathBuf,
+        /// How many pixels differ.
+        pixels: usize,
+        /// Column and row of the first.
+        at: [u32; 2],
+        /// Its color.
+        is: [u8; 4],
+        /// The color in the file.
+        expected: [u8; 4],
+    },
+    /// A warning, where warnings are errors.
+    #[error("{warning} (--strict)")]
+    Strict {
+        /// The warning.
+        warning: String,
+        /// What the process returns.
+        code: u8,
+    },
     /// Results differ from the reference.
     #[error("backends disagree: {}: {differ} of {variants} differ from the reference", scene.display())]
     Disagree {
@@ -105,9 +145,10 @@ impl Error {
         match self {
             Self::Encode { .. } | Self::Write { .. } | Self::Print(_) => 1,
             Self::Demo { .. } | Self::Camera { .. } | Self::TooLarge { .. } | Self::Usage(_) => 2,
-            Self::Import(_) => 3,
+            Self::Import(_) | Self::Reference { .. } => 3,
+            Self::Strict { code, .. } => *code,
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => 4,
-            Self::Disagree { .. } | Self::Structure { .. } => 5,
+            Self::Disagree { .. } | Self::Structure { .. } | Self::Size { .. } | Self::Differs { .. } => 5,
             Self::Render { source: RenderError::Setup(error), .. } => match error {
                 // The command's own lights are checked when they are parsed.
                 SetupError::Light { .. } | SetupError::Lights { .. } => 3,
@@ -124,6 +165,11 @@ impl Error {
             Self::TooLarge { .. } => Some("try a smaller --size or fewer --samples"),
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => {
                 Some("`rtrt doctor` lists what this machine offers")
+            }
+            Self::Differs { .. } => Some("--tolerance N allows for N of 256 steps a channel"),
+            Self::Strict { .. } => Some("without --strict this is a warning"),
+            Self::Import(ImportError::Format { .. }) => {
+                Some("scenes are .glb, .gltf and .obj files, demo:matchbox and demo:glass")
             }
             Self::Render { source: RenderError::Setup(SetupError::Camera { .. }), .. } => {
                 Some("see --eye, --look-at, --up and --fov-y")

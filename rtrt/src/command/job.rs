@@ -61,8 +61,15 @@ impl<'a> Job<'a> {
         console.step(format_args!("loading {}", common.scene.display()));
         let mut loaded = load(common, console)?;
         for warning in &loaded.warnings {
-            console.say(format_args!("warning: {warning}"));
+            console.warn(3, warning)?;
         }
+        console.detail(format_args!(
+            "scene: {} objects, {} triangles stored, {} drawn; trees took {:.1} ms",
+            loaded.scene.objects().len(),
+            loaded.scene.triangles(),
+            loaded.scene.drawn_triangles(),
+            loaded.tree_build_ms
+        ));
         let camera = camera(common, &mut loaded, time.is_some())?;
         let Loaded { mut scene, cameras, lit_by_default, animation, tree_build_ms, .. } = loaded;
         if !common.lights.is_empty() {
@@ -83,7 +90,7 @@ impl<'a> Job<'a> {
             import::surround(&mut scene, path)?;
         }
         if animation.is_none() && time.is_some() {
-            console.say("warning: nothing in the scene is animated");
+            console.warn(3, "nothing in the scene is animated")?;
         }
         scene.mip = common.mip;
         show_lights(&mut scene, common)?;
@@ -163,13 +170,14 @@ impl<'a> Job<'a> {
 fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
     let threads = common.backend.threads();
     let pool = Cpu::new(rtrt_cpu::Options { lanes: None, threads }).map_err(ChooseError::Cpu)?;
-    let cache = common.cache.as_deref().and_then(|folder| match Cache::new(folder) {
-        Ok(cache) => Some(cache),
-        Err(error) => {
-            console.say(format_args!("warning: no cache at {}: {error}", folder.display()));
+    let cache = match common.cache.as_deref().map(|folder| (folder, Cache::new(folder))) {
+        None => None,
+        Some((_, Ok(cache))) => Some(cache),
+        Some((folder, Err(error))) => {
+            console.warn(1, format_args!("no cache at {}: {error}", folder.display()))?;
             None
         }
-    });
+    };
     let name = &common.scene;
     match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
         Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
@@ -228,13 +236,12 @@ fn changed(camera: Camera, options: &CameraOptions, scene: &Scene) -> Camera {
 /// Opens the backend that the options ask for, and says which it is and why.
 pub fn open(options: &BackendOptions, console: &Console) -> Result<(Box<dyn Backend>, Machine), Error> {
     console.step("opening the backend");
-    let Chosen { backend, why, is_software } = choose(&options.choose())?;
+    let Chosen { backend, why, is_software } = choose(&options.choose(console.tells()))?;
     let machine = Machine::from(backend.describe());
     console.say(format_args!("backend: {machine}: {why}"));
     if is_software {
-        console.say(
-            "warning: this adapter is software: it computes on the processor, as --backend cpu does faster",
-        );
+        let why = "this adapter is software: it computes on the processor, as --backend cpu does faster";
+        console.warn(4, why)?;
     }
     Ok((backend, machine))
 }

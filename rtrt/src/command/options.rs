@@ -5,7 +5,7 @@ use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::{self, Choice};
 use rtrt::debug::View;
-use rtrt_core::backend::{LAYERS, Shadows};
+use rtrt_core::backend::{LAYERS, RenderError, Shadows};
 use rtrt_core::scene::{Light, Mip, Setup, Structure};
 use std::path::{Path, PathBuf};
 
@@ -13,8 +13,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 pub struct Render {
     /// Where to write the picture: a PNG file; an EXR file, which gets the linear color; or - to
-    /// write a PNG to standard output
-    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "hash", "json"])]
+    /// write a PNG to standard output. In names of files, {scene} becomes the scene's name, {n} the
+    /// frame's number, and {frame} the same with at least four digits
+    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "compare", "hash", "json"])]
     pub output: Option<PathBuf>,
     /// Bits of a channel of the PNG
     #[arg(long, default_value = "8", value_parser = one_of(["8", "16"]))]
@@ -30,8 +31,19 @@ pub struct Render {
     /// a block's list has; tests is how many boxes and triangles a ray is asked for
     #[arg(long, value_name = "VIEW", value_parser = view())]
     pub debug: Option<View>,
-    /// Render so many frames, from --time on, or from the start. {frame} in the names of files becomes the frame's
-    /// number, from 0000 on; --hash and --json print for each frame
+    /// What is behind everything: a linear color; transparent, which is an alpha of 0 where a ray
+    /// hits nothing; or env, the environment, which is usual where there is one. With an
+    /// environment, or transparent, what is seen through a surface stays as it was
+    #[arg(long, value_name = "R,G,B|transparent|env", value_parser = background, allow_hyphen_values = true)]
+    pub background: Option<Background>,
+    /// Compare the picture with this PNG file, pixel by pixel; a difference is exit code 5
+    #[arg(long, value_name = "FILE")]
+    pub compare: Option<PathBuf>,
+    /// Let each channel be off by so many of 256 steps when pictures are compared
+    #[arg(long, value_name = "STEPS", default_value_t = 0, requires = "compare")]
+    pub tolerance: u8,
+    /// Render so many frames, from --time on, or from the start, numbered from 0 on: the names of files need {n} or
+    /// {frame} in them. --hash and --json print for each frame
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: u32,
     /// Frames a second
@@ -126,6 +138,8 @@ pub struct Common {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
+    pub talk: Talk,
+    #[command(flatten)]
     pub camera: CameraOptions,
     #[command(flatten)]
     pub backend: BackendOptions,
@@ -136,6 +150,31 @@ impl Common {
     pub fn shadows(&self) -> Shadows {
         if self.no_shadows { Shadows::Off } else { self.shadows }
     }
+}
+
+/// How much is said on standard error.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Talk {
+    /// Say nothing but results and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Say more
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub verbose: bool,
+    /// Make every warning an error
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// What is behind everything.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Background {
+    /// Linear RGB.
+    Color([f32; 3]),
+    /// Nothing.
+    Transparent,
+    /// The environment.
+    Environment,
 }
 
 /// Where the scene is seen from. What is not given is the scene's.
@@ -168,8 +207,9 @@ pub struct BackendOptions {
     #[arg(long, default_value = "auto", value_parser = choice())]
     pub backend: Choice,
     /// The GPU adapter whose name contains this, or that has this number in `rtrt doctor`; auto
-    /// then takes no other
-    #[arg(long, value_name = "NAME")]
+    /// then takes no other. WGPU_BACKEND (vulkan, metal, dx12) and WGPU_POWER_PREF (low, high) in the
+    /// environment choose among adapters as well
+    #[arg(long, value_name = "NAME", env = "WGPU_ADAPTER_NAME", hide_env_values = true)]
     pub adapter: Option<String>,
     /// Threads for loading, and for rendering on the CPU; as many as run at once if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -181,12 +221,13 @@ pub struct BackendOptions {
 
 impl BackendOptions {
     /// What to choose from.
-    pub fn choose(&self) -> choose::Options {
+    pub fn choose(&self, tell: Option<fn(&RenderError)>) -> choose::Options {
         choose::Options {
             choice: self.backend,
             adapter: self.adapter.clone(),
             lanes: self.lanes,
             threads: self.threads(),
+            tell,
         }
     }
 
@@ -252,6 +293,19 @@ fn vector(text: &str) -> Result<Vec3, String> {
     match numbers.as_deref() {
         Some(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
         _ => Err("not three finite numbers with commas between them".into()),
+    }
+}
+
+/// `0.1,0.2,0.5`, `transparent` or `env`.
+fn background(text: &str) -> Result<Background, String> {
+    match text {
+        "transparent" => Ok(Background::Transparent),
+        "env" => Ok(Background::Environment),
+        color => vector(color)
+            .ok()
+            .filter(|color| color.min_element() >= 0.0)
+            .map(|color| Background::Color(color.to_array()))
+            .ok_or("not three numbers of 0 or more, transparent or env".into()),
     }
 }
 
