@@ -20,7 +20,7 @@ const MAX_RAYS: u64 = 1 << 31;
 const MAX_DEFERRED: u64 = 1 << 26;
 
 /// What is rendered.
-pub struct Job<'a> {
+pub struct Job {
     pub scene: Scene,
     pub camera: Camera,
     pub size: [u32; 2],
@@ -34,17 +34,19 @@ pub struct Job<'a> {
     pub tree_build_ms: f64,
     /// Whether the lights are those of the file.
     own_lights: bool,
+    /// Whether the lights are [`import::light_by_default`]'s.
+    default_lights: bool,
     animation: Option<Animation>,
     cameras: Vec<NamedCamera>,
-    common: &'a Common,
+    common: Common,
 }
 
-impl<'a> Job<'a> {
+impl Job {
     /// Loads the scene that `common` names, and changes it as `common` says. `samples` is
     /// for where it says nothing; `deferred` is whether deferred buffers will be asked for; `time` is
     /// when, of the animation.
     pub fn load(
-        common: &'a Common,
+        common: &Common,
         samples: u32,
         deferred: bool,
         time: Option<f64>,
@@ -65,12 +67,13 @@ impl<'a> Job<'a> {
         }
         let camera = camera(common, &mut loaded, time.is_some())?;
         let Loaded { mut scene, cameras, lit_by_default, animation, tree_build_ms, .. } = loaded;
+        let default_lights = lit_by_default && common.lights.is_empty() && common.environment.is_none();
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
-        } else if lit_by_default && common.environment.is_some() {
-            scene.lights_mut().clear();
-        } else if lit_by_default {
+        } else if default_lights {
             import::light_by_default(&mut scene, &camera);
+        } else if lit_by_default {
+            scene.lights_mut().clear();
         }
         if let Some(path) = &common.environment {
             import::surround(&mut scene, path)?;
@@ -88,9 +91,10 @@ impl<'a> Job<'a> {
             layers: common.transparency_depth,
             tree_build_ms,
             own_lights: common.lights.is_empty() && !lit_by_default,
+            default_lights,
             animation,
             cameras,
-            common,
+            common: common.clone(),
         };
         if let Some(time) = time {
             job.play(time)?;
@@ -149,6 +153,33 @@ impl<'a> Job<'a> {
     }
 }
 
+/// What changes while a scene is looked at.
+#[cfg(feature = "viewer")]
+impl Job {
+    /// Looks from elsewhere. Lights that the scene has only because it brings none are placed anew.
+    pub fn look(&mut self, camera: Camera) {
+        self.camera = camera;
+        if self.default_lights {
+            import::light_by_default(&mut self.scene, &camera);
+        }
+    }
+
+    /// The lights are no longer those that the scene has only because it brings none.
+    pub fn keep_lights(&mut self) {
+        self.default_lights = false;
+    }
+
+    /// Whether the scene brings cameras.
+    pub fn has_cameras(&self) -> bool {
+        !self.cameras.is_empty()
+    }
+
+    /// When the animation comes to rest, seconds, if there is one.
+    pub fn end(&self) -> Option<f64> {
+        self.animation.as_ref().map(Animation::end)
+    }
+}
+
 /// Loads the scene that the options name, its trees built by as many threads as they say.
 fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
     let threads = common.backend.threads();
@@ -199,7 +230,11 @@ fn changed(camera: Camera, options: &CameraOptions, scene: &Scene) -> Camera {
             .look_at
             .unwrap_or_else(|| if options.eye.is_some() { middle() } else { camera.look_at }),
         up: options.up.unwrap_or(camera.up),
-        projection: options.fov_y.map_or(camera.projection, |fov_y| Projection::Perspective { fov_y }),
+        projection: match (options.fov_y, options.parallel) {
+            (Some(fov_y), _) => Projection::Perspective { fov_y },
+            (None, Some(height)) => Projection::Orthographic { height },
+            (None, None) => camera.projection,
+        },
     }
 }
 

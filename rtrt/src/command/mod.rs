@@ -11,6 +11,8 @@ mod output;
 mod render;
 mod report;
 mod verify;
+#[cfg(feature = "viewer")]
+mod view;
 
 pub use error::Error;
 use options::{Bench, Render, Verify};
@@ -34,6 +36,16 @@ pub enum Command {
     Verify(Verify),
     /// Measure how fast a scene renders
     Bench(Bench),
+    /// Look at a scene in a window
+    ///
+    /// Keys: W A S D and PageUp PageDown move, faster with Shift; Q E tilt; H shows all others. Drag
+    /// with the left button to orbit, with the right one to look around, with the middle one to shift the
+    /// picture; the wheel changes the focal length.
+    ///
+    /// F12 writes what is seen at full resolution, and prints the `rtrt render` command that gives the
+    /// same file.
+    #[cfg(feature = "viewer")]
+    View(options::View),
     /// List adapters and instruction sets, and what --backend auto would choose
     Doctor,
 }
@@ -44,6 +56,8 @@ pub fn run(command: &Command) -> Result<(), Error> {
         Command::Render(options) => render::run(options),
         Command::Verify(options) => verify::run(options),
         Command::Bench(options) => bench::run(options),
+        #[cfg(feature = "viewer")]
+        Command::View(options) => view::run(options),
         Command::Doctor => doctor::run(),
     }
 }

@@ -4,7 +4,7 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::{self, Choice};
-use rtrt::debug::View;
+use rtrt::debug;
 use rtrt_core::backend::LAYERS;
 use rtrt_core::scene::{Light, Setup};
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub struct Render {
     /// a ray misses all bounding spheres, white where it misses all meshes; heat is how many entries
     /// a block's list has; tests is how many boxes and triangles a ray is asked for
     #[arg(long, value_name = "VIEW", value_parser = view())]
-    pub debug: Option<View>,
+    pub debug: Option<debug::View>,
     /// Render so many frames, from --time on, or from the start. {frame} in the names of files becomes the frame's
     /// number, from 0000 on; --hash and --json print for each frame
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -65,15 +65,39 @@ pub struct Bench {
     pub common: Common,
 }
 
-/// What all commands that render take.
+/// Options of `rtrt view`.
+#[cfg(feature = "viewer")]
 #[derive(Debug, Args)]
+pub struct View {
+    /// Where F12 writes the picture, a PNG file; {frame} becomes the first number that no file has
+    #[arg(short, long, value_name = "FILE", default_value = "rtrt-{frame}.png", value_parser = PathBufValueParser::new().try_map(png))]
+    pub output: PathBuf,
+    /// While something moves, trace fewer rays if fewer frames a second than this could be shown
+    #[arg(long, value_name = "N", default_value = "25", value_parser = rate)]
+    pub fps: f64,
+    /// Load the scene again when its file changes
+    #[arg(long)]
+    pub watch: bool,
+    /// Write keys and mouse, frame by frame, to this file
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Take keys and mouse from this file, and close at its end. Frames happen at the times that
+    /// the file says, all of them at full resolution
+    #[arg(long, value_name = "FILE")]
+    pub replay: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What all commands that render take.
+#[derive(Debug, Clone, Args)]
 pub struct Common {
     /// A .glb, .gltf or .obj file, demo:matchbox or demo:glass
     pub scene: PathBuf,
     /// Width and height in pixels, each at most 16384
     #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size)]
     pub size: [u32; 2],
-    /// Sub-rays a pixel; render takes 4, verify and bench 1
+    /// Sub-rays a pixel; render and view take 4, verify and bench 1
     #[arg(long, value_parser = one_of(["1", "4", "16"]))]
     pub samples: Option<u32>,
     /// Render without shadows
@@ -112,7 +136,7 @@ pub struct Common {
 }
 
 /// Where the scene is seen from. What is not given is the scene's.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraOptions {
     /// Take this camera of the scene's, counted from 0
@@ -130,10 +154,13 @@ pub struct CameraOptions {
     /// Angle between the top and the bottom of the picture, degrees within 0 and 180
     #[arg(long, value_name = "DEGREES", value_parser = angle, allow_hyphen_values = true)]
     pub fov_y: Option<f32>,
+    /// Look along parallel rays, and show so much from top to bottom, world units
+    #[arg(long, value_name = "HEIGHT", value_parser = height, conflicts_with = "fov_y")]
+    pub parallel: Option<f32>,
 }
 
 /// What renders.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Backend")]
 pub struct BackendOptions {
     /// What renders; auto takes the first that works of: discrete, integrated, virtual GPU,
@@ -210,6 +237,12 @@ fn angle(text: &str) -> Result<f32, String> {
         .ok_or("not a number within 0 and 180".into())
 }
 
+/// World units, above 0.
+fn height(text: &str) -> Result<f32, &'static str> {
+    let height = text.parse().ok().filter(|height: &f32| *height > 0.0 && height.is_finite());
+    height.ok_or("not a finite number above 0")
+}
+
 /// Seconds, 0 or more.
 fn seconds(text: &str) -> Result<f64, &'static str> {
     text.parse().ok().filter(|time: &f64| time.is_finite() && *time >= 0.0).ok_or("not a number of 0 or more")
@@ -265,6 +298,12 @@ fn picture(path: PathBuf) -> Result<PathBuf, &'static str> {
     if is_known { Ok(path) } else { Err("the name must end in .png or .exr, or be -") }
 }
 
+/// The path of a PNG file.
+#[cfg(feature = "viewer")]
+fn png(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if ends_in(&path, "png") { Ok(path) } else { Err("the name must end in .png") }
+}
+
 /// The path of an EXR file.
 fn exr(path: PathBuf) -> Result<PathBuf, &'static str> {
     if ends_in(&path, "exr") { Ok(path) } else { Err("the name must end in .exr") }
@@ -281,9 +320,9 @@ pub fn ends_in(path: &Path, ending: &str) -> bool {
 }
 
 /// A view's name.
-fn view() -> impl TypedValueParser<Value = View> {
-    PossibleValuesParser::new(View::ALL.map(|(name, _)| name)).try_map(|name| {
-        View::ALL.iter().find(|(known, _)| *known == name).map(|(_, view)| *view).ok_or("unknown view")
+fn view() -> impl TypedValueParser<Value = debug::View> {
+    PossibleValuesParser::new(debug::View::ALL.map(|(name, _)| name)).try_map(|name| {
+        debug::View::ALL.iter().find(|(known, _)| *known == name).map(|(_, view)| *view).ok_or("unknown view")
     })
 }
 

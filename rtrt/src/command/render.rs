@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Sub-rays a pixel if not given: a picture is looked at.
-const SAMPLES: u32 = 4;
+pub const SAMPLES: u32 = 4;
 
 /// What `--json` prints.
 #[derive(serde::Serialize)]
@@ -60,7 +60,7 @@ pub fn run(options: &Render) -> Result<(), Error> {
 /// Renders a frame, writes its files, and prints what was asked for.
 fn render(
     options: &Render,
-    job: &Job<'_>,
+    job: &Job,
     frame: u32,
     (backend, machine): (&mut dyn Backend, &Machine),
     picture: &mut Picture,
@@ -93,10 +93,10 @@ fn render(
 }
 
 /// What stands for a frame's number in a file's name.
-const FRAME: &str = "{frame}";
+pub const FRAME: &str = "{frame}";
 
 /// The name of a frame's file.
-fn numbered(path: &Path, frame: u32) -> PathBuf {
+pub fn numbered(path: &Path, frame: u32) -> PathBuf {
     match path.to_str() {
         Some(name) => name.replace(FRAME, &format!("{frame:04}")).into(),
         None => path.to_owned(),
@@ -136,7 +136,7 @@ fn write(
     options: &Render,
     output: Option<&Path>,
     aov: Option<&Path>,
-    job: &Job<'_>,
+    job: &Job,
     picture: &Picture,
     console: &Console,
 ) -> Result<(), Error> {
@@ -164,6 +164,6 @@ fn write(
 }
 
 /// What is said where a file could not be encoded.
-fn encode<E: Into<Box<dyn std::error::Error + Send + Sync>>>(path: &Path) -> impl FnOnce(E) -> Error {
+pub fn encode<E: Into<Box<dyn std::error::Error + Send + Sync>>>(path: &Path) -> impl FnOnce(E) -> Error {
     |source| Error::Encode { path: path.to_owned(), source: source.into() }
 }
