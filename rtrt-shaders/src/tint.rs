@@ -87,7 +87,7 @@ pub fn fold(
         let tint = |light: u32| Word(tints[tint_at(frame, index, light) as usize]);
         let mut word = 0;
         while word < frame.mask_words {
-            let mask = stage::occlusion::mask(frame, word, Word(0), &tint).0;
+            let mask = stage::occlusion::mask(frame, word, Word(0), tint).0;
             masks[(index * frame.mask_words + word) as usize] = mask;
             word += 1;
         }
