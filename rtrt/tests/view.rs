@@ -236,13 +236,13 @@ fn a_missing_library_is_an_error_and_no_panic() {
     fs::write(folder.join("input.txt"), "rtrt input 1\nframe 0.1\n").unwrap();
     for names in [["libXi.so.6", "libXi.so"], ["libxkbcommon-x11.so.0", "libxkbcommon-x11.so"]] {
         // An empty file in place of the library.
-        names.map(|name| fs::write(folder.join(name), "").unwrap());
+        names.iter().for_each(|name| fs::write(folder.join(name), "").unwrap());
         let mut command = command(&folder, "view demo:matchbox --size 32x18 --replay input.txt");
         let output = command.env("DISPLAY", &display.name).env("LD_LIBRARY_PATH", &folder).output().unwrap();
         let said = stderr(&output);
         assert!(output.status.code() == Some(4) && said.lines().count() == 2, "{names:?}: {said}");
         assert!(said.starts_with("error: cannot open a window: demo:matchbox: "), "{names:?}: {said}");
-        names.map(|name| fs::remove_file(folder.join(name)).unwrap());
+        names.iter().for_each(|name| fs::remove_file(folder.join(name)).unwrap());
     }
 }
 

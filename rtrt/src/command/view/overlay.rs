@@ -3,8 +3,11 @@
 use super::controls::KEYS;
 use super::pace::Detail;
 use super::viewer::{Timing, Viewer};
-use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, ProgressBar, Ui};
+use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Rect, Sense, Ui, vec2};
 use rtrt_core::backend::STAGES;
+
+/// What is left free at the sides of the window.
+pub const MARGIN: f32 = 8.0;
 
 /// Shows all that is to be shown.
 pub fn show(context: &Context, viewer: &Viewer) {
@@ -24,8 +27,7 @@ pub fn show(context: &Context, viewer: &Viewer) {
 
 /// A dark box at a side of the window, through which the mouse reaches the picture.
 fn boxed<R>(context: &Context, name: &'static str, side: Align2, content: impl FnOnce(&mut Ui) -> R) {
-    const MARGIN: f32 = 8.0;
-    let inward = -egui::vec2(side.x().to_sign(), side.y().to_sign()) * MARGIN;
+    let inward = -vec2(side.x().to_sign(), side.y().to_sign()) * MARGIN;
     Area::new(Id::unique(name)).anchor(side, inward).interactable(false).show(context, |ui| {
         let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200)).shadow(egui::Shadow::NONE);
         dark.show(ui, |ui| {
@@ -59,9 +61,17 @@ fn timing(ui: &mut Ui, viewer: &Viewer) {
     Grid::new("stages").num_columns(3).show(ui, |ui| {
         for (name, ms) in STAGES.iter().zip(stages_ms) {
             ui.label(*name);
-            ui.add(ProgressBar::new((ms / whole) as f32).desired_width(120.0).desired_height(10.0));
+            bar(ui, (ms / whole) as f32);
             ui.label(format!("{ms:.2} ms"));
             ui.end_row();
         }
     });
+}
+
+/// A bar that shows a share of 0 ..= 1.
+fn bar(ui: &mut Ui, share: f32) {
+    let (place, _) = ui.allocate_exact_size(vec2(120.0, 10.0), Sense::hover());
+    let filled = Rect::from_min_size(place.min, vec2(place.width() * share, place.height()));
+    ui.painter().rect_filled(place, 2.0, Color32::from_white_alpha(20));
+    ui.painter().rect_filled(filled, 2.0, Color32::from_rgb(90, 170, 250));
 }

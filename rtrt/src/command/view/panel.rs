@@ -1,7 +1,8 @@
 //! The panel: what can be changed besides the camera.
 
+use super::overlay::MARGIN;
 use super::viewer::{Settings, Viewer};
-use egui::{CollapsingHeader, ComboBox, Context, DragValue, ScrollArea, Ui, Window};
+use egui::{Align2, CollapsingHeader, ComboBox, Context, DragValue, ScrollArea, Ui, Window, vec2};
 use glam::Vec3;
 use rtrt::debug::View;
 use rtrt_core::scene::{Light, Setup};
@@ -9,7 +10,9 @@ use rtrt_core::scene::{Light, Setup};
 /// Shows the panel, and does what is chosen.
 pub fn show(context: &Context, viewer: &mut Viewer) {
     let mut is_open = viewer.settings.panel;
-    let window = Window::new("rtrt").open(&mut is_open).default_width(260.0).default_pos([8.0, 8.0]);
+    let corner = context.content_rect().right_top() + vec2(-MARGIN, MARGIN);
+    let window = Window::new("rtrt").open(&mut is_open).default_width(260.0);
+    let window = window.pivot(Align2::RIGHT_TOP).default_pos(corner);
     window.show(context, |ui| {
         ScrollArea::vertical().show(ui, |ui| {
             picture(ui, &mut viewer.settings);
