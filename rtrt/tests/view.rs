@@ -19,25 +19,26 @@ struct Display {
 }
 
 impl Display {
-    /// Starts a server. None if there is none to start, which is a failure where RTRT_REQUIRE_GPU says that
-    /// this machine has all that tests need.
+    /// Starts a server. None if there is none to start.
     fn start(folder: &Path) -> Option<Self> {
         let [width, height] = SCREEN;
         let server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-nolisten", "tcp", "-screen", "0", &format!("{width}x{height}x24")])
+            .args([
+                "-displayfd",
+                "1",
+                "-nolisten",
+                "tcp",
+                "-noreset",
+                "-screen",
+                "0",
+                &format!("{width}x{height}x24"),
+            ])
             .arg("-fbdir")
             .arg(folder)
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
-        let mut server = match server {
-            Ok(server) => server,
-            Err(error) => {
-                assert!(std::env::var_os("RTRT_REQUIRE_GPU").is_none(), "Xvfb is required: {error}");
-                println!("skipped: no window was opened: Xvfb: {error}");
-                return None;
-            }
-        };
+        let mut server = present("Xvfb", server)?;
         let mut number = String::new();
         let output = server.stdout.take().expect("it is piped");
         BufReader::new(output).read_line(&mut number).unwrap();
@@ -67,6 +68,19 @@ impl Drop for Display {
     }
 }
 
+/// What a program that tests need has done. None, and said loudly, where it is missing; a failure where
+/// RTRT_REQUIRE_GPU says that this machine has all that tests need.
+fn present<T>(program: &str, done: std::io::Result<T>) -> Option<T> {
+    match done {
+        Ok(done) => Some(done),
+        Err(error) => {
+            assert!(std::env::var_os("RTRT_REQUIRE_GPU").is_none(), "{program} is required: {error}");
+            println!("skipped: {program}: {error}");
+            None
+        }
+    }
+}
+
 /// A folder of the test's own.
 fn folder(test: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("view").join(test);
@@ -88,6 +102,43 @@ fn view(display: &Display, folder: &Path, line: &str, recording: &str) -> Output
     fs::write(folder.join("input.txt"), format!("rtrt input 1\n{recording}")).unwrap();
     let line = format!("view {line} --replay input.txt");
     command(folder, &line).env("DISPLAY", &display.name).output().unwrap()
+}
+
+/// A viewer that runs until the test is done with it.
+struct Window<'a> {
+    viewer: Child,
+    display: &'a Display,
+    folder: &'a Path,
+}
+
+impl<'a> Window<'a> {
+    fn open(display: &'a Display, folder: &'a Path, line: &str) -> Self {
+        let mut viewer = command(folder, line);
+        let output = |name| fs::File::create(folder.join(name)).unwrap();
+        let viewer = viewer.env("DISPLAY", &display.name).stdout(output("stdout")).stderr(output("stderr"));
+        Self { viewer: viewer.spawn().unwrap(), display, folder }
+    }
+
+    /// Waits until something is true, which must not take long.
+    fn until(&mut self, what: &str, is_so: impl Fn() -> bool) {
+        let end = Instant::now() + Duration::from_secs(60);
+        while !is_so() {
+            sleep(Duration::from_millis(50));
+            let ended = self.viewer.try_wait().unwrap();
+            if ended.is_some() || Instant::now() > end {
+                self.display.pixels(SCREEN).save(self.folder.join("screen.png")).unwrap();
+                let said = fs::read_to_string(self.folder.join("stderr")).unwrap();
+                panic!("not so: {what}; {ended:?}; see screen.png in {}: {said}", self.folder.display());
+            }
+        }
+    }
+}
+
+impl Drop for Window<'_> {
+    fn drop(&mut self) {
+        self.viewer.kill().ok();
+        self.viewer.wait().ok();
+    }
 }
 
 fn stderr(output: &Output) -> String {
@@ -161,24 +212,124 @@ fn the_window_shows_the_picture_pixel_for_pixel() {
         "rtrt input 1\nsize 403 217 1\nframe 0.1\npress F12\nframe 0.1\nframes 10 5\nframes 1000000 0.02\n";
     fs::write(folder.join("input.txt"), recording).unwrap();
     let line = "view demo:glass --size 403x217 --samples 1 --backend cpu --replay input.txt -o shot.png";
-    let mut viewer = command(&folder, line);
-    let viewer = viewer.env("DISPLAY", &display.name).stdout(Stdio::null()).stderr(Stdio::piped());
-    let mut viewer = viewer.spawn().unwrap();
-    let end = Instant::now() + Duration::from_secs(60);
-    let shows = || {
+    let mut window = Window::open(&display, &folder, line);
+    window.until("the screenshot is shown", || {
         let shot = folder.join("shot.png");
         shot.exists() && display.pixels([403, 217]) == pixels(&folder, "shot.png")
-    };
-    let mut is_shown = false;
-    while !is_shown && Instant::now() < end && viewer.try_wait().unwrap().is_none() {
-        sleep(Duration::from_millis(50));
-        is_shown = shows();
+    });
+}
+
+/// A triangle that moves to the right in two seconds.
+fn moving_triangle(folder: &Path) {
+    let positions = [-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0];
+    let (times, places) = ([0.0, 2.0], [0.0, 0.0, 0.0, 4.0, 0.0, 0.0]);
+    let numbers = positions.iter().chain(&times).chain(&places);
+    let bytes: Vec<u8> = numbers.flat_map(|number: &f32| number.to_le_bytes()).collect();
+    fs::write(folder.join("moving.bin"), bytes).unwrap();
+    let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "animations": [{"samplers": [{"input": 1, "output": 2}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+             "min": [-1, -1, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [2]},
+            {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+            {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+        "buffers": [{"uri": "moving.bin", "byteLength": 68}]}"#;
+    fs::write(folder.join("moving.gltf"), gltf).unwrap();
+}
+
+#[test]
+fn an_animation_plays_and_a_file_can_be_dropped() {
+    let folder = folder("animation");
+    let Some(display) = Display::start(&folder) else { return };
+    moving_triangle(&folder);
+    // At rest, after a second, in the beginning, of another scene. The sun of a scene without lights
+    // follows the camera.
+    let recording = "press F12\nframe 0.1\nrelease F12\n\
+        press Space\nframe 0\nrelease Space\nframes 10 0.1\npress Space\nframe 0.1\nrelease Space\n\
+        press F12\nframe 1\nrelease F12\n\
+        press Enter\nframe 1\nrelease Enter\npress F12\nframe 0.1\nrelease F12\n\
+        drop moving.gltf\npress 3\nframe 0.1\npress PageUp\nframes 20 0.1\npress F12\nframe 0.1\n";
+    fs::write(folder.join("a b.obj"), "v -2 0 -2\nv 2 0 -2\nv 0 0 2\nf 3 2 1\n").unwrap();
+    let recording = recording.replace("drop moving.gltf", "drop a b.obj");
+    let output = view(&display, &folder, "moving.gltf --size 160x90 --backend cpu", &recording);
+    let printed = lines(&output);
+    let times = [0, 1, 2].map(|shot| printed[shot].split_once("--time ").map(|(_, rest)| rest));
+    let times = times.map(|rest| rest.map(|rest| rest.split(' ').next().unwrap().parse::<f64>().unwrap()));
+    let [None, Some(played), Some(0.0)] = times else { panic!("{printed:?}") };
+    assert!((played - 1.0).abs() < 1e-5, "{printed:?}");
+    let shots = [0, 1, 2, 3].map(|number| pixels(&folder, &format!("rtrt-000{number}.png")));
+    assert!(shots[0] != shots[1] && shots[0] == shots[2] && shots[2] != shots[3]);
+    for (shot, printed) in shots.iter().zip(&printed[..3]) {
+        assert!(*shot == rendered(&folder, printed), "{printed}");
     }
-    let last = display.pixels(SCREEN);
-    viewer.kill().unwrap();
-    let output = viewer.wait_with_output().unwrap();
-    last.save(folder.join("screen.png")).unwrap();
-    assert!(is_shown, "see screen.png in {}: {}", folder.display(), stderr(&output));
+    let plain = printed[3].replace("'a b.obj'", "c.obj");
+    assert!(plain.starts_with("rtrt render c.obj "), "{}", printed[3]);
+    fs::rename(folder.join("a b.obj"), folder.join("c.obj")).unwrap();
+    assert!(shots[3] == rendered(&folder, &plain));
+}
+
+#[test]
+fn a_person_at_the_keyboard_is_recorded() {
+    let folder = folder("person");
+    let Some(display) = Display::start(&folder) else { return };
+    let mut xdotool = Command::new("timeout");
+    xdotool.args(["60", "xdotool"]).env("DISPLAY", &display.name);
+    let Some(version) =
+        present("xdotool", Command::new("xdotool").arg("version").env("DISPLAY", &display.name).output())
+    else {
+        return;
+    };
+    assert!(version.status.success());
+    let line = "demo:matchbox --size 160x90 --backend cpu --samples 1";
+    let mut window = Window::open(&display, &folder, &format!("view {line} -o a.png --record recorded.txt"));
+    let keys = "search --sync --onlyvisible --name rtrt windowfocus --sync keydown d sleep 0.3 keyup d \
+        mousemove 50 50 mousedown 1 mousemove 70 60 mouseup 1 click 4 key F12";
+    let done = xdotool.args(keys.split_whitespace()).output().unwrap();
+    assert!(done.status.success(), "{}", stderr(&done));
+    window.until("a screenshot is written", || folder.join("a.png").exists());
+    let mut xdotool = Command::new("xdotool");
+    assert!(xdotool.args(["key", "Escape"]).env("DISPLAY", &display.name).status().unwrap().success());
+    let code = window.viewer.wait().unwrap().code();
+    assert_eq!(code, Some(0));
+    let printed = fs::read_to_string(folder.join("stdout")).unwrap();
+    assert!(pixels(&folder, "a.png") == rendered(&folder, printed.trim_end()), "{printed}");
+    let recorded = fs::read_to_string(folder.join("recorded.txt")).unwrap();
+    let again = view(
+        &display,
+        &folder,
+        &format!("{line} -o b.png"),
+        recorded.strip_prefix("rtrt input 1\n").unwrap(),
+    );
+    assert_eq!(lines(&again), [printed.trim_end().replace("a.png", "b.png")]);
+    let still = rendered(&folder, &format!("rtrt render {line} -o x.png").replace(" --backend cpu", ""));
+    assert!(pixels(&folder, "a.png") != still, "nothing has moved");
+}
+
+#[test]
+fn a_scene_that_is_written_again_is_shown_again() {
+    let folder = folder("watch");
+    let Some(display) = Display::start(&folder) else { return };
+    let write = |x: f32| {
+        let scene = format!("v {x} 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n");
+        fs::write(folder.join("scene.obj"), scene).unwrap();
+    };
+    write(-2.0);
+    let mut window = Window::open(&display, &folder, "view scene.obj --size 160x90 --backend cpu --watch");
+    let shown = || display.pixels([160, 90]);
+    let colors = |picture: RgbaImage| picture.pixels().collect::<std::collections::HashSet<_>>().len();
+    window.until("there is a picture", || colors(shown()) > 3);
+    sleep(Duration::from_millis(500));
+    let before = shown();
+    write(1.0);
+    window.until("the picture is another one", || shown() != before && colors(shown()) > 3);
+    fs::write(folder.join("scene.obj"), "nonsense\nf 1 2 3\n").unwrap();
+    let said = || fs::read_to_string(folder.join("stderr")).unwrap();
+    window.until("the scene is refused", || said().contains("\nerror: ") && said().contains("scene.obj"));
+    assert!(window.viewer.try_wait().unwrap().is_none(), "the viewer has ended");
 }
 
 #[test]
@@ -187,8 +338,8 @@ fn keys_switch_what_lies_over_the_picture_and_never_what_is_written() {
     let Some(display) = Display::start(&folder) else { return };
     let recording = "press F12\nframe 0.1\nrelease F12\n\
         press H\nframe 0.1\npress Z\nframe 0.1\npress P\nframes 3 0.1\n\
-        press F12\nframe 0.1\nrelease F12\nmove 40 60\nframe 0.1\nbutton left down\nframe 0.1\n\
-        move 90 90\nframe 0.1\nbutton left up\nwheel -3\nframe 0.1\npress F12\nframe 0.1\n";
+        press F12\nframe 0.1\nrelease F12\nmove 200 20\nframe 0.1\nbutton left down\nframe 0.1\n\
+        move 160 50\nframe 0.1\nbutton left up\nwheel -3\nframe 0.1\npress F12\nframe 0.1\n";
     let output = view(&display, &folder, "demo:matchbox --size 320x180 --samples 1 --backend cpu", recording);
     let printed = lines(&output);
     let shots = [0, 1, 2].map(|number| pixels(&folder, &format!("rtrt-000{number}.png")));

@@ -38,7 +38,7 @@ const TURN: f64 = 0.005;
 /// Radians a second.
 const TILT: f64 = 0.8;
 /// Radii of the scene a second.
-const SPEED: f64 = 0.6;
+const SPEED: f64 = 0.3;
 /// How much faster with Shift.
 const FAST: f64 = 4.0;
 
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn a_held_key_moves_until_it_is_released() {
         let (rig, _) = after(FREE, &[Event::Press(Key::W)]);
-        assert!((rig.camera.eye.z - (5.0 - 1.2)).abs() < 1e-5);
+        assert!((rig.camera.eye.z - (5.0 - 0.6)).abs() < 1e-5);
         for end in [Event::Release(Key::W), Event::Focus(false)] {
             let (rig, _) = after(FREE, &[Event::Press(Key::W), end]);
             assert_eq!(rig.camera, RIG.camera);

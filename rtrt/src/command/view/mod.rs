@@ -15,7 +15,6 @@ mod window;
 use super::Error;
 use super::options::View;
 use input::Replay;
-use rtrt::replace::folder;
 use std::fmt::Display;
 use std::fs;
 use std::panic::{self, AssertUnwindSafe};
@@ -63,5 +62,5 @@ fn plain(error: &impl Display) -> String {
 fn replay(path: &Path) -> Result<Replay, Error> {
     let refused = |why: String| Error::Replay { path: path.to_owned(), why };
     let text = fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
-    Replay::parse(&text, folder(path)).map_err(|error| refused(error.to_string()))
+    Replay::parse(&text, path.parent().unwrap_or(Path::new(""))).map_err(|error| refused(error.to_string()))
 }
