@@ -340,8 +340,11 @@ fn keys_switch_what_lies_over_the_picture_and_never_what_is_written() {
         press H\nframe 0.1\npress Z\nframe 0.1\npress P\nframes 3 0.1\n\
         press F12\nframe 0.1\nrelease F12\nmove 200 20\nframe 0.1\nbutton left down\nframe 0.1\n\
         move 160 50\nframe 0.1\nbutton left up\nwheel -3\nframe 0.1\npress F12\nframe 0.1\n";
-    let output = view(&display, &folder, "demo:matchbox --size 320x180 --samples 1 --backend cpu", recording);
+    let line = "demo:matchbox --size 320x180 --samples 1 --backend cpu --json";
+    let output = view(&display, &folder, line, recording);
     let printed = lines(&output);
+    let report: serde_json::Value = serde_json::from_str(&printed[0]).unwrap();
+    assert_eq!((report["backend"].as_str(), report["output"].as_str()), (Some("cpu"), Some("rtrt-0000.png")));
     let shots = [0, 1, 2].map(|number| pixels(&folder, &format!("rtrt-000{number}.png")));
     assert!(shots[0] == shots[1], "{printed:?}");
     assert!(shots[1] == shots[2], "a drag on the panel moved the camera: {printed:?}");

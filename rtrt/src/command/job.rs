@@ -35,6 +35,7 @@ pub struct Job {
     /// Whether the lights are those of the file.
     own_lights: bool,
     /// Whether the lights are [`import::light_by_default`]'s.
+    #[cfg(feature = "viewer")]
     default_lights: bool,
     animation: Option<Animation>,
     cameras: Vec<NamedCamera>,
@@ -91,6 +92,7 @@ impl Job {
             layers: common.transparency_depth,
             tree_build_ms,
             own_lights: common.lights.is_empty() && !lit_by_default,
+            #[cfg(feature = "viewer")]
             default_lights,
             animation,
             cameras,

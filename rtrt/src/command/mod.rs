@@ -38,13 +38,10 @@ pub enum Command {
     Bench(Bench),
     /// Look at a scene in a window
     ///
-    /// Keys: W A S D and PageUp PageDown move, faster with Shift; Q E tilt; H shows all others. Drag
-    /// with the left button to orbit, with the right one to look around, with the middle one to shift the
-    /// picture; the wheel changes the focal length.
-    ///
     /// F12 writes what is seen at full resolution, and prints the `rtrt render` command that gives the
-    /// same file.
+    /// same file. A window needs a display and a graphics driver; no other command does.
     #[cfg(feature = "viewer")]
+    #[command(after_long_help = view::keys())]
     View(options::View),
     /// List adapters and instruction sets, and what --backend auto would choose
     Doctor,

@@ -14,6 +14,7 @@ mod window;
 
 use super::Error;
 use super::options::View;
+use controls::KEYS;
 use input::Replay;
 use std::fmt::Display;
 use std::fs;
@@ -22,6 +23,12 @@ use std::path::Path;
 use viewer::Viewer;
 use window::App;
 use winit::event_loop::EventLoop;
+
+/// The keys, as the help of the command lists them.
+pub fn keys() -> String {
+    let lines = KEYS.iter().map(|(keys, what)| format!("\n  {keys:<16}  {what}"));
+    format!("Keys:{}", lines.collect::<String>())
+}
 
 /// Opens a window, and shows the scene until it is closed.
 pub fn run(options: &View) -> Result<(), Error> {

@@ -18,7 +18,7 @@ use rtrt::choose::Choice;
 use rtrt::debug::{Shown, View};
 use rtrt_core::backend::{Backend, Picture, STAGES};
 use rtrt_core::scene::Camera;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// How long nothing must change before a picture is rendered as fine as it gets, seconds.
@@ -60,6 +60,17 @@ pub struct Timing {
     /// Wall clock, milliseconds, readback included.
     pub frame_ms: f64,
     pub stages_ms: [f64; STAGES.len()],
+}
+
+/// What `--json` prints of a screenshot.
+#[derive(serde::Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    machine: Machine,
+    size: [u32; 2],
+    /// What renders the same without a window; null where no option gives lights that were changed.
+    command: Option<String>,
+    output: &'a Path,
 }
 
 /// A viewer.
@@ -352,11 +363,20 @@ impl Viewer {
             debug: self.settings.debug,
             lights: self.has_own_lights.then(|| self.job.scene.lights()),
         };
-        match reproduce::command(&shot, &path).filter(|_| !self.has_own_colors) {
-            Some(command) => self.console.print(command)?,
-            None => self
-                .console
-                .say(format_args!("{}: no option gives the lights that were changed here", path.display())),
+        let command = reproduce::command(&shot, &path).filter(|_| !self.has_own_colors);
+        if self.options.json {
+            let machine = self.machine().clone();
+            self.console.print(output::json(&Report {
+                machine,
+                size: full.size,
+                command,
+                output: &path,
+            })?)?;
+        } else if let Some(command) = command {
+            self.console.print(command)?;
+        } else {
+            let name = path.display();
+            self.console.say(format_args!("{name}: no option gives the lights that were changed here"));
         }
         self.say(format!("written: {}", path.display()));
         Ok(())

@@ -8,7 +8,7 @@ use super::watch::{self, Watch};
 use super::{caught, overlay, panel, plain};
 use crate::command::Error;
 use crate::command::options;
-use egui::{Context, FullOutput, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
+use egui::{Context, FullOutput, PointerButton, Popup, Pos2, RawInput, Rect, pos2, vec2};
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
@@ -21,8 +21,10 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::{Key, PhysicalKey};
 use winit::window::{Window, WindowId};
 
-/// The longest time that a frame stands for: after a rest nothing is to jump, seconds.
+/// The longest time that a frame stands for, seconds: nothing is to jump.
 const LONGEST: f32 = 0.1;
+/// The time that a frame usually stands for, seconds.
+const FRAME: f32 = 1.0 / 60.0;
 /// How many pixels of a touchpad are a notch of a wheel.
 const NOTCH: f64 = 40.0;
 
@@ -42,6 +44,8 @@ pub struct App {
     scale: f32,
     time: f64,
     last: Instant,
+    /// Whether nothing went on since then.
+    is_idle: bool,
     replay: Option<Replay>,
     record: Option<(PathBuf, File)>,
     watch: Option<Watch>,
@@ -74,6 +78,7 @@ impl App {
             scale: 1.0,
             time: 0.0,
             last: Instant::now(),
+            is_idle: true,
             replay,
             record: record.transpose()?,
             watch: options.watch.then(|| Watch::new(&scene)),
@@ -105,7 +110,7 @@ impl App {
         let over = self.overlay(&step);
         // What lies over the picture has the first say.
         let free = Free {
-            keys: !self.context.egui_wants_keyboard_input(),
+            keys: !self.context.egui_wants_keyboard_input() && !Popup::is_any_open(&self.context),
             pointer: !self.context.is_pointer_over_egui() && !self.context.egui_is_using_pointer(),
         };
         for event in &step.events {
@@ -127,7 +132,9 @@ impl App {
     /// What happened before this frame; none at the end of a recording.
     fn step(&mut self) -> Result<Option<Step>, Error> {
         let now = Instant::now();
-        let seconds = (now - self.last).as_secs_f32().min(LONGEST);
+        // What begins after a rest begins now.
+        let longest = if self.is_idle { FRAME } else { LONGEST };
+        let seconds = (now - self.last).as_secs_f32().min(longest);
         self.last = now;
         let mut step = Step { events: std::mem::take(&mut self.events), seconds };
         if let Some(replay) = &mut self.replay {
@@ -358,6 +365,7 @@ impl ApplicationHandler for App {
             self.viewer.load(None);
             is_due = true;
         }
+        self.is_idle = !is_due;
         if is_due || self.wake.is_some_and(|wake| wake <= now) {
             screen.window.request_redraw();
         }
