@@ -1,23 +1,83 @@
 //! The command line that renders what is seen.
 
+use crate::command::Command;
 use crate::command::options::Common;
 use crate::command::render::SAMPLES;
+use clap::CommandFactory;
+use clap::parser::ValueSource;
 use glam::Vec3;
 use rtrt::debug::View;
 use rtrt_core::backend::{LAYERS, Request};
 use rtrt_core::scene::{Light, Projection};
+use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::Path;
 
 /// What a screenshot shows.
 pub struct Shot<'a> {
     pub common: &'a Common,
+    /// See [`passed_on`].
+    pub passed_on: &'a [String],
     pub request: Request<'a>,
     /// When, of the animation, if it was played.
     pub time: Option<f64>,
     pub debug: Option<View>,
     /// The lights, if they are no longer those that the scene and the options give.
     pub lights: Option<&'a [Light]>,
+}
+
+/// Options of `rtrt view` that are not passed on: those that say nothing about the picture, and those
+/// that [`command`] gives anew, because they may have changed.
+const OWN: [&str; 23] = [
+    "output",
+    "fps",
+    "watch",
+    "record",
+    "replay",
+    "json",
+    "cache",
+    "backend",
+    "adapter",
+    "threads",
+    "lanes",
+    "size",
+    "samples",
+    "no_shadows",
+    "transparency_depth",
+    "lights",
+    "time",
+    "camera",
+    "eye",
+    "look_at",
+    "up",
+    "fov_y",
+    "parallel",
+];
+
+/// The options of a command line that change the picture, and that nothing in a viewer changes.
+pub fn passed_on(line: impl IntoIterator<Item = OsString>) -> Vec<String> {
+    let command = Command::command();
+    let parsed = command.clone().try_get_matches_from(line);
+    let (Some(view), Some(given)) = (
+        command.find_subcommand("view"),
+        parsed.as_ref().ok().and_then(|parsed| parsed.subcommand_matches("view")),
+    ) else {
+        return Vec::new();
+    };
+    let mut options = Vec::new();
+    for argument in view.get_arguments() {
+        let (name, Some(long)) = (argument.get_id().as_str(), argument.get_long()) else { continue };
+        if OWN.contains(&name) || given.value_source(name) != Some(ValueSource::CommandLine) {
+            continue;
+        }
+        if !argument.get_action().takes_values() {
+            options.push(format!("--{long}"));
+            continue;
+        }
+        let values = given.get_raw(name).into_iter().flatten();
+        options.extend(values.map(|value| format!("--{long} {}", quoted(Path::new(value)))));
+    }
+    options
 }
 
 /// The command that writes the same file. None if no option gives one of the lights.
@@ -39,8 +99,8 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> Option<String> {
     if request.layers != LAYERS {
         option(format_args!("--transparency-depth {}", request.layers));
     }
-    if let Some(path) = &common.environment {
-        option(format_args!("--environment {}", quoted(path)));
+    for text in shot.passed_on {
+        option(format_args!("{text}"));
     }
     for light in shot.lights.unwrap_or(&common.lights) {
         option(format_args!("--light {}", light_option(light)?));
@@ -99,7 +159,6 @@ fn quoted(path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::command::Command;
     use crate::command::options::{CameraOptions, Render};
     use clap::Parser;
     use rtrt_core::scene::Camera;
@@ -115,7 +174,7 @@ mod tests {
     fn what_is_printed_is_read_as_the_same() {
         let common = options(
             "rtrt render a.obj -o x.png --light point:0.1,-2e-7,3e9 --light spot:1,2,3:0,-1,0.3:33.3 \
-             --light sun:1,2,2 --environment sky.hdr",
+             --light sun:1,2,2",
         )
         .common;
         let numbers = [0.1, 1.0 / 3.0, 1e-20, 1.234_567_9e20, 0.7, 1e-3, 3.1];
@@ -136,7 +195,8 @@ mod tests {
                 deferred: true,
             };
             let debug = Some(View::Heat);
-            let shot = Shot { common: &common, request, time: Some(0.1 + 0.2), debug, lights: None };
+            let shot =
+                Shot { common: &common, passed_on: &[], request, time: Some(0.1 + 0.2), debug, lights: None };
             let read = options(&command(&shot, Path::new("out.png")).unwrap());
             let CameraOptions { eye, look_at, up, .. } = read.common.camera;
             assert_eq!((eye, look_at, up), (Some(camera.eye), Some(camera.look_at), Some(camera.up)));
@@ -150,8 +210,16 @@ mod tests {
             assert_eq!((read.common.no_shadows, read.common.transparency_depth), (true, 3));
             assert_eq!((read.debug, read.common.time), (debug, Some(0.1 + 0.2)));
             assert_eq!(read.common.lights, common.lights);
-            assert_eq!(read.common.environment, common.environment);
         }
+    }
+
+    #[test]
+    fn what_a_viewer_does_not_change_is_passed_on() {
+        let line = "rtrt view a.obj --fps 9 --environment sky.hdr --watch --threads 2 --eye 1,2,3 --size 9x9";
+        assert_eq!(passed_on(line.split(' ').map(OsString::from)), ["--environment sky.hdr"]);
+        let view = Command::command().find_subcommand("view").unwrap().clone();
+        let is_known = |name: &&str| view.get_arguments().any(|argument| *argument.get_id() == **name);
+        assert_eq!(OWN.iter().find(|name| !is_known(name)), None);
     }
 
     #[test]

@@ -83,6 +83,8 @@ pub struct Viewer {
     /// Neither are the ambient light and the background.
     pub has_own_colors: bool,
     options: Common,
+    /// Options for a command that renders the same.
+    passed_on: Vec<String>,
     output: PathBuf,
     console: Console,
     backends: Vec<(Box<dyn Backend>, Machine)>,
@@ -157,6 +159,7 @@ impl Viewer {
             failure: None,
             is_closed: false,
             options: common,
+            passed_on: reproduce::passed_on(std::env::args_os()),
             job,
         })
     }
@@ -358,6 +361,7 @@ impl Viewer {
         output::write(&path, &bytes)?;
         let shot = Shot {
             common: &self.options,
+            passed_on: &self.passed_on,
             request: self.job.request(self.settings.debug.is_some()),
             time: self.time,
             debug: self.settings.debug,
