@@ -364,6 +364,8 @@ fn a_replay_ends_with_an_error_where_something_does_not_work() {
     assert!(code == Some(3) && error.contains("nothing.glb"), "{code:?} {error}");
     let (code, error) = end("press F12\nframe 0.1\n", "-o nowhere/x.png");
     assert!(code == Some(1) && error.contains("nowhere"), "{code:?} {error}");
+    let (code, error) = end("modifiers ctrl\npress 1\nsize 16384 8192 1\nframe 0.1\n", "");
+    assert!(code == Some(2) && error.contains("frame too large"), "{code:?} {error}");
     let (code, error) = end("press Wumm\nframe 0.1\n", "");
     assert!(code == Some(3) && error.contains("input.txt: line 2: no such key"), "{code:?} {error}");
 }

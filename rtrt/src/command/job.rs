@@ -54,13 +54,7 @@ impl Job {
         console: &Console,
     ) -> Result<Self, Error> {
         let samples = common.samples.unwrap_or(samples);
-        let rays = common.size.map(u64::from).iter().product::<u64>() * u64::from(samples);
-        if rays > MAX_RAYS {
-            return Err(Error::TooLarge { rays, limit: MAX_RAYS, may: "can be numbered" });
-        }
-        if deferred && rays > MAX_DEFERRED {
-            return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can be kept to be looked at" });
-        }
+        let rays = rays(common.size, samples, deferred)?;
         console.step(format_args!("loading {}", common.scene.display()));
         let mut loaded = load(common, console)?;
         for warning in &loaded.warnings {
@@ -153,6 +147,18 @@ impl Job {
             .map_err(|error| Error::Render { scene: self.common.scene.clone(), source: error.into() })?;
         shown.ok_or(Error::Usage("a view needs the deferred buffers"))
     }
+}
+
+/// How many rays a frame has, if not too many; fewer are allowed where their deferred buffers are kept.
+pub fn rays(size: [u32; 2], samples: u32, deferred: bool) -> Result<u64, Error> {
+    let rays = size.map(u64::from).iter().product::<u64>() * u64::from(samples);
+    if rays > MAX_RAYS {
+        return Err(Error::TooLarge { rays, limit: MAX_RAYS, may: "can be numbered" });
+    }
+    if deferred && rays > MAX_DEFERRED {
+        return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can be kept to be looked at" });
+    }
+    Ok(rays)
 }
 
 /// What changes while a scene is looked at.

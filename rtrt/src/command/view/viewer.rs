@@ -6,7 +6,7 @@ use super::pace::{Detail, Pace};
 use super::reproduce::{self, Shot};
 use crate::command::Error;
 use crate::command::console::Console;
-use crate::command::job::{Job, open};
+use crate::command::job::{Job, open, rays};
 use crate::command::options::{self, Common};
 use crate::command::output::{self, png};
 use crate::command::render::{FRAME, SAMPLES, encode, numbered};
@@ -402,6 +402,7 @@ impl Viewer {
         }
         self.drawn = None;
         let Wanted { detail, shadows, layers, debug, .. } = wanted;
+        rays(detail.size, detail.samples, debug.is_some())?;
         let job = &mut self.job;
         (job.size, job.samples, job.shadows, job.layers) = (detail.size, detail.samples, shadows, layers);
         let start = Instant::now();
