@@ -179,10 +179,9 @@ impl Viewer {
         &self.backends[self.current].1
     }
 
-    /// The scene's name.
-    pub fn name(&self) -> String {
-        let path = &self.options.scene;
-        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    /// The scene that was loaded last.
+    pub fn scene(&self) -> &Path {
+        &self.options.scene
     }
 
     /// What is to be said at the moment.
@@ -290,7 +289,7 @@ impl Viewer {
                     self.job.look(camera);
                 }
                 self.touch();
-                self.say(format!("loaded {}", self.name()));
+                self.say(format!("loaded {}", self.scene().display()));
             }
             Err(error) => self.note(Err(error)),
         }

@@ -11,7 +11,7 @@ use crate::command::options;
 use egui::{Context, FullOutput, PointerButton, Popup, Pos2, RawInput, Rect, pos2, vec2};
 use std::fs::File;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use winit::application::ApplicationHandler;
@@ -31,6 +31,7 @@ const NOTCH: f64 = 40.0;
 /// The viewer in its window.
 pub struct App {
     viewer: Viewer,
+    /// What the window's title says, and what is watched.
     scene: PathBuf,
     screen: Option<Screen>,
     context: Context,
@@ -91,7 +92,7 @@ impl App {
     fn open(&mut self, events: &ActiveEventLoop) -> Result<Screen, String> {
         let [width, height] = self.size;
         let attributes = Window::default_attributes()
-            .with_title(format!("{} – rtrt", self.viewer.name()))
+            .with_title(title(&self.scene))
             .with_inner_size(PhysicalSize::new(width, height));
         let window = events.create_window(attributes).map_err(|error| plain(&error))?;
         let screen = Screen::new(Arc::new(window), events)?;
@@ -123,9 +124,13 @@ impl App {
         }
         let delay = over.viewport_output.values().map(|output| output.repaint_delay).min();
         self.wake = delay.and_then(|delay| Instant::now().checked_add(delay));
-        let scene = &self.scene;
+        if self.scene != self.viewer.scene() {
+            self.scene = self.viewer.scene().to_owned();
+            screen.window.set_title(&title(&self.scene));
+            self.watch = self.watch.as_ref().map(|_| Watch::new(&self.scene));
+        }
         let shown = screen.show(&self.context, over, self.size);
-        shown.map_err(|why| Error::Window { scene: scene.clone(), why })?;
+        shown.map_err(|why| Error::Window { scene: self.scene.clone(), why })?;
         self.viewer.failure().map_or(Ok(()), Err)
     }
 
@@ -293,6 +298,11 @@ impl App {
         }
         events.exit();
     }
+}
+
+fn title(scene: &Path) -> String {
+    let name = scene.file_name().unwrap_or(scene.as_os_str());
+    format!("{} – rtrt", name.to_string_lossy())
 }
 
 /// The key by what is printed on it; digits, and letters of other scripts, by their place.
