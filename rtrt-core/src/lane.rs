@@ -98,6 +98,8 @@ pub trait Lane:
     fn gather<const N: usize>(token: Self::Token, f: impl Fn(usize) -> [f32; N]) -> [Self; N];
     /// `f(0)`, `f(1)`, … in lanes 0, 1, …, as bits.
     fn bits_from_fn(token: Self::Token, f: impl Fn(usize) -> u32) -> Self::Bits;
+    /// Four words whose lanes 0, 1, … are `f(0)`, `f(1)`, ….
+    fn gather_bits(token: Self::Token, f: impl Fn(usize) -> [u32; 4]) -> [Self::Bits; 4];
     /// The token that made this number.
     fn token(self) -> Self::Token;
     /// The numbers one by one. Take them out once, before a loop over lanes.
@@ -268,6 +270,11 @@ impl Lane for f32 {
     #[inline(always)]
     fn bits_from_fn(_: (), f: impl Fn(usize) -> u32) -> Word {
         Word(f(0))
+    }
+    #[inline(always)]
+    fn gather_bits(_: (), f: impl Fn(usize) -> [u32; 4]) -> [Word; 4] {
+        let [a, b, c, d] = f(0);
+        [Word(a), Word(b), Word(c), Word(d)]
     }
     #[inline(always)]
     fn token(self) {}

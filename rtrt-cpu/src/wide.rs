@@ -184,6 +184,21 @@ macro_rules! lane {
                 $bits($u::from_slice(token, &row))
             }
             #[inline(always)]
+            fn gather_bits(token: S, f: impl Fn(usize) -> [u32; 4]) -> [$bits<S>; 4] {
+                let mut rows = [[0; $width]; 4];
+                for lane in 0..$width {
+                    let words = f(lane);
+                    for (row, word) in rows.iter_mut().zip(words) {
+                        row[lane] = word;
+                    }
+                }
+                let mut loaded = [$bits($u::splat(token, 0)); 4];
+                for (loaded, row) in loaded.iter_mut().zip(&rows) {
+                    *loaded = $bits($u::from_slice(token, row));
+                }
+                loaded
+            }
+            #[inline(always)]
             fn token(self) -> S {
                 self.0.token()
             }

@@ -1,9 +1,9 @@
 //! The color of a texture at a point.
 
 use crate::kernel::mip::{Levels, levels};
-use crate::lane::{Bits, Lane, Mask, Row, Select, groups};
+use crate::lane::{Bits, Lane, Mask, Row, Select, Word, groups};
 use crate::layout::{Material, Wrap};
-use crate::num::{clamp, floor, to_integer};
+use crate::num::{clamp, floor, from_integer, to_integer};
 
 /// Words at the start of the scene's texels: for each byte of an sRGB color, the bits of
 /// the linear light that it stands for.
@@ -128,11 +128,18 @@ pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
     let uv = [u * a + v * b + e, u * c + v * d + f];
     let Levels { fine, coarse, share } = levels(footprint, log_size, count.max(one));
     let at = |level: L| Site::new(uv, [width, height], [wrap_u, wrap_v], level);
-    let sites = Sites { indices: chosen.indices, fine: at(fine), coarse: at(coarse), share: share.row() };
-    L::gather(
-        token,
+    let indices = &chosen.indices;
+    let sharp = at(fine).color::<MAP, COLOR>(maps, indices);
+    // Without a share the coarser level would change nothing.
+    let mixed = if zero.less_than(share).any() {
+        lerp(sharp, at(coarse).color::<MAP, COLOR>(maps, indices), share)
+    } else {
+        sharp
+    };
+    let has = zero.less_than(count);
+    groups(
         #[inline(always)]
-        |lane| sites.fetch::<MAP, COLOR>(maps, lane),
+        |i| has.select(mixed[i], one),
     )
 }
 
@@ -157,42 +164,10 @@ pub fn finest(texels: &[u32], map: &Finest, uv: [f32; 2]) -> [f32; 4] {
     let (y, share_y) = neighbors(uv[1], map.height as f32, map.wrap_v as f32);
     let first = texels[map.first as usize];
     let (row, next_row) = (first + y[0].0 * map.width, first + y[1].0 * map.width);
-    let upper = lerp(
-        decode::<true>(texels, texels[(row + x[0].0) as usize]),
-        decode::<true>(texels, texels[(row + x[1].0) as usize]),
-        share_x,
-    );
-    let lower = lerp(
-        decode::<true>(texels, texels[(next_row + x[0].0) as usize]),
-        decode::<true>(texels, texels[(next_row + x[1].0) as usize]),
-        share_x,
-    );
+    let at = |row: u32, x: Word| decode::<f32, true>((), texels, Word(texels[(row + x.0) as usize]));
+    let upper = lerp(at(row, x[0]), at(row, x[1]), share_x);
+    let lower = lerp(at(next_row, x[0]), at(next_row, x[1]), share_x);
     lerp(upper, lower, share_y)
-}
-
-/// The two levels that are looked up.
-struct Sites<L: Lane> {
-    /// The materials.
-    indices: <L::Bits as Bits>::Row,
-    fine: Site<L>,
-    coarse: Site<L>,
-    /// Of the coarser level.
-    share: L::Row,
-}
-
-impl<L: Lane> Sites<L> {
-    /// The color in one lane.
-    #[inline(always)]
-    fn fetch<const MAP: usize, const COLOR: bool>(&self, maps: &Maps<'_>, lane: usize) -> [f32; 4] {
-        let material = self.indices.at(lane);
-        let share = self.share.at(lane);
-        let sharp = self.fine.fetch::<MAP, COLOR>(maps, material, lane);
-        // Without a share the coarser level would change nothing.
-        if share == 0.0 {
-            return sharp;
-        }
-        lerp(sharp, self.coarse.fetch::<MAP, COLOR>(maps, material, lane), share)
-    }
 }
 
 /// The four texels around a point in one level, and how near their centers are.
@@ -200,10 +175,10 @@ struct Site<L: Lane> {
     level: <L::Bits as Bits>::Row,
     /// The two columns, and the share of the second.
     x: [<L::Bits as Bits>::Row; 2],
-    share_x: L::Row,
+    share_x: L,
     /// The two rows.
     y: [<L::Bits as Bits>::Row; 2],
-    share_y: L::Row,
+    share_y: L,
 }
 
 impl<L: Lane> Site<L> {
@@ -218,24 +193,46 @@ impl<L: Lane> Site<L> {
         Self {
             level: halvings.row(),
             x: [x[0].row(), x[1].row()],
-            share_x: share_x.row(),
+            share_x,
             y: [y[0].row(), y[1].row()],
-            share_y: share_y.row(),
+            share_y,
         }
     }
 
-    /// The mixed texels in one lane.
+    /// The mixed texels of the texture `MAP` of each lane's material; anything in lanes without
+    /// one.
     #[inline(always)]
-    fn fetch<const MAP: usize, const COLOR: bool>(
+    fn color<const MAP: usize, const COLOR: bool>(
         &self,
         maps: &Maps<'_>,
-        material: u32,
-        lane: usize,
-    ) -> [f32; 4] {
+        materials: &<L::Bits as Bits>::Row,
+    ) -> [L; 4] {
+        let token = self.share_x.token();
+        let [a, b, c, d] = L::gather_bits(
+            token,
+            #[inline(always)]
+            |lane| self.texels::<MAP>(maps, materials.at(lane), lane),
+        );
+        let upper = lerp(
+            decode::<L, COLOR>(token, maps.texels, a),
+            decode::<L, COLOR>(token, maps.texels, b),
+            self.share_x,
+        );
+        let lower = lerp(
+            decode::<L, COLOR>(token, maps.texels, c),
+            decode::<L, COLOR>(token, maps.texels, d),
+            self.share_x,
+        );
+        lerp(upper, lower, self.share_y)
+    }
+
+    /// The four texels in one lane, row by row.
+    #[inline(always)]
+    fn texels<const MAP: usize>(&self, maps: &Maps<'_>, material: u32, lane: usize) -> [u32; 4] {
         let texels = maps.texels;
         let map = &maps.materials[material as usize].textures[MAP];
         if map.levels == 0 {
-            return [1.0; 4];
+            return [0; 4];
         }
         let level = self.level.at(lane);
         let first = texels[(map.first + level) as usize];
@@ -243,18 +240,12 @@ impl<L: Lane> Site<L> {
         let width = if width > 1 { width } else { 1 };
         let (x, next_x) = (self.x[0].at(lane), self.x[1].at(lane));
         let (row, next_row) = (first + self.y[0].at(lane) * width, first + self.y[1].at(lane) * width);
-        let share = self.share_x.at(lane);
-        let upper = lerp(
-            decode::<COLOR>(texels, texels[(row + x) as usize]),
-            decode::<COLOR>(texels, texels[(row + next_x) as usize]),
-            share,
-        );
-        let lower = lerp(
-            decode::<COLOR>(texels, texels[(next_row + x) as usize]),
-            decode::<COLOR>(texels, texels[(next_row + next_x) as usize]),
-            share,
-        );
-        lerp(upper, lower, self.share_y.at(lane))
+        [
+            texels[(row + x) as usize],
+            texels[(row + next_x) as usize],
+            texels[(next_row + x) as usize],
+            texels[(next_row + next_x) as usize],
+        ]
     }
 }
 
@@ -291,21 +282,38 @@ fn neighbors<L: Lane>(coordinate: L, size: L, wrap: L) -> ([L::Bits; 2], L) {
     ([to_integer(x), to_integer(next)], share)
 }
 
-/// Linear RGB and alpha of a texel, 8 bits each, red lowest.
+/// Linear RGB and alpha of texels, 8 bits each, red lowest.
 #[inline(always)]
-fn decode<const COLOR: bool>(texels: &[u32], texel: u32) -> [f32; 4] {
-    let (r, g, b) = (texel & 255, texel >> 8 & 255, texel >> 16 & 255);
-    let alpha = (texel >> 24) as f32 * BYTE;
+fn decode<L: Lane, const COLOR: bool>(token: L::Token, texels: &[u32], words: L::Bits) -> [L; 4] {
+    let alpha = channel::<L>(words, 3);
     if COLOR {
-        let linear = [texels[r as usize], texels[g as usize], texels[b as usize]];
-        return [f32::from_bits(linear[0]), f32::from_bits(linear[1]), f32::from_bits(linear[2]), alpha];
+        let row = words.row();
+        let [r, g, b] = L::gather(
+            token,
+            #[inline(always)]
+            |lane| linear(texels, row.at(lane)),
+        );
+        return [r, g, b, alpha];
     }
-    [r as f32 * BYTE, g as f32 * BYTE, b as f32 * BYTE, alpha]
+    [channel::<L>(words, 0), channel::<L>(words, 1), channel::<L>(words, 2), alpha]
+}
+
+/// Linear RGB of one texel.
+#[inline(always)]
+fn linear(texels: &[u32], texel: u32) -> [f32; 3] {
+    let of = |byte: u32| f32::from_bits(texels[(byte & 255) as usize]);
+    [of(texel), of(texel >> 8), of(texel >> 16)]
+}
+
+/// Byte `number` of a color of 8 bits a channel, as 0 ..= 1.
+#[inline(always)]
+pub fn channel<L: Lane>(color: L::Bits, number: u32) -> L {
+    from_integer::<L>((color >> (8 * number)) & color.like(255)) * BYTE
 }
 
 /// `a + (b − a) · share`, component by component.
 #[inline(always)]
-fn lerp(a: [f32; 4], b: [f32; 4], share: f32) -> [f32; 4] {
+fn lerp<L: Lane>(a: [L; 4], b: [L; 4], share: L) -> [L; 4] {
     [
         a[0] + (b[0] - a[0]) * share,
         a[1] + (b[1] - a[1]) * share,

@@ -2,12 +2,12 @@
 
 use crate::kernel::environment::{Sky, arriving as arriving_from, mirrored};
 use crate::kernel::ray::Ray;
-use crate::kernel::texture::{Chosen, Maps, Pick, sample};
+use crate::kernel::texture::{Chosen, Maps, Pick, channel, sample};
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{AlphaMode, Frame, Material};
 use crate::num::{clamp, flush, flush3, normalize};
 use crate::stage::light::Arriving;
-use crate::stage::surface::{Surfaces, channel};
+use crate::stage::surface::Surfaces;
 
 /// Linear RGB and alpha of what a group of rays has found:
 ///

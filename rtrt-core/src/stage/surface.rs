@@ -5,7 +5,7 @@ use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::footprint;
 use crate::kernel::offset::offset;
 use crate::kernel::ray::{Ray, normal, point, vector};
-use crate::kernel::texture::{BYTE, Places};
+use crate::kernel::texture::Places;
 use crate::kernel::traverse::{Best, BestRows, Geometry};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Attribute, NONE, Object, Surface, View};
@@ -423,10 +423,4 @@ fn mixed<L: Lane>(weights: &Weights<L>, [a, b, c]: [L::Bits; 3]) -> L::Bits {
         (to_integer(mixed) & a.like(255)) << shift
     };
     same.select(a, channel(0) | channel(8) | channel(16) | channel(24))
-}
-
-/// One channel (0 ..= 3) of a vertex color, 0 ..= 1.
-#[inline(always)]
-pub fn channel<L: Lane>(color: L::Bits, number: u32) -> L {
-    from_integer::<L>((color >> (8 * number)) & color.like(255)) * BYTE
 }
