@@ -79,8 +79,14 @@ fn balls(count: u32, lights: u32) -> Scene {
 
 /// The median time of a frame, by lines.
 fn frame(scene: &Scene, size: [u32; 2], threads: usize) -> [f64; LINES.len()] {
-    let request =
-        Request { camera: &CAMERA, size, samples: 1, shadows: Shadows::Hard, layers: LAYERS, deferred: false };
+    let request = Request {
+        camera: &CAMERA,
+        size,
+        samples: 1,
+        shadows: Shadows::Hard,
+        layers: LAYERS,
+        deferred: false,
+    };
     let render =
         |cpu: &mut Cpu, picture: &mut Picture| cpu.render(scene, &request, picture).expect("a frame");
     let new = |lanes, threads| Cpu::new(Options { lanes, threads: Some(threads) }).expect("a processor");

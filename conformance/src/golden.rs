@@ -32,8 +32,8 @@ const CASES: &[&str] = &[
     "transparency/four_samples",
     "motion/reshaped",
     "soft/four_samples",
-    "area/AREA",
-    "sphere/SPHERE",
+    "area/sixteen_points_jittered",
+    "sphere/among_meshes",
 ];
 
 /// Each buffer, with the stage that fills it.

@@ -50,8 +50,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.9 },
     };
-    let request =
-        Request { camera: &camera, size: SIZE, samples: 4, shadows: Shadows::Hard, layers: LAYERS, deferred: false };
+    let request = Request {
+        camera: &camera,
+        size: SIZE,
+        samples: 4,
+        shadows: Shadows::Hard,
+        layers: LAYERS,
+        deferred: false,
+    };
     gpu.render_into(&texture, &scene, &request)?;
 
     // From here on the texture is the application's: it may be drawn, filtered, shown. Here it is
@@ -90,7 +96,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
         scene.add_object(mesh, material, Mat4::IDENTITY)?;
     }
     let position = Vec3::new(2.0, 4.0, 2.0);
-    scene.add_light(Light::Point { position, color: Vec3::ONE, reach: None, inverse_square: false });
+    scene.add_light(Light::Point { position, color: Vec3::ONE, reach: None, inverse_square: false, radius: 0.0 });
     Ok(scene)
 }
 

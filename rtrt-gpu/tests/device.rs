@@ -32,8 +32,14 @@ const CAMERA: Camera = Camera {
     projection: Projection::Perspective { fov_y: 1.0 },
 };
 
-const REQUEST: Request<'static> =
-    Request { camera: &CAMERA, size: [64, 48], samples: 1, shadows: Shadows::Hard, layers: LAYERS, deferred: false };
+const REQUEST: Request<'static> = Request {
+    camera: &CAMERA,
+    size: [64, 48],
+    samples: 1,
+    shadows: Shadows::Hard,
+    layers: LAYERS,
+    deferred: false,
+};
 
 fn texture(device: &Device, [width, height]: [u32; 2], format: TextureFormat) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {

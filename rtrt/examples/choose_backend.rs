@@ -28,8 +28,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let machine = chosen.backend.describe();
         println!("{}, {}, {} lanes: {}", machine.kind, machine.adapter, machine.lanes, chosen.why);
         let camera = &loaded.camera;
-        let request =
-            Request { camera, size: [64, 36], samples: 4, shadows: Shadows::Hard, layers: LAYERS, deferred: false };
+        let request = Request {
+            camera,
+            size: [64, 36],
+            samples: 4,
+            shadows: Shadows::Hard,
+            layers: LAYERS,
+            deferred: false,
+        };
         let mut picture = Picture::default();
         chosen.backend.render(&loaded.scene, &request, &mut picture)?;
         pictures.push(picture.pixels);

@@ -61,8 +61,14 @@ fn simulate(backend: &mut dyn Backend) -> Result<String, Box<dyn Error>> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.8 },
     };
-    let request =
-        Request { camera: &camera, size: [48, 32], samples: 1, shadows: Shadows::Hard, layers: 1, deferred: false };
+    let request = Request {
+        camera: &camera,
+        size: [48, 32],
+        samples: 1,
+        shadows: Shadows::Hard,
+        layers: 1,
+        deferred: false,
+    };
     let (mut picture, mut frames) = (Picture::default(), vec![]);
     for _ in 0..FRAMES {
         balls.iter_mut().for_each(advance);
@@ -114,7 +120,7 @@ fn start() -> Result<(Scene, Vec<Ball>), Box<dyn Error>> {
         balls.push(Ball { object: scene.add_object(ball, blue, placed(at))?, at, step });
     }
     let position = Vec3::new(1.0, 4.0, 2.0);
-    scene.add_light(Light::Point { position, color: Vec3::ONE, reach: None, inverse_square: false });
+    scene.add_light(Light::Point { position, color: Vec3::ONE, reach: None, inverse_square: false, radius: 0.0 });
     Ok((scene, balls))
 }
 

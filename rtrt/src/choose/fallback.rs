@@ -1,6 +1,6 @@
 //! A backend that another one takes the place of when it fails.
 
-use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request, Shadows};
+use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request};
 use rtrt_core::scene::Scene;
 use rtrt_cpu::Cpu;
 
@@ -91,8 +91,14 @@ mod tests {
             up: Vec3::Y,
             projection: Projection::Perspective { fov_y: 1.0 },
         };
-        let request =
-            Request { camera: &camera, size: [20, 9], samples: 4, shadows: Shadows::Hard, layers: 8, deferred: true };
+        let request = Request {
+            camera: &camera,
+            size: [20, 9],
+            samples: 4,
+            shadows: rtrt_core::backend::Shadows::Hard,
+            layers: 8,
+            deferred: true,
+        };
         let mut pictures = [(); 3].map(|()| Picture::default());
         for (picture, kind) in pictures.iter_mut().zip(["mortal", "cpu", "cpu"]) {
             backend.render(&Scene::new(), &request, picture).unwrap();

@@ -130,7 +130,7 @@ fn times(mut of: Vec<f64>) -> Times {
 /// How many rays to lights a frame casts. Without shadows a light reaches every surface
 /// that would have asked whether something is in between: the bits of the shadow mask are
 /// the rays.
-fn shadow_rays(job: &Job<'_>, backend: &mut dyn Backend) -> Result<u64, Error> {
+fn shadow_rays(job: &Job, backend: &mut dyn Backend) -> Result<u64, Error> {
     if job.shadows == Shadows::Off {
         return Ok(0);
     }

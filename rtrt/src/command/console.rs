@@ -33,6 +33,12 @@ impl Console {
         self.bar.inc(1);
     }
 
+    /// The last step is done.
+    #[cfg(feature = "viewer")]
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
     /// A line of results.
     pub fn print(&self, line: impl Display) -> Result<(), Error> {
         self.bar.suspend(|| output::print(line))

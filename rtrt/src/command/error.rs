@@ -78,6 +78,33 @@ pub enum Error {
         /// What the system says.
         source: io::Error,
     },
+    /// No window could be opened.
+    #[cfg(feature = "viewer")]
+    #[error("cannot open a window: {}: {why}", scene.display())]
+    Window {
+        /// The scene.
+        scene: PathBuf,
+        /// What failed, and why.
+        why: String,
+    },
+    /// The recording cannot be replayed.
+    #[cfg(feature = "viewer")]
+    #[error("cannot replay: {}: {why}", path.display())]
+    Replay {
+        /// The recording.
+        path: PathBuf,
+        /// What the system says, or what is wrong in which line.
+        why: String,
+    },
+    /// The recording cannot be written.
+    #[cfg(feature = "viewer")]
+    #[error("cannot record: {}: {source}", path.display())]
+    Record {
+        /// Where it was to go.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
     /// Results could not be written.
     #[error("cannot write to standard output: {0}")]
     Print(#[from] io::Error),
@@ -147,6 +174,12 @@ impl Error {
             Self::Demo { .. } | Self::Camera { .. } | Self::TooLarge { .. } | Self::Usage(_) => 2,
             Self::Import(_) | Self::Reference { .. } => 3,
             Self::Strict { code, .. } => *code,
+            #[cfg(feature = "viewer")]
+            Self::Record { .. } => 1,
+            #[cfg(feature = "viewer")]
+            Self::Replay { .. } => 3,
+            #[cfg(feature = "viewer")]
+            Self::Window { .. } => 4,
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => 4,
             Self::Disagree { .. } | Self::Structure { .. } | Self::Size { .. } | Self::Differs { .. } => 5,
             Self::Render { source: RenderError::Setup(error), .. } => match error {
@@ -174,6 +207,11 @@ impl Error {
             Self::Render { source: RenderError::Setup(SetupError::Camera { .. }), .. } => {
                 Some("see --eye, --look-at, --up and --fov-y")
             }
+            #[cfg(feature = "viewer")]
+            Self::Window { .. } => Some(
+                "a window needs a display (on Linux X11, or XWayland, with DISPLAY set) and a Vulkan driver; \
+                 `rtrt render` needs neither",
+            ),
             _ => None,
         }
     }

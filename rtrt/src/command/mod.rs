@@ -14,6 +14,8 @@ mod render;
 mod report;
 mod verify;
 mod version;
+#[cfg(feature = "viewer")]
+mod view;
 
 use clap::CommandFactory;
 use clap_complete::Shell;
@@ -41,6 +43,13 @@ pub enum Command {
     Verify(Verify),
     /// Measure how fast a scene renders
     Bench(Bench),
+    /// Look at a scene in a window
+    ///
+    /// F12 writes what is seen at full resolution, and prints the `rtrt render` command that gives the
+    /// same file. A window needs a display and a graphics driver; no other command does.
+    #[cfg(feature = "viewer")]
+    #[command(after_long_help = view::keys())]
+    View(options::View),
     /// List adapters and instruction sets, and what --backend auto would choose
     Doctor,
     /// Print a script that completes commands in a shell
@@ -73,6 +82,8 @@ pub fn run(command: &Command) -> Result<(), Error> {
         Command::Render(options) => render::run(options),
         Command::Verify(options) => verify::run(options),
         Command::Bench(options) => bench::run(options),
+        #[cfg(feature = "viewer")]
+        Command::View(options) => view::run(options),
         Command::Doctor => doctor::run(),
         Command::Completions { shell } => {
             let mut script = vec![];

@@ -4,7 +4,7 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::{self, Choice};
-use rtrt::debug::View;
+use rtrt::debug;
 use rtrt_core::backend::{LAYERS, RenderError, Shadows};
 use rtrt_core::scene::{Light, Mip, Setup, Structure};
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ pub struct Render {
     /// a ray misses all bounding spheres, white where it misses all meshes; heat is how many entries
     /// a block's list has; tests is how many boxes and triangles a ray is asked for
     #[arg(long, value_name = "VIEW", value_parser = view())]
-    pub debug: Option<View>,
+    pub debug: Option<debug::View>,
     /// What is behind everything: a linear color; transparent, which is an alpha of 0 where a ray
     /// hits nothing; or env, the environment, which is usual where there is one. With an
     /// environment, or transparent, what is seen through a surface stays as it was
@@ -81,15 +81,39 @@ pub struct Bench {
     pub common: Common,
 }
 
-/// What all commands that render take.
+/// Options of `rtrt view`.
+#[cfg(feature = "viewer")]
 #[derive(Debug, Args)]
+pub struct View {
+    /// Where F12 writes the picture, a PNG file; {frame} becomes the first number that no file has
+    #[arg(short, long, value_name = "FILE", default_value = "rtrt-{frame}.png", value_parser = PathBufValueParser::new().try_map(png))]
+    pub output: PathBuf,
+    /// While something moves, trace fewer rays if fewer frames a second than this could be shown
+    #[arg(long, value_name = "N", default_value = "25", value_parser = rate)]
+    pub fps: f64,
+    /// Load the scene again when its file changes
+    #[arg(long)]
+    pub watch: bool,
+    /// Write keys and mouse, frame by frame, to this file
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Take keys and mouse from this file, and close at its end. Frames happen at the times that
+    /// the file says, all of them at full resolution
+    #[arg(long, value_name = "FILE")]
+    pub replay: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What all commands that render take.
+#[derive(Debug, Clone, Args)]
 pub struct Common {
     /// A .glb, .gltf or .obj file, demo:matchbox, demo:glass, demo:spheres or demo:levels
     pub scene: PathBuf,
     /// Width and height in pixels, each at most 16384
     #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size)]
     pub size: [u32; 2],
-    /// Sub-rays a pixel; render takes 4, verify and bench 1
+    /// Sub-rays a pixel; render and view take 4, verify and bench 1
     #[arg(long, value_parser = one_of(["1", "4", "16"]))]
     pub samples: Option<u32>,
     /// How lights with a radius cast shadows: hard, as if all came from their middle; soft,
@@ -178,7 +202,7 @@ pub enum Background {
 }
 
 /// Where the scene is seen from. What is not given is the scene's.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraOptions {
     /// Take this camera of the scene's, counted from 0
@@ -196,10 +220,13 @@ pub struct CameraOptions {
     /// Angle between the top and the bottom of the picture, degrees within 0 and 180
     #[arg(long, value_name = "DEGREES", value_parser = angle, allow_hyphen_values = true)]
     pub fov_y: Option<f32>,
+    /// Look along parallel rays, and show so much from top to bottom, world units
+    #[arg(long, value_name = "HEIGHT", value_parser = height, conflicts_with = "fov_y")]
+    pub parallel: Option<f32>,
 }
 
 /// What renders.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Backend")]
 pub struct BackendOptions {
     /// What renders; auto takes the first that works of: discrete, integrated, virtual GPU,
@@ -242,14 +269,19 @@ fn one_of<const N: usize>(allowed: [&'static str; N]) -> impl TypedValueParser<V
     PossibleValuesParser::new(allowed).try_map(|text| text.parse::<u32>())
 }
 
+/// The names of the ways to cast shadows.
+pub const SHADOWS: [(&str, Shadows); 5] = [
+    ("off", Shadows::Off),
+    ("hard", Shadows::Hard),
+    ("soft", Shadows::Soft),
+    ("area", Shadows::Area { jitter: None }),
+    ("jitter", Shadows::Area { jitter: Some(0) }),
+];
+
 /// A way to cast shadows.
 fn shadows() -> impl TypedValueParser<Value = Shadows> {
-    PossibleValuesParser::new(["off", "hard", "soft", "area", "jitter"]).map(|name| match &name[..] {
-        "off" => Shadows::Off,
-        "hard" => Shadows::Hard,
-        "area" => Shadows::Area { jitter: None },
-        "jitter" => Shadows::Area { jitter: Some(0) },
-        _ => Shadows::Soft,
+    PossibleValuesParser::new(SHADOWS.map(|(name, _)| name)).map(|given| {
+        SHADOWS.iter().find(|(name, _)| *name == given).map_or(Shadows::default(), |(_, how)| *how)
     })
 }
 
@@ -316,6 +348,12 @@ fn angle(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|&radians| radians > 0.0 && radians < core::f32::consts::PI)
         .ok_or("not a number within 0 and 180".into())
+}
+
+/// World units, above 0.
+fn height(text: &str) -> Result<f32, &'static str> {
+    let height = text.parse().ok().filter(|height: &f32| *height > 0.0 && height.is_finite());
+    height.ok_or("not a finite number above 0")
 }
 
 /// Seconds, 0 or more.
@@ -395,6 +433,12 @@ fn picture(path: PathBuf) -> Result<PathBuf, &'static str> {
     if is_known { Ok(path) } else { Err("the name must end in .png or .exr, or be -") }
 }
 
+/// The path of a PNG file.
+#[cfg(feature = "viewer")]
+fn png(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if ends_in(&path, "png") { Ok(path) } else { Err("the name must end in .png") }
+}
+
 /// The path of an EXR file.
 fn exr(path: PathBuf) -> Result<PathBuf, &'static str> {
     if ends_in(&path, "exr") { Ok(path) } else { Err("the name must end in .exr") }
@@ -411,9 +455,9 @@ pub fn ends_in(path: &Path, ending: &str) -> bool {
 }
 
 /// A view's name.
-fn view() -> impl TypedValueParser<Value = View> {
-    PossibleValuesParser::new(View::ALL.map(|(name, _)| name)).try_map(|name| {
-        View::ALL.iter().find(|(known, _)| *known == name).map(|(_, view)| *view).ok_or("unknown view")
+fn view() -> impl TypedValueParser<Value = debug::View> {
+    PossibleValuesParser::new(debug::View::ALL.map(|(name, _)| name)).try_map(|name| {
+        debug::View::ALL.iter().find(|(known, _)| *known == name).map(|(_, view)| *view).ok_or("unknown view")
     })
 }
 

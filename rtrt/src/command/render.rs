@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Sub-rays a pixel if not given: a picture is looked at.
-const SAMPLES: u32 = 4;
+pub const SAMPLES: u32 = 4;
 
 /// What `--json` prints.
 #[derive(serde::Serialize)]
@@ -67,7 +67,7 @@ pub fn run(options: &Render) -> Result<(), Error> {
 /// Renders a frame, writes its files, and prints what was asked for.
 fn render(
     options: &Render,
-    job: &Job<'_>,
+    job: &Job,
     frame: u32,
     (backend, machine): (&mut dyn Backend, &Machine),
     picture: &mut Picture,
@@ -168,7 +168,7 @@ fn write(
     options: &Render,
     output: Option<&Path>,
     aov: Option<&Path>,
-    job: &Job<'_>,
+    job: &Job,
     picture: &Picture,
     console: &Console,
 ) -> Result<(), Error> {
@@ -196,6 +196,6 @@ fn write(
 }
 
 /// What is said where a file could not be encoded.
-fn encode<E: Into<Box<dyn std::error::Error + Send + Sync>>>(path: &Path) -> impl FnOnce(E) -> Error {
+pub fn encode<E: Into<Box<dyn std::error::Error + Send + Sync>>>(path: &Path) -> impl FnOnce(E) -> Error {
     |source| Error::Encode { path: path.to_owned(), source: source.into() }
 }

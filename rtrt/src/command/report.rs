@@ -14,6 +14,14 @@ pub struct Machine {
     threads: u32,
 }
 
+#[cfg(feature = "viewer")]
+impl Machine {
+    /// `"cpu"` or `"gpu"`.
+    pub fn kind(&self) -> &str {
+        &self.backend
+    }
+}
+
 impl From<Description> for Machine {
     fn from(d: Description) -> Self {
         Self { backend: d.kind, adapter: d.adapter, lanes: d.lanes, threads: d.threads }

@@ -113,12 +113,7 @@ pub fn run(options: &Verify) -> Result<(), Error> {
 }
 
 /// Renders on the variant, and compares.
-fn verdict(
-    variant: &Variant,
-    job: &Job<'_>,
-    expected: &Picture,
-    actual: &mut Picture,
-) -> Result<Verdict, Error> {
+fn verdict(variant: &Variant, job: &Job, expected: &Picture, actual: &mut Picture) -> Result<Verdict, Error> {
     let (result, detail) = match variant.open() {
         Err(error) => (Outcome::Skipped, Some(error.to_string())),
         Ok(mut backend) => {
