@@ -121,7 +121,7 @@ impl<'a> Window<'a> {
 
     /// Waits until something is true, which must not take long.
     fn until(&mut self, what: &str, is_so: impl Fn() -> bool) {
-        let end = Instant::now() + Duration::from_secs(60);
+        let end = Instant::now() + Duration::from_secs(180);
         while !is_so() {
             sleep(Duration::from_millis(50));
             let ended = self.viewer.try_wait().unwrap();
@@ -277,7 +277,7 @@ fn a_person_at_the_keyboard_is_recorded() {
     let folder = folder("person");
     let Some(display) = Display::start(&folder) else { return };
     let mut xdotool = Command::new("timeout");
-    xdotool.args(["60", "xdotool"]).env("DISPLAY", &display.name);
+    xdotool.args(["180", "xdotool"]).env("DISPLAY", &display.name);
     let Some(version) =
         present("xdotool", Command::new("xdotool").arg("version").env("DISPLAY", &display.name).output())
     else {
@@ -287,7 +287,7 @@ fn a_person_at_the_keyboard_is_recorded() {
     let line = "demo:matchbox --size 160x90 --backend cpu --samples 1";
     let mut window = Window::open(&display, &folder, &format!("view {line} -o a.png --record recorded.txt"));
     let keys = "search --sync --onlyvisible --name rtrt windowfocus --sync keydown d sleep 0.3 keyup d \
-        mousemove 50 50 mousedown 1 mousemove 70 60 mouseup 1 click 4 key F12";
+        mousemove 50 50 mousedown 1 mousemove 70 60 mouseup 1 click 4 key ctrl+2 key F12";
     let done = xdotool.args(keys.split_whitespace()).output().unwrap();
     assert!(done.status.success(), "{}", stderr(&done));
     window.until("a screenshot is written", || folder.join("a.png").exists());
@@ -297,6 +297,7 @@ fn a_person_at_the_keyboard_is_recorded() {
     assert_eq!(code, Some(0));
     let printed = fs::read_to_string(folder.join("stdout")).unwrap();
     assert!(pixels(&folder, "a.png") == rendered(&folder, printed.trim_end()), "{printed}");
+    assert!(printed.trim_end().ends_with(" --debug normal"), "{printed}");
     let recorded = fs::read_to_string(folder.join("recorded.txt")).unwrap();
     let again = view(
         &display,
@@ -305,7 +306,8 @@ fn a_person_at_the_keyboard_is_recorded() {
         recorded.strip_prefix("rtrt input 1\n").unwrap(),
     );
     assert_eq!(lines(&again), [printed.trim_end().replace("a.png", "b.png")]);
-    let still = rendered(&folder, &format!("rtrt render {line} -o x.png").replace(" --backend cpu", ""));
+    let still = format!("rtrt render {line} -o x.png --debug normal").replace(" --backend cpu", "");
+    let still = rendered(&folder, &still);
     assert!(pixels(&folder, "a.png") != still, "nothing has moved");
 }
 
