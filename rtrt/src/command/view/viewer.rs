@@ -389,9 +389,9 @@ impl Viewer {
     /// The first name for a picture that no file has, if the name may change.
     fn free_name(&self) -> PathBuf {
         if !is_numbered(&self.output) {
-            return filled(&self.output, &self.options.common.scene, 0);
+            return filled(&self.output, &self.options.scene, 0);
         }
-        let mut names = (0..10_000).map(|number| filled(&self.output, &self.options.common.scene, number));
+        let mut names = (0..10_000).map(|number| filled(&self.output, &self.options.scene, number));
         names.find(|name| !name.exists()).unwrap_or_else(|| self.output.clone())
     }
 
