@@ -13,6 +13,7 @@
 //! | [`exp2`] | relative 2⁻²² | −126 ≤ x ≤ 127; clamped into it; NaN as −126 |
 //! | [`log2`] | 2⁻²¹ · max(1, abs(log2 x)), and relative 2⁻²¹ within 0.75 ..= 1.4 | 2⁻⁹⁰ ≤ x ≤ 2⁹⁰; clamped into it |
 //! | [`pow`] | relative 2⁻¹⁹ · max(1, abs(y · log2 x)) | x ≥ 0; 0 for x < 2⁻⁹⁰ |
+//! | [`atan2`] | absolute 2⁻²⁰ | any but NaN; 0 for (0, 0) |
 //! | [`sine_and_cosine`] | absolute 2⁻²² | −1 ≤ x ≤ 1 |
 //! | [`srgb_encode`], [`srgb_decode`] | absolute 2⁻²⁰ | 0 ..= 1; clamped into it |
 
@@ -170,6 +171,32 @@ pub fn pow<L: Lane>(x: L, y: L) -> L {
     x.like(TINY).less_equal(x).select(exp2(y * log2(x)), x.like(0.0))
 }
 
+/// The angle of the point `(x, y)`, within −π ..= π, counted from the `x` axis toward `y`.
+///
+/// The arc tangent of the lesser coordinate by the greater, through the polynomial of
+/// Abramowitz and Stegun, 4.4.49 (error below 2·10⁻⁸ within 0 ..= 1), then mirrored into its
+/// octant.
+#[inline(always)]
+pub fn atan2<L: Lane>(y: L, x: L) -> L {
+    let (width, height) = (x.abs(), y.abs());
+    let steep = width.less_than(height);
+    let slope = width.min(height) * recip(width.max(height));
+    let square = slope * slope;
+    let mut p = square * 2.866_225_7e-3 - 1.616_573_7e-2;
+    p = p * square + 4.290_961_4e-2;
+    p = p * square - 7.528_964e-2;
+    p = p * square + 1.065_626_4e-1;
+    p = p * square - 1.420_89e-1;
+    p = p * square + 1.999_355_1e-1;
+    p = p * square - 3.333_314_5e-1;
+    p = p * square + 1.0;
+    let angle = p * slope;
+    let angle = steep.select(angle.like(core::f32::consts::FRAC_PI_2) - angle, angle);
+    let behind = x.less_than(x.like(0.0));
+    let angle = behind.select(angle.like(core::f32::consts::PI) - angle, angle);
+    y.less_than(y.like(0.0)).select(-angle, angle)
+}
+
 const ENCODE_POWER: f32 = 1.0 / 2.4;
 const DECODE_SCALE: f32 = 1.0 / 1.055;
 const DECODE_SLOPE: f32 = 1.0 / 12.92;
@@ -292,6 +319,24 @@ mod tests {
             }
         }
         assert_eq!([pow(0.0_f32, 2.0), pow(-1.0, 2.0), pow(f32::NAN, 1.0)], [0.0; 3]);
+    }
+
+    #[test]
+    fn atan2_is_within_its_error() {
+        for i in 0..100_000 {
+            let angle = f64::from(i) * 1e-4;
+            for size in [1e-6, 1.0, 1e9] {
+                let (y, x) = ((libm::sin(angle) * size) as f32, (libm::cos(angle) * size) as f32);
+                let exact = libm::atan2(f64::from(y), f64::from(x));
+                assert!((f64::from(atan2(y, x)) - exact).abs() <= 2f64.powi(-20), "{y} {x}");
+            }
+        }
+        assert_eq!([atan2(0.0_f32, 0.0), atan2(0.0, 2.0)], [0.0; 2]);
+        assert_eq!(
+            [atan2(3.0_f32, 0.0), atan2(-3.0, 0.0)],
+            [1.0, -1.0].map(|s| s * core::f32::consts::FRAC_PI_2)
+        );
+        assert_eq!(atan2(0.0_f32, -1.0), core::f32::consts::PI);
     }
 
     #[test]

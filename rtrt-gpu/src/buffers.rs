@@ -4,7 +4,7 @@
 use crate::Error;
 use crate::device::Device;
 use bytemuck::Pod;
-use rtrt_core::scene::{Scene, Versions};
+use rtrt_core::scene::{Scene, Setup, Versions};
 use wgpu::BufferUsages;
 
 /// What a buffer holds.
@@ -104,8 +104,9 @@ impl Buffers {
         Ok(())
     }
 
-    /// Uploads what has changed in the scene since the last call.
-    pub fn upload_scene(&mut self, device: &Device, scene: &Scene) -> Result<(), Error> {
+    /// Uploads what has changed in the scene since the last call, and the objects wherever they
+    /// have levels of detail.
+    pub fn upload_scene(&mut self, device: &Device, scene: &Scene, setup: &Setup) -> Result<(), Error> {
         let versions = scene.versions();
         let known = self.resident.take().filter(|(id, _)| *id == scene.id()).map(|(_, versions)| versions);
         let changed = |part: fn(&Versions) -> u32| known.as_ref().map(part) != Some(part(&versions));
@@ -121,8 +122,8 @@ impl Buffers {
         if changed(|v| v.materials) {
             self.upload(device, Slot::Materials, scene.materials())?;
         }
-        if changed(|v| v.objects) {
-            self.upload(device, Slot::Objects, scene.objects())?;
+        if changed(|v| v.objects) || setup.has_levels() {
+            self.upload(device, Slot::Objects, setup.objects(scene))?;
         }
         self.resident = Some((scene.id(), versions));
         Ok(())

@@ -115,11 +115,11 @@ pub fn show(
 }
 
 /// What it takes to follow the first sub-ray of each pixel.
-fn inspected<'a>(
-    scene: &'a Scene,
+fn inspected(
+    scene: &Scene,
     request: &Request<'_>,
-    picture: &'a Picture,
-) -> Result<impl Iterator<Item = Inspection> + 'a, SetupError> {
+    picture: &Picture,
+) -> Result<impl Iterator<Item = Inspection>, SetupError> {
     let mut setup = Setup::default();
     setup.prepare(scene, request.camera, request.size, request.samples, request.shadows, request.layers)?;
     let frame = setup.frame;
@@ -127,18 +127,19 @@ fn inspected<'a>(
     let words = picture.deferred.as_ref().map_or(&[][..], |deferred| &deferred.lists);
     let lists = Lists { words, blocks: frame.blocks };
     let geometry = Geometry {
-        objects: scene.objects(),
+        objects: setup.objects(scene),
         nodes: scene.nodes(),
         words: scene.words(),
         positions: scene.positions(),
         texels: scene.texels(),
         magnitude: frame.magnitude,
     };
-    Ok((0..frame.width * frame.height).map(move |number| {
+    let inspect = |number| {
         let [x, y] = grid.pixel(number).map(|place| place * grid.side);
         let ray = camera_ray(&camera, x as f32, y as f32);
-        inspect(&lists, &geometry, grid.block(grid.index([x, y])).0, &ray)
-    }))
+        inspect(&lists, &geometry, camera.list(grid.block(grid.index([x, y]))), &ray)
+    };
+    Ok((0..frame.width * frame.height).map(inspect).collect::<Vec<_>>().into_iter())
 }
 
 /// The color of a ray in figure 1a; none for one that hits.
@@ -191,7 +192,7 @@ fn pack(color: [f32; 3]) -> u32 {
     u32::from_le_bytes([r, g, b, 255])
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "import"))]
 mod tests {
     use super::*;
     use rtrt_core::backend::{Backend, Shadows};

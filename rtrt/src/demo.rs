@@ -1,11 +1,15 @@
-//! Scenes built in code: `demo:matchbox`, `demo:glass`.
+//! Scenes built in code: `demo:matchbox`, `demo:glass`, `demo:spheres`, `demo:levels`.
 
 mod glass;
+mod levels;
 mod noise;
 mod paint;
 mod shape;
+mod spheres;
 
 pub use glass::{GLASS, glass};
+pub use levels::{LEVELS, levels};
+pub use spheres::{SPHERES, spheres};
 
 use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded, NamedCamera};

@@ -3,7 +3,7 @@
 use crate::case::{Case, look, parallel};
 use crate::shape::{Build, Random, Shape, bulb, lamp, sun};
 use glam::{Mat4, Vec3, Vec3Swizzles};
-use rtrt_core::scene::Scene;
+use rtrt_core::scene::{Scene, Structure};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -12,6 +12,18 @@ pub(super) const CASES: &[Case] = &[
         scene: crowd,
         camera: look([0.0, 0.0, 40.0], [0.0; 3]),
         size: [16, 16],
+        ..Case::USUAL
+    },
+    Case {
+        name: "bin/no_blocks",
+        claim: "Without blocks every ray is asked for every object, and finds the same.",
+        scene: || {
+            let mut scene = spread();
+            scene.structure = Structure::None;
+            scene
+        },
+        camera: look([0.0, 6.0, 9.0], [0.0; 3]),
+        size: [53, 35],
         ..Case::USUAL
     },
     Case {

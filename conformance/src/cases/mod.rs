@@ -9,6 +9,7 @@ mod material;
 mod motion;
 mod shadow;
 mod soft;
+mod sphere;
 mod surface;
 mod texture;
 mod transparency;
@@ -23,6 +24,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         bin::CASES,
         visibility::CASES,
         surface::CASES,
+        sphere::CASES,
         texture::CASES,
         material::CASES,
         shadow::CASES,

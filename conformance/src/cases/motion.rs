@@ -3,7 +3,7 @@
 use crate::case::{Case, look};
 use crate::shape::{Build, Shape, bulb};
 use glam::{Mat4, Vec3};
-use rtrt_core::scene::{Motion, ObjectIndex};
+use rtrt_core::scene::{Motion, ObjectIndex, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -42,6 +42,14 @@ pub(super) const CASES: &[Case] = &[
         ..Case::USUAL
     },
     Case {
+        name: "motion/levels_of_detail",
+        claim: "Each object has the mesh that its distance asks for, to the eye and to light.",
+        scene: levels,
+        size: [61, 45],
+        camera: look([0.0, 2.0, 4.0], [0.0, 0.0, -2.0]),
+        ..Case::USUAL
+    },
+    Case {
         name: "motion/reshaped",
         claim: "A refitted tree loses no hit, however far corners have gone from where it was built.",
         scene: || {
@@ -58,3 +66,20 @@ pub(super) const CASES: &[Case] = &[
         ..Case::USUAL
     },
 ];
+
+/// Balls in rows, of fewer triangles the farther away they are; some moved, one hidden.
+fn levels() -> Scene {
+    let mut build = Build::default().shape(Shape::floor(20.0, -0.5));
+    let [near, middle, far] = [7, 4, 2].map(|steps| build.mesh(Shape::ball(steps)));
+    for i in 0..30 {
+        let place = |row: f32| {
+            Mat4::from_translation(Vec3::new((i % 5) as f32 - 2.0, 0.0, -row))
+                * Mat4::from_scale(Vec3::splat(0.4))
+        };
+        let ball = build.object(near, place(0.0));
+        build.scene.set_levels(ball, &[(8.0, far), (5.0, middle)]).expect("a case's levels");
+        build.scene.set_transform(ball, place((i / 5) as f32 * 1.3)).expect("within range");
+    }
+    build.scene.hide(ObjectIndex(7)).expect("it is there");
+    build.light(bulb([2.0, 5.0, 0.0])).scene
+}

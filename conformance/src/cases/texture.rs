@@ -3,7 +3,7 @@
 use crate::case::{Case, look};
 use crate::shape::{Build, PLAIN, Random, Shape, bulb};
 use rtrt_core::layout::Wrap;
-use rtrt_core::scene::{Image, Scene, phong};
+use rtrt_core::scene::{Image, Mip, Scene, phong};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -54,6 +54,19 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let floor = Shape::floor(200.0, -0.5).textured([300.0, 300.0], [0.0, 0.0]);
             textured(floor, [32, 32], [Wrap::Repeat; 2])
+        },
+        camera: look([0.0, 0.0, 4.0], [0.0, -0.3, 0.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/levels_by_angle",
+        claim: "Levels that are chosen by the angle of view too are the same everywhere, up to the horizon.",
+        scene: || {
+            let floor = Shape::floor(200.0, -0.5).textured([300.0, 300.0], [0.0, 0.0]);
+            let mut scene =
+                textured(floor.and(Shape::ball(6).at([0.0, 0.4, 1.0], 0.6)), [32, 32], [Wrap::Repeat; 2]);
+            scene.mip = Mip::Angle;
+            scene
         },
         camera: look([0.0, 0.0, 4.0], [0.0, -0.3, 0.0]),
         ..Case::USUAL

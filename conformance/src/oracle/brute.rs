@@ -1,4 +1,4 @@
-//! Every ray with every triangle of every object, by the core's definition of a hit: no
+//! Every ray with every triangle, and sphere, of every object, by the core's definition of a hit: no
 //! lists, no trees, no packets. What culling may never change, bit for bit.
 
 use rtrt_core::backend::{Picture, Request};
@@ -7,6 +7,7 @@ use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::pane::{cutoff, mode, pane};
 use rtrt_core::kernel::penumbra::Nearest;
 use rtrt_core::kernel::ray::Ray;
+use rtrt_core::kernel::sphere::Chord;
 use rtrt_core::kernel::tint::{Crossing, WHITE};
 use rtrt_core::kernel::traverse::{Best, Geometry, Search};
 use rtrt_core::kernel::triangle::{Meeting, meet};
@@ -48,8 +49,12 @@ impl<'a> Brute<'a> {
         for (index, object) in (0..).zip(geometry.objects) {
             let local = if object.is_identity == 1 { *ray } else { ray.to_object(object) };
             for id in 0..object.triangles {
-                let triangle = geometry.triangle(object, id);
-                let found = meet(&local, &triangle, &triangle.seen_from(local.origin), limit);
+                let found = if object.is_sphere() {
+                    Chord::new(&local).side(local.direction, id, limit)
+                } else {
+                    let triangle = geometry.triangle(object, id);
+                    meet(&local, &triangle, &triangle.seen_from(local.origin), limit)
+                };
                 if found.mask {
                     visit(index, id, &found);
                 }
@@ -57,10 +62,26 @@ impl<'a> Brute<'a> {
         }
     }
 
+    /// The same for a ray to a light, which passes through what shows that light.
+    fn between(
+        &self,
+        ray: &Ray<f32>,
+        limit: f32,
+        light: u32,
+        mut visit: impl FnMut(u32, u32, &Meeting<f32>),
+    ) {
+        let objects = self.geometry().objects;
+        self.each(ray, limit, |object, triangle, found| {
+            if !objects[object as usize].shows(light) {
+                visit(object, triangle, found);
+            }
+        });
+    }
+
     /// The geometry of the scene.
     fn geometry(&self) -> Geometry<'_> {
         Geometry {
-            objects: self.scene.objects(),
+            objects: self.setup.objects(self.scene),
             nodes: self.scene.nodes(),
             words: self.scene.words(),
             positions: self.scene.positions(),
@@ -121,7 +142,7 @@ impl<'a> Brute<'a> {
         }
         let ray = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
         let mut met = Vec::new();
-        self.each(&ray, limit, |object, triangle, found| met.push((object, triangle, *found)));
+        self.between(&ray, limit, light, |object, triangle, found| met.push((object, triangle, *found)));
         let geometry = self.geometry();
         let mut crossing = Crossing::new(0.0_f32);
         for (object, triangle, found) in met.iter().rev() {
@@ -146,7 +167,7 @@ impl<'a> Brute<'a> {
         let geometry = self.geometry();
         let mut nearest: Option<(u32, u32, Meeting<f32>)> = None;
         if limit > 0.0 {
-            self.each(&cast, limit, |object, triangle, found| {
+            self.between(&cast, limit, light, |object, triangle, found| {
                 let is_nearer = nearest.is_none_or(|(_, _, nearest)| found.t < nearest.t);
                 let is_seen = mode(&geometry, object) != AlphaMode::Blend as u32
                     || pane(&geometry, object, triangle, found)[3] > 0.0;
@@ -190,7 +211,7 @@ impl<'a> Brute<'a> {
         let ray = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
         let mut lit = limit > 0.0;
         if lit && frame.shadows == 1 {
-            self.each(&ray, limit, |_, _, _| lit = false);
+            self.between(&ray, limit, light, |_, _, _| lit = false);
         }
         lit
     }

@@ -11,8 +11,8 @@
 use glam::{DVec2, DVec3, dvec2};
 use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::{Grid, RayIndex};
-use rtrt_core::layout::{Hit, Lit, NONE, Surface};
-use rtrt_core::scene::{Light, Projection, Scene};
+use rtrt_core::layout::{Hit, Kind, Lit, NONE, Object, Surface};
+use rtrt_core::scene::{Light, Projection, Scene, Setup};
 
 /// How many rays and shadow rays could be judged, of how many. All of them were right.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -34,6 +34,7 @@ const DEPTH: f64 = 1e-4;
 /// Error of a few roundings of `f32`, relative.
 const ROUNDINGS: f64 = 8.0 / 16_777_216.0;
 
+/// A triangle, or one side of a sphere.
 struct Triangle {
     object: u32,
     id: u32,
@@ -45,6 +46,10 @@ struct Triangle {
     transform: f64,
     /// The largest coordinate.
     size: f64,
+    /// The light that it shows, if any.
+    shows: Option<u32>,
+    /// Of a sphere: its matrix from world space, three rows.
+    sphere: Option<[[f64; 4]; 3]>,
 }
 
 struct Ray {
@@ -73,15 +78,19 @@ struct Candidate<'a> {
 /// # Panics
 /// The picture has no deferred buffers.
 pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usize) -> Result<Judged, String> {
+    let mut setup = Setup::default();
+    let Request { camera, size, samples, shadows, layers, .. } = *request;
+    setup.prepare(scene, camera, size, samples, shadows, layers).expect("a frame that has been rendered");
+    let objects = setup.objects(scene);
     let is_wide = !matches!(request.shadows, Shadows::Off | Shadows::Hard)
         && scene.lights().iter().any(|light| light.radius() > 0.0);
-    if is_wide || scene.objects().iter().any(|object| object.pane != 0) {
+    if is_wide || objects.iter().any(|object| object.pane != 0) {
         return Ok(Judged::default());
     }
     let side = f64::from(request.samples).sqrt() as u32;
     let grid = Grid { width: request.size[0], height: request.size[1], side };
     let deferred = picture.deferred.as_ref().expect("deferred buffers");
-    let triangles = triangles(scene);
+    let triangles = triangles(scene, objects);
     let mut judged = Judged::default();
     for index in (0..grid.rays()).step_by(step) {
         let at = grid.ray(RayIndex(index));
@@ -103,8 +112,17 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         let masks = &deferred.masks[(index * deferred.mask_words) as usize..][..deferred.mask_words as usize];
         for (light, which) in scene.lights().iter().zip(0_u32..) {
             judged.shadow_rays += 1;
-            let lit =
-                is_lit(&triangles, light, request.shadows, &ray, place, doubt, normal, nearest.triangle);
+            let lit = is_lit(
+                &triangles,
+                light,
+                which,
+                request.shadows,
+                &ray,
+                place,
+                doubt,
+                normal,
+                nearest.triangle,
+            );
             let Some(lit) = lit else { continue };
             judged.judged_shadow_rays += 1;
             if reaches(masks, which) != lit {
@@ -118,11 +136,13 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
 }
 
 /// The triangles in world space.
-fn triangles(scene: &Scene) -> Vec<Triangle> {
+fn triangles(scene: &Scene, objects: &[Object]) -> Vec<Triangle> {
     let mut all = Vec::new();
-    for (object, o) in (0..).zip(scene.objects()) {
+    for (object, o) in (0..).zip(objects) {
         let indices = &scene.words()[o.first_index as usize..][..3 * o.triangles as usize];
         for (id, corners) in (0..).zip(indices.chunks_exact(3)) {
+            let shows = o.kind.checked_sub(Kind::Light as u32);
+            let sphere = o.is_sphere().then(|| o.to_object.map(|row| row.map(f64::from)));
             let [a, b, c] = [0, 1, 2].map(|i| {
                 let p = scene.positions()[(o.first_vertex + corners[i]) as usize].map(f64::from);
                 DVec3::from(o.to_world.map(|row| {
@@ -133,7 +153,17 @@ fn triangles(scene: &Scene) -> Vec<Triangle> {
             let size = [a, b, c].iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
             // An object's slack is how much its transform magnifies errors, times 2⁻¹⁶.
             let transform = if o.is_identity == 1 { 0.0 } else { f64::from(o.slack) * 65536.0 * ROUNDINGS };
-            all.push(Triangle { object, id, corner: a, ab: b - a, ac: c - a, transform, size });
+            all.push(Triangle {
+                object,
+                id,
+                corner: a,
+                ab: b - a,
+                ac: c - a,
+                transform,
+                size,
+                shows,
+                sphere,
+            });
         }
     }
     all
@@ -164,6 +194,9 @@ fn camera_ray(request: &Request<'_>, at: DVec2) -> Ray {
 
 /// What the ray may meet: Möller and Trumbore's test, with margins.
 fn candidate<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
+    if let Some(sphere) = &triangle.sphere {
+        return side(triangle, sphere, ray);
+    }
     let &Triangle { corner, ab, ac, transform, size, .. } = triangle;
     let p = ray.direction.cross(ac);
     let determinant = ab.dot(p);
@@ -188,6 +221,32 @@ fn candidate<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
         doubt,
         is_safe: inside > margin && t > doubt,
     })
+}
+
+/// What the ray may meet of a sphere: the lesser root of the quadratic equation for side 0, the
+/// greater one for side 1.
+fn side<'a>(triangle: &'a Triangle, to_object: &[[f64; 4]; 3], ray: &Ray) -> Option<Candidate<'a>> {
+    let to = |v: DVec3, one: f64| {
+        DVec3::from(to_object.map(|m| m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3] * one))
+    };
+    let (o, d) = (to(ray.origin, 1.0), to(ray.direction, 0.0));
+    let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - 1.0);
+    // How far the ray may pass from where it should, in radii.
+    let stretch = to_object.iter().map(|m| DVec3::new(m[0], m[1], m[2]).length()).fold(0.0, f64::max);
+    let far = ray.origin.abs().max_element() + triangle.size;
+    let off = ray.doubt * stretch + ROUNDINGS * (o.length() + 1.0 + stretch * far) + triangle.transform;
+    // That of the nearest point from the center; 1 for a line that touches.
+    let passes = (o - d * (b / a)).length();
+    if passes > 1.0 + off + MARGIN {
+        return None;
+    }
+    let half = (b * b - a * c).max(0.0).sqrt();
+    let t = if triangle.id == 0 { -b - half } else { half - b } / a;
+    let is_grazing = passes > 1.0 - off - MARGIN;
+    let doubt =
+        if is_grazing { 2.0 * (off + MARGIN).sqrt() } else { 2.0 * off / (1.0 - passes * passes).sqrt() };
+    let doubt = doubt / a.sqrt();
+    (t > -doubt).then_some(Candidate { triangle, t, doubt, is_safe: !is_grazing && t > doubt })
 }
 
 /// A triangle that the ray sees from its edge, or that has no area, may be met anywhere near
@@ -305,6 +364,7 @@ fn cone(light: &Light, way: DVec3) -> (f64, f64) {
 fn is_lit(
     triangles: &[Triangle],
     light: &Light,
+    which: u32,
     shadows: Shadows,
     camera: &Ray,
     place: DVec3,
@@ -319,7 +379,7 @@ fn is_lit(
         }
     };
     let cosine = |n: DVec3| n.dot(way) / (n.length() * way.length());
-    let flat = own.ab.cross(own.ac);
+    let flat = if own.sphere.is_some() { normal } else { own.ab.cross(own.ac) };
     let flat = if flat.dot(camera.direction) > 0.0 { -flat } else { flat };
     let closeness = if is_far { 0.0 } else { doubt / way.length() };
     if let Some(reach) = reach {
@@ -353,7 +413,8 @@ fn is_lit(
         return None;
     }
     let ray = Ray { origin: place, direction: way, doubt };
-    let others = triangles.iter().filter(|t| (t.object, t.id) != (own.object, own.id));
+    let others =
+        triangles.iter().filter(|t| (t.object, t.id) != (own.object, own.id) && t.shows != Some(which));
     let mut free = true;
     for Candidate { t, doubt, is_safe, .. } in others.filter_map(|t| candidate(t, &ray)) {
         let pad = doubt + MARGIN;

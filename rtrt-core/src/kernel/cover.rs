@@ -77,6 +77,9 @@ fn range(row: &[f32; 3], around: &Around) -> Range {
 /// `W` near 0, and both keep at least every block that a ray meets the box in.
 #[inline(always)]
 pub fn cover(view: &View, object: &Object, magnitude: f32) -> Cover {
+    if view.one_list == 1 && view.kind != ViewKind::Off as u32 {
+        return Cover { x0: 0, y0: 0, x1: 1, y1: 1, key: 0 };
+    }
     let (low, high) = object.widened(magnitude);
     let (c, m) = (&view.center, view.margin);
     let around = Around {
@@ -186,6 +189,9 @@ const WIDER: f32 = 1.0 + 1.0 / 1024.0;
 /// The paper tests the sphere for each ray; here one test serves a block.
 #[inline(always)]
 pub fn sphere_in_block(view: &View, object: &Object, magnitude: f32, column: u32, row: u32) -> bool {
+    if view.one_list == 1 {
+        return true;
+    }
     let radius = object.radius + 2.0 * object.slack * magnitude + view.margin;
     let (a, b) = (column as f32 + 0.5, row as f32 + 0.5);
     let at =

@@ -16,6 +16,7 @@ pub mod penumbra;
 pub mod ray;
 pub mod reflect;
 pub mod slab;
+pub mod sphere;
 pub mod tangent;
 pub mod texture;
 pub mod tiles;

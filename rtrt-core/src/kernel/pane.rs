@@ -5,6 +5,7 @@
 //! its mesh the vertices' texture coordinates and colors. Only the texels lie elsewhere.
 
 use crate::kernel::interpolate::Weights;
+use crate::kernel::sphere::{longitude_and_latitude, point};
 use crate::kernel::texture::{BYTE, Finest, finest};
 use crate::kernel::traverse::Geometry;
 use crate::kernel::triangle::Meeting;
@@ -89,8 +90,14 @@ impl<L: Lane> Met<L> {
         let b = first + VERTEX * (b - object.first_vertex);
         let c = first + VERTEX * (c - object.first_vertex);
         let weights = Weights::new(self.u.at(lane), self.v.at(lane));
-        let u = weights.mix(number(geometry, a), number(geometry, b), number(geometry, c));
-        let v = weights.mix(number(geometry, a + 1), number(geometry, b + 1), number(geometry, c + 1));
+        let [u, v] = if object.is_sphere() {
+            longitude_and_latitude(point(self.u.at(lane), self.v.at(lane)))
+        } else {
+            [
+                weights.mix(number(geometry, a), number(geometry, b), number(geometry, c)),
+                weights.mix(number(geometry, a + 1), number(geometry, b + 1), number(geometry, c + 1)),
+            ]
+        };
         let (a, b, c) =
             (geometry.words[a as usize + 2], geometry.words[b as usize + 2], geometry.words[c as usize + 2]);
         let t = pane + TEXTURE;

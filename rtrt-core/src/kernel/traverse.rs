@@ -2,6 +2,7 @@
 
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{Around, meets};
+use crate::kernel::sphere::{Chord, ENTRY, EXIT};
 use crate::kernel::tiles::{TILES, Tiles};
 use crate::kernel::triangle::{Meeting, Triangle, meet};
 use crate::lane::{Bits, Lane, Mask, Row, Select, Word};
@@ -258,6 +259,43 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: us
                 among = met(geometry, index, rays, tiles, among, limits, best);
             }
             near_among = among;
+        }
+    }
+}
+
+/// Meets the tiles of a packet whose bits are set in `among` with one sphere, as [`traverse`]
+/// does with a mesh. The rays are in world space.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
+pub fn meet_sphere<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usize>(
+    geometry: &Geometry<'_>,
+    object_index: u32,
+    rays: &[Ray<L, O>; G],
+    among: u32,
+    limits: &mut [f32; TILES],
+    searches: &mut [S; G],
+    best: &mut [Best<L>; G],
+) {
+    let object = &geometry.objects[object_index as usize];
+    let mut left = among;
+    while left != 0 {
+        let tile = if G == 1 { 0 } else { left.trailing_zeros() as usize };
+        left &= left - 1;
+        let (mut g, end) = if G == 1 { (0, 1) } else { Tiles::<L, G>::groups(tile) };
+        let mut closer = false;
+        while g < end {
+            let ray = if object.is_identity == 1 { rays[g] } else { rays[g].to_object(object) };
+            let chord = Chord::new(&ray);
+            let mut side = ENTRY;
+            while side <= EXIT {
+                let found = chord.side(ray.direction, side, best[g].t);
+                closer |= searches[g].keep(geometry, object_index, side, &found, &mut best[g]);
+                side += 1;
+            }
+            g += 1;
+        }
+        if G > 1 && closer {
+            limits[tile] = Tiles::<L, G>::limit(best, tile);
         }
     }
 }

@@ -46,7 +46,21 @@ pub struct Attribute {
 }
 const _: () = assert!(size_of::<Attribute>() == 24 && offset_of!(Attribute, color) == 20);
 
-/// A mesh placed in the world.
+/// What kind of thing an object is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Kind {
+    /// A mesh.
+    Mesh = 0,
+    /// The sphere of radius 1 around the origin of its space, with two triangles: 0 where a ray
+    /// enters, 1 where it leaves (see [`crate::kernel::sphere`]).
+    Sphere = 1,
+    /// And more: such a sphere that shows the light of number `kind − Kind::Light`. It casts no
+    /// shadow of that light.
+    Light = 2,
+}
+
+/// A mesh, or a sphere, placed in the world.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Object {
@@ -85,12 +99,24 @@ pub struct Object {
     /// Where the object's pane starts in the scene's words (see [`crate::kernel::pane`]); 0 for
     /// an object that is opaque everywhere.
     pub pane: u32,
+    /// [`Kind`]. A sphere's mesh has two triangles without area that span its bounds.
+    pub kind: u32,
 }
-const _: () = assert!(size_of::<Object>() == 176 && offset_of!(Object, slack) == 160);
+const _: () = assert!(size_of::<Object>() == 180 && offset_of!(Object, slack) == 160);
 const _: () = assert!(offset_of!(Object, low) == 96 && offset_of!(Object, center) == 128);
 const _: () = assert!(offset_of!(Object, first_index) == 144);
 
 impl Object {
+    /// Whether it is what shows the light.
+    #[inline(always)]
+    pub fn shows(&self, light: u32) -> bool {
+        self.kind == Kind::Light as u32 + light
+    }
+    /// Whether it is a sphere.
+    #[inline(always)]
+    pub fn is_sphere(&self) -> bool {
+        self.kind != Kind::Mesh as u32
+    }
     /// The vertices at the corners of a triangle of the object's mesh; `words` are the
     /// scene's.
     #[inline(always)]

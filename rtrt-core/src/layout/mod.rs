@@ -7,7 +7,7 @@ mod material;
 mod probe;
 mod view;
 
-pub use geometry::{Attribute, Node, Object};
+pub use geometry::{Attribute, Kind, Node, Object};
 pub use hit::{Hit, Lit, NONE, Surface};
 pub use material::{AlphaMode, Material, Texture, Wrap};
 pub use probe::{PROBES, probe};

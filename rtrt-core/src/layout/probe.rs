@@ -40,7 +40,7 @@ pub fn probe(
         object.root,
         object.center[1].to_bits(),
         object.slack.to_bits(),
-        object.pane,
+        object.kind,
         node.first,
         node.kind,
         attribute.normal[0].to_bits(),

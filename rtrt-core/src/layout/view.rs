@@ -1,5 +1,6 @@
 //! Viewpoints (the camera and the lights) and the numbers of a frame.
 
+use crate::grid::BlockIndex;
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;
 
@@ -89,8 +90,12 @@ pub struct View {
     pub margin: f32,
     /// Light: what the numbers of rays are mixed with to jitter these points; 0 for no jitter.
     pub jitter: u32,
+    /// 1 where all blocks share one list, of every object in order.
+    pub one_list: u32,
+    /// Camera: 1 where footprints grow with the angle at which a surface is seen, else 0.
+    pub by_angle: u32,
 }
-const _: () = assert!(size_of::<View>() == 228 && offset_of!(View, depth) == 64);
+const _: () = assert!(size_of::<View>() == 236 && offset_of!(View, depth) == 64);
 const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, axis) == 192);
 
 /// The numbers of one frame. Scalars only, so that it may be a uniform block.
@@ -158,6 +163,14 @@ pub struct Frame {
     pub unused_2: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 112 && offset_of!(Frame, ambient_r) == 48);
+
+impl View {
+    /// The camera's list for a block of the frame.
+    #[inline(always)]
+    pub fn list(&self, block: BlockIndex) -> u32 {
+        if self.one_list == 1 { self.first_block } else { self.first_block + block.0 }
+    }
+}
 
 impl Frame {
     /// Views of one light: the six faces of a cube, of which parallel light uses one.

@@ -3,6 +3,7 @@
 use crate::layout::Attribute;
 use crate::scene::floor::floored;
 use crate::scene::tangent;
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// The largest coordinate that a mesh or a placed object may have, in magnitude: 2³⁰.
@@ -115,6 +116,19 @@ impl Mesh {
         match indices.iter().position(|&i| i as usize >= vertices) {
             Some(index) => Err(MeshError::Index { index, value: indices[index], vertices }),
             None => Ok(Self { positions, attributes, indices, tangents: Vec::new(), second_uv: Vec::new() }),
+        }
+    }
+
+    /// What stands for the sphere of radius 1 among meshes: two triangles without area, whose
+    /// bounds are the sphere's. They can be asked for corners and colors like others.
+    pub(super) fn around_sphere() -> Self {
+        let white = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+        Self {
+            positions: vec![[-1.0; 3], [1.0; 3]],
+            attributes: vec![white; 2],
+            indices: vec![0, 1, 1, 0, 1, 1],
+            tangents: Vec::new(),
+            second_uv: Vec::new(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! A mesh in the scene's arrays, and the object that it is where it is placed.
 
-use crate::layout::Object;
+use crate::layout::{Kind, Object};
 use crate::num::flush;
 use crate::scene::camera::single;
 use crate::scene::tree::Bounds;
@@ -11,6 +11,7 @@ use glam::{DMat4, DVec3, Mat4};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stored {
     pub root: u32,
+    pub kind: Kind,
     pub first_vertex: u32,
     pub first_index: u32,
     pub first_tangent: u32,
@@ -99,6 +100,7 @@ pub(super) fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Obje
         first_tangent: mesh.first_tangent,
         first_second_uv: mesh.first_second_uv,
         pane: 0,
+        kind: mesh.kind as u32,
     })
 }
 

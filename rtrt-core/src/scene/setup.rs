@@ -3,9 +3,9 @@
 use crate::backend::Shadows;
 use crate::grid::{BLOCK_RAYS, Grid};
 use crate::kernel::area::hash;
-use crate::layout::{AlphaMode, Frame, View};
+use crate::layout::{AlphaMode, Frame, Object, View, ViewKind};
 use crate::scene::floor::floored;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Mip, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
@@ -70,11 +70,13 @@ pub struct Setup {
     pub frame: Frame,
     /// The camera, then six views a light.
     pub views: Vec<View>,
+    /// The objects with the levels of detail of this frame, where there are any.
+    chosen: Option<Vec<Object>>,
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { frame: Frame::zeroed(), views: Vec::new() }
+        Self { frame: Frame::zeroed(), views: Vec::new(), chosen: None }
     }
 }
 
@@ -88,6 +90,16 @@ impl Setup {
     /// The most pixels that a soft shadow is blurred aside: it ends there, however large its
     /// penumbra is.
     pub const WINDOW: u32 = 24;
+
+    /// The objects of the frame: the scene's, with the levels of detail that the camera sees.
+    pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
+        self.chosen.as_deref().unwrap_or(scene.objects())
+    }
+
+    /// Whether [`Setup::objects`] are others than the scene's.
+    pub fn has_levels(&self) -> bool {
+        self.chosen.is_some()
+    }
 
     /// Sets up a frame of `width` × `height` pixels with 1, 4 or 16 `samples` each, whose rays
     /// look at up to `layers` surfaces.
@@ -124,21 +136,33 @@ impl Setup {
         if rays > 1 << 31 {
             return Err(SetupError::Rays { rays });
         }
+        let (chosen, bounds) = scene.seen_from(camera.eye).unzip();
+        self.chosen = chosen;
+        let bounds = bounds.filter(|bounds| !bounds.is_empty()).unwrap_or(*scene.bounds());
+        let is_one_list = scene.structure == Structure::None;
+        let by_angle = u32::from(scene.mip == Mip::Angle);
         self.views.clear();
-        self.views.push(camera.view(grid)?);
-        let cells = light_cells(scene.objects().len(), lights.len());
-        let mut blocks = grid.blocks();
+        self.views.push(View { by_angle, ..camera.view(grid)? });
+        if is_one_list {
+            [self.views[0].width, self.views[0].height] = [1, 1];
+        }
+        let cells = if is_one_list { 1 } else { light_cells(scene.objects().len(), lights.len()) };
+        let mut blocks = self.views[0].width * self.views[0].height;
         for (number, light) in (0..).zip(lights) {
             let jitter = match shadows {
                 Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
                 _ => None,
             };
-            let views = light.views(scene.bounds(), cells, blocks, jitter)?;
+            let views = light.views(&bounds, cells, blocks, jitter)?;
             blocks += views.iter().map(|v| v.width * v.height).sum::<u32>();
             self.views.extend(views);
         }
+        for view in self.views.iter_mut().filter(|view| view.kind != ViewKind::Off as u32) {
+            view.one_list = u32::from(is_one_list);
+        }
         let centers = self.views.iter().flat_map(|view| view.center.map(|c| c.abs() + view.disc));
-        let magnitude = centers.fold(scene.magnitude(), f32::max);
+        let corners = bounds.low.into_iter().chain(bounds.high);
+        let magnitude = centers.chain(corners).fold(0.0_f32, |most, c| most.max(c.abs()));
         let is_soft = shadows == Shadows::Soft && lights.iter().any(|light| light.radius() > 0.0);
         let ([ambient_r, ambient_g, ambient_b], [background_r, background_g, background_b]) =
             (scene.ambient.map(floored).to_array(), scene.background.map(floored).to_array());
@@ -182,13 +206,18 @@ fn key(seed: u32, light: u32) -> u32 {
     hash(hash(seed) ^ light) | 1
 }
 
-/// Blocks along one side of a light's view: about two a side for each object that would
-/// be beside another in a square, so that a block sees few; fewer where there are many
-/// lights, to bound the memory of the lists.
+/// The most blocks of all lights' views together, unless there are thousands of lights.
+const LIGHT_BLOCKS: usize = 1 << 21;
+
+/// Blocks along one side of a light's view. About two for each object that would be beside
+/// another in a square, so that a block sees few of them; of thousands of objects a quarter as
+/// many, because a packet asks every block that its shadow rays end in. Fewer where there are
+/// many lights, to bound the memory of the lists.
 fn light_cells(objects: usize, lights: usize) -> u32 {
-    let wanted = 2.0 * libm::sqrt(objects as f64);
-    let most = if lights <= 4 { 64 } else { 16 };
-    (wanted as u32).next_power_of_two().clamp(8, most)
+    let side = libm::sqrt(objects as f64) as u32;
+    let wanted = (2 * side).next_power_of_two().min(64).max((side / 2).next_power_of_two());
+    let most = libm::sqrt((LIGHT_BLOCKS / (6 * lights.max(1))) as f64) as u32;
+    wanted.clamp(8, 1 << most.max(8).ilog2())
 }
 
 #[cfg(test)]

@@ -2,12 +2,16 @@
 
 use crate::kernel::environment::Sky;
 use crate::kernel::pane;
-use crate::layout::{AlphaMode, Attribute, Material, Node, Object, Texture, Wrap};
+use crate::layout::{AlphaMode, Attribute, Kind, Material, Node, Object, Texture, Wrap};
 use crate::scene::floor::floored;
 use crate::scene::image::decode_words;
+use crate::scene::levels::Level;
 use crate::scene::place::{Stored, matrix, place, sphere};
 use crate::scene::tree::{Bounds, refit};
-use crate::scene::{Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError};
+use crate::scene::{
+    Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential, phong,
+};
+use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
@@ -16,7 +20,7 @@ use glam::{DVec3, Mat4, Vec3};
 
 /// A mesh of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MeshIndex(u32);
+pub struct MeshIndex(pub(super) u32);
 /// A material of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MaterialIndex(u32);
@@ -51,12 +55,41 @@ pub enum SceneError {
         /// The index.
         index: u32,
     },
+    /// A distance from which on an object has another mesh is not a number above 0.
+    #[error("{value} is not a distance from which on an object may have another mesh")]
+    Distance {
+        /// What it is.
+        value: f32,
+    },
     /// The texture was refused.
     #[error(transparent)]
     Image(#[from] ImageError),
     /// The environment was refused.
     #[error(transparent)]
     Panorama(#[from] PanoramaError),
+}
+
+/// How the levels of textures are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mip {
+    /// By the distance of a surface, as in the paper.
+    #[default]
+    Distance,
+    /// By its distance and the angle at which it is seen: its footprint is divided by the cosine
+    /// between ray and normal, so that what is seen at a grazing angle is blurred rather than
+    /// noisy.
+    Angle,
+}
+
+/// What keeps rays from being asked for every object. No picture depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Structure {
+    /// Each block of each view has a list of the objects that its rays may meet.
+    #[default]
+    Blocks,
+    /// Nothing: all blocks of a view share one list of all objects, in their order. To show what
+    /// blocks are worth.
+    None,
 }
 
 /// Counts the changes of each part of a scene, so that a backend that keeps copies renews
@@ -93,10 +126,20 @@ pub struct Scene {
     objects: Vec<Object>,
     object_meshes: Vec<u32>,
     meshes: Vec<Stored>,
+    /// The mesh of all spheres, once there is one.
+    sphere: Option<MeshIndex>,
+    /// By number, the objects that show lights.
+    shown: BTreeMap<u32, u32>,
     lights: Vec<Light>,
     sky: Sky,
     see_through: AlphaMode,
     bounds: Bounds,
+    /// Of objects that have any.
+    pub(super) levels: BTreeMap<u32, Vec<Level>>,
+    /// How the levels of textures are chosen.
+    pub mip: Mip,
+    /// What keeps rays from being asked for every object.
+    pub structure: Structure,
     /// Light from everywhere, linear RGB; an environment takes its place.
     pub ambient: Vec3,
     /// What a ray sees that hits nothing, linear RGB; an environment takes its place.
@@ -126,10 +169,15 @@ impl Scene {
             objects: vec![],
             object_meshes: vec![],
             meshes: vec![],
+            sphere: None,
+            shown: BTreeMap::new(),
             lights: vec![],
             sky: Sky::default(),
             see_through: AlphaMode::Opaque,
             bounds: Bounds::EMPTY,
+            levels: BTreeMap::new(),
+            mip: Mip::default(),
+            structure: Structure::default(),
             ambient: Vec3::splat(0.1),
             background: Vec3::new(0.02, 0.025, 0.035),
         }
@@ -230,6 +278,7 @@ impl Scene {
         // Where `count` elements of some words each start, after `before`; nowhere if there are none.
         let after = |before: usize, count: usize| if count == 0 { 0 } else { first_index + before as u32 };
         let stored = Stored {
+            kind: Kind::Mesh,
             root: 1 + room(2 * self.nodes.len(), 1 + tree.nodes.len(), "nodes")?,
             first_vertex: room(self.positions.len(), order.vertices.len(), "vertices")?,
             first_index,
@@ -289,6 +338,74 @@ impl Scene {
         Ok(ObjectIndex(self.objects.len() as u32 - 1))
     }
 
+    /// Adds a sphere: that of radius 1 around the origin, placed in the world by a matrix, which
+    /// may make an ellipsoid of it. It is round however close one looks, and can be moved and
+    /// hidden like any object.
+    ///
+    /// Its texture coordinates are longitude and latitude: the middle of a texture is at `+z` of
+    /// its space, the upper edge at `+y`. It has no vertex colors, and normal maps do nothing.
+    ///
+    /// ```
+    /// # use rtrt_core::scene::{Scene, phong};
+    /// # use rtrt_core::layout::Texture;
+    /// use glam::{Mat4, Quat, Vec3};
+    /// # let mut scene = Scene::new();
+    /// let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.4, Texture::NONE, [0.0; 3]));
+    /// let (center, radius) = (Vec3::new(0.0, 2.0, -1.0), 0.5);
+    /// let place = Mat4::from_scale_rotation_translation(Vec3::splat(radius), Quat::IDENTITY, center);
+    /// scene.add_sphere(red, place)?;
+    /// assert_eq!(scene.extent(), Some((center - radius, center + radius)));
+    /// # Ok::<(), rtrt_core::scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`Scene::add_object`].
+    pub fn add_sphere(&mut self, material: MaterialIndex, to_world: Mat4) -> Result<ObjectIndex, SceneError> {
+        let mesh = match self.sphere {
+            Some(mesh) => mesh,
+            None => {
+                let shape = Mesh::around_sphere();
+                let mesh = self.add_mesh(&shape, &MeshTree::build(&shape, &Sequential))?;
+                self.meshes[mesh.0 as usize].kind = Kind::Sphere;
+                *self.sphere.insert(mesh)
+            }
+        };
+        self.add_object(mesh, material, to_world)
+    }
+
+    /// Shows a light as a sphere of its color, where it is and as large as its radius says. It
+    /// casts no shadow of that light, but of others. Called again, it puts the sphere where the
+    /// light now is. None is shown of a sun, or where the radius is 0.
+    ///
+    /// # Errors
+    /// There is no such light, or it is out of range.
+    pub fn show_light(&mut self, light: usize) -> Result<Option<ObjectIndex>, SceneError> {
+        let number = light as u32;
+        let shown = self.shown.get(&number).copied().map(ObjectIndex);
+        let missing = SceneError::Index { what: "light", index: number };
+        let (position, color, radius) = match *self.lights.get(light).ok_or(missing)? {
+            Light::Point { position, color, radius, .. } | Light::Spot { position, color, radius, .. } => {
+                (position, color, radius)
+            }
+            Light::Sun { color, .. } => (Vec3::ZERO, color, 0.0),
+        };
+        if radius <= 0.0 {
+            shown.map_or(Ok(()), |sphere| self.hide(sphere))?;
+            return Ok(None);
+        }
+        let place = Mat4::from_translation(position) * Mat4::from_scale(Vec3::splat(radius));
+        if let Some(sphere) = shown {
+            self.set_transform(sphere, place)?;
+            return Ok(Some(sphere));
+        }
+        let glow = phong(color.to_array(), 0.0, 1.0, Texture::NONE, [0.0; 3]);
+        let glow = self.add_material(Material { unlit: 1, ..glow });
+        let sphere = self.add_sphere(glow, place)?;
+        self.shown.insert(number, sphere.0);
+        self.objects[sphere.0 as usize].kind = Kind::Light as u32 + number;
+        Ok(Some(sphere))
+    }
+
     /// Moves an object; one that was hidden is seen again.
     ///
     /// # Errors
@@ -309,7 +426,15 @@ impl Scene {
         let result = moved.into_iter().try_for_each(|(object, to_world)| {
             let (index, old) = self.object(object)?;
             let stored = self.mesh(self.object_meshes[index])?;
-            self.objects[index] = Object { pane: old.pane, ..place(stored, old.material, to_world)? };
+            let mut placed = Object { pane: old.pane, ..place(stored, old.material, to_world)? };
+            if let Some((light, _)) = self.shown.iter().find(|(_, sphere)| **sphere == object.0) {
+                placed.kind = Kind::Light as u32 + light;
+            }
+            let levels = self.moved_levels(index, to_world)?;
+            self.objects[index] = placed;
+            if !levels.is_empty() {
+                self.levels.insert(object.0, levels);
+            }
             Ok(())
         });
         self.objects_changed();
@@ -325,6 +450,7 @@ impl Scene {
         let stored = self.mesh(self.object_meshes[index])?;
         // The empty leaf beside the mesh's root: no ray meets it, wherever it is.
         let nothing = Stored {
+            kind: Kind::Mesh,
             root: stored.root - 1,
             triangles: 0,
             bounds: Bounds { low: [0.0; 3], high: [0.0; 3] },
@@ -362,6 +488,7 @@ impl Scene {
                 placed.push((index, Object { pane, ..place(&stored, object.material, matrix(object))? }));
             }
         }
+        let levels = self.reshaped_levels(mesh, &stored)?;
         for triangle in 0..stored.triangles as usize {
             let source = 3 * self.sources[stored.first_source + triangle] as usize;
             for corner in 0..3 {
@@ -387,13 +514,14 @@ impl Scene {
         for (index, object) in placed {
             self.objects[index] = object;
         }
+        self.replace_levels(levels);
         self.versions.geometry += 1;
         self.objects_changed();
         Ok(())
     }
 
     /// Where an object is in the arrays, and how it is placed.
-    fn object(&self, object: ObjectIndex) -> Result<(usize, Object), SceneError> {
+    pub(super) fn object(&self, object: ObjectIndex) -> Result<(usize, Object), SceneError> {
         let index = object.0 as usize;
         let found = self.objects.get(index).map(|object| (index, *object));
         found.ok_or(SceneError::Index { what: "object", index: object.0 })
@@ -401,7 +529,7 @@ impl Scene {
 
     /// Where the pane of an object of this mesh and material is in the words (see
     /// [`crate::kernel::pane`]), which it is added to; 0 for a material that is opaque.
-    fn pane(&mut self, mesh: u32, material: u32) -> Result<u32, SceneError> {
+    pub(super) fn pane(&mut self, mesh: u32, material: u32) -> Result<u32, SceneError> {
         let material = self.materials[material as usize];
         if material.alpha_mode == AlphaMode::Opaque as u32 {
             return Ok(0);
@@ -447,15 +575,19 @@ impl Scene {
         Ok(at)
     }
 
-    fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
+    pub(super) fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
         self.meshes.get(index as usize).ok_or(SceneError::Index { what: "mesh", index })
     }
 
-    fn objects_changed(&mut self) {
+    pub(super) fn objects_changed(&mut self) {
         self.versions.objects += 1;
-        let seen = self.objects.iter().zip(&self.object_meshes);
-        let seen = seen.filter(|(object, mesh)| object.root == self.meshes[**mesh as usize].root);
-        self.bounds = seen.fold(Bounds::EMPTY, |all, (o, _)| all.union(&Bounds { low: o.low, high: o.high }));
+        let seen = self.objects.iter().enumerate().filter(|(index, _)| self.is_seen(*index));
+        self.bounds = seen.fold(Bounds::EMPTY, |all, (_, o)| all.union(&Bounds { low: o.low, high: o.high }));
+    }
+
+    /// Whether an object is not hidden.
+    pub(super) fn is_seen(&self, index: usize) -> bool {
+        self.objects[index].root == self.meshes[self.object_meshes[index] as usize].root
     }
 
     /// Adds a light.
@@ -535,13 +667,9 @@ impl Scene {
     pub(super) fn see_through(&self) -> AlphaMode {
         self.see_through
     }
-    /// The largest coordinate of an object's bounds, in magnitude.
-    pub(super) fn magnitude(&self) -> f32 {
-        let bounds = self.bounds();
-        bounds.low.iter().chain(&bounds.high).fold(0.0, |most, c| most.max(c.abs()))
-    }
     /// The number that a triangle of an object had in the [`Mesh`]: a scene numbers the
-    /// triangles of a mesh in the order of its tree's leaves. `None` where there is none.
+    /// triangles of a mesh in the order of its tree's leaves. `None` where there is none. Of an
+    /// object with levels it is that of its own mesh.
     pub fn source_triangle(&self, object: ObjectIndex, triangle: u32) -> Option<u32> {
         let mesh = &self.meshes[*self.object_meshes.get(object.0 as usize)? as usize];
         let sources = &self.sources[mesh.first_source..][..mesh.triangles as usize];

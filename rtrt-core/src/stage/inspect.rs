@@ -4,8 +4,9 @@
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{Around, meets};
+use crate::kernel::sphere::{Chord, ENTRY, EXIT};
 use crate::kernel::traverse::{Best, Geometry, STACK};
-use crate::kernel::triangle::meet;
+use crate::kernel::triangle::{Meeting, meet};
 use crate::lane::{V3, Word};
 use crate::layout::{Hit, Node, Object};
 
@@ -18,7 +19,7 @@ pub struct Inspection {
     pub asked: u32,
     /// Boxes asked, of objects and of nodes.
     pub boxes: u32,
-    /// Triangles asked.
+    /// Triangles asked, and spheres.
     pub triangles: u32,
     /// Whether the ray meets the bounding sphere of an entry.
     pub sphere: bool,
@@ -45,7 +46,16 @@ pub fn inspect(lists: &Lists<'_>, geometry: &Geometry<'_>, block: u32, ray: &Ray
         let (low, high) = object.widened(geometry.magnitude);
         if meets(ray, &Around::new(ray.origin, &low, &high), best.t) {
             let ray = if object.is_identity == 1 { *ray } else { ray.to_object(object) };
-            descend(geometry, entry.object, &ray, &mut best, &mut found);
+            if object.is_sphere() {
+                found.triangles += 1;
+                let chord = Chord::new(&ray);
+                for side in [ENTRY, EXIT] {
+                    let met = chord.side(ray.direction, side, best.t);
+                    keep(entry.object, side, &met, &mut best);
+                }
+            } else {
+                descend(geometry, entry.object, &ray, &mut best, &mut found);
+            }
         }
     }
     found.hit = best.rows().hit(0);
@@ -129,13 +139,18 @@ fn leaf(
         found.triangles += 1;
         let triangle = geometry.triangle(object, id);
         let met = meet(ray, &triangle, &triangle.seen_from(ray.origin), best.t);
-        let is_earlier = (object_index, id) < (best.object.0, best.triangle.0);
-        if met.mask && (met.t < best.t || (met.t <= best.t && is_earlier)) {
-            *best = Best { t: met.t, object: Word(object_index), triangle: Word(id), u: met.u, v: met.v };
-        }
+        keep(object_index, id, &met, best);
         is_met |= met.mask;
     }
     is_met
+}
+
+/// Keeps the closest.
+fn keep(object: u32, id: u32, met: &Meeting<f32>, best: &mut Best<f32>) {
+    let is_earlier = (object, id) < (best.object.0, best.triangle.0);
+    if met.mask && (met.t < best.t || (met.t <= best.t && is_earlier)) {
+        *best = Best { t: met.t, object: Word(object), triangle: Word(id), u: met.u, v: met.v };
+    }
 }
 
 #[cfg(test)]

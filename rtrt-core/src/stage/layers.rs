@@ -85,7 +85,7 @@ pub fn layer<L: Lane, const G: usize>(
         |g| Behind { t: last[g].t, object: last[g].object },
     );
     let rays: [Ray<L>; G] = rays::<L, G>(token, frame, camera, first);
-    let block = camera.first_block + frame.grid().block(first).0;
+    let block = camera.list(frame.grid().block(first));
     closest(lists, geometry, block, &rays, &mut searches, &mut best);
     best
 }

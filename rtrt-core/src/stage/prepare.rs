@@ -12,6 +12,10 @@ pub fn count(frame: &Frame) -> u32 {
 /// The cover with this index; views are outer, objects inner.
 #[inline(always)]
 pub fn prepare(frame: &Frame, views: &[View], objects: &[Object], index: u32) -> Cover {
-    let view = &views[(index / frame.objects) as usize];
-    cover(view, &objects[(index % frame.objects) as usize], frame.magnitude)
+    let (view, object) = (index / frame.objects, &objects[(index % frame.objects) as usize]);
+    // What shows a light stands around it, and would keep all of it from leaving.
+    if view != Frame::CAMERA && object.shows((view - 1) / Frame::VIEWS_PER_LIGHT) {
+        return Cover::NONE;
+    }
+    cover(&views[view as usize], object, frame.magnitude)
 }

@@ -5,11 +5,12 @@ use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::footprint;
 use crate::kernel::offset::offset;
 use crate::kernel::ray::{Ray, normal, point, vector};
+use crate::kernel::sphere::{self, ENTRY};
 use crate::kernel::texture::Places;
 use crate::kernel::traverse::{Best, BestRows, Geometry};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Attribute, NONE, Object, Surface, View};
-use crate::num::{TINY, floor, flush, flush3, from_integer, normalize, sqrt, to_integer};
+use crate::num::{TINY, clamp, floor, flush, flush3, from_integer, normalize, recip, sqrt, to_integer};
 
 /// The surfaces that one group of rays has found; see [`Surface`].
 #[derive(Clone, Copy)]
@@ -176,12 +177,24 @@ impl OfObject for OneMaterial {
     }
 }
 
+/// 1 for a sphere.
+struct Round;
+
+impl OfObject for Round {
+    const NONE: u32 = 0;
+    #[inline(always)]
+    fn of(object: &Object) -> u32 {
+        object.is_sphere() as u32
+    }
+}
+
 /// The surfaces at the best hits of a group of rays; all zero in a lane without a hit.
 ///
 /// The point is interpolated between the triangle's corners rather than followed along
 /// the ray: its error is then that of the corners' coordinates, which the offset is made
 /// for. The normal faces the viewer; one that interpolates to nothing is replaced by the
-/// triangle's own.
+/// triangle's own. A sphere is smooth by itself; its texture coordinates are longitude and
+/// latitude.
 #[inline(always)]
 pub fn surface<L: Lane>(
     camera: &View,
@@ -237,31 +250,49 @@ pub fn surface<L: Lane>(
     let b = space.point(V3 { x: bx, y: by, z: bz });
     let c = space.point(V3 { x: cx, y: cy, z: cz });
     let weights = Weights::new(best.u, best.v);
-    let smooth = space.normal(weights.mix3(
+    let mut smooth = space.normal(weights.mix3(
         V3 { x: nax, y: nay, z: naz },
         V3 { x: nbx, y: nby, z: nbz },
         V3 { x: ncx, y: ncy, z: ncz },
     ));
-    let uv_area = (sb - sa) * (tc - ta) - (sc - sa) * (tb - ta);
+    let mut uv_area = (sb - sa) * (tc - ta) - (sc - sa) * (tb - ta);
+    let mut uv = [weights.mix(sa, sb, sc), weights.mix(ta, tb, tc)];
+    let mut place = weights.mix3(a, b, c);
+    let mut across = (b - a).cross(c - a);
+    let mut flat = facing(normalize(across), -ray.direction);
 
-    let across = (b - a).cross(c - a);
+    let round = vertices.of_objects::<L, Round>(token, best.object, &found);
+    let round = none.less_than(round);
+    if round.any() {
+        let enters = best.triangle.equal(none.like(ENTRY));
+        let n = sphere::point(best.u, best.v);
+        let [s, t] = sphere::tangents(n);
+        let [longitude, latitude] = sphere::longitude_and_latitude(n);
+        let out = space.vector(s).cross(space.vector(t));
+        let toward = V3::select(enters, n, -n);
+        across = V3::select(round, out, across);
+        flat = V3::select(round, normalize(space.normal(toward)), flat);
+        smooth = V3::select(round, space.normal(toward), smooth);
+        place = V3::select(round, space.point(sphere::start(n, enters)), place);
+        uv = [round.select(longitude, uv[0]), round.select(latitude, uv[1])];
+        uv_area = round.select(sphere::density(n), uv_area);
+    }
     let area = sqrt(across.dot(across));
-    let flat = facing(normalize(across), -ray.direction);
     let length = smooth.dot(smooth);
     let has_normal = length.like(TINY).less_than(length);
     let smooth = flush3(V3::select(has_normal, facing(normalize(smooth), flat), flat));
 
-    let place = flush3(weights.mix3(a, b, c));
-    let pixel = best.t * camera.pixel_t + camera.pixel;
+    let place = flush3(place);
+    let mut pixel = best.t * camera.pixel_t + camera.pixel;
+    if camera.by_angle == 1 {
+        pixel = pixel * grazing(flat, ray.direction);
+    }
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
         normal: V3::select(missed, nothing, smooth),
         material: vertices.of_objects::<L, OneMaterial>(token, best.object, &found),
         color: missed.select(none, mixed(&weights, colors)),
-        uv: [
-            missed.select(zero, flush(weights.mix(sa, sb, sc))),
-            missed.select(zero, flush(weights.mix(ta, tb, tc))),
-        ],
+        uv: [missed.select(zero, flush(uv[0])), missed.select(zero, flush(uv[1]))],
         footprint: missed.select(zero, flush(footprint(pixel, uv_area, area))),
         second_uv: [zero; 2],
         second_footprint: zero,
@@ -280,6 +311,15 @@ pub(super) fn triangles<L: Lane>(best: &Best<L>, found: &BestRows<L>, wanted: L:
                 & best.triangle.equal(best.triangle.like(found.triangle(lane)))
         },
     )
+}
+
+/// How much longer a footprint is where a surface with this normal, of length 1, is seen along a
+/// direction: 1 / cosine, at most 1024.
+#[inline(always)]
+fn grazing<L: Lane>(normal: V3<L>, direction: V3<L>) -> L {
+    const LEAST: f32 = 1.0 / 1024.0;
+    let cosine = normal.dot(normalize(direction)).abs();
+    recip(clamp(cosine, LEAST, 1.0))
 }
 
 /// `v`, turned to the side that `toward` is on.

@@ -4,7 +4,7 @@ use crate::grid::{RayIndex, place};
 use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
 use crate::kernel::tiles::{TILES, Tiles};
-use crate::kernel::traverse::{Best, Closest, Geometry, Search, met_by_rays, traverse};
+use crate::kernel::traverse::{Best, Closest, Geometry, Search, meet_sphere, met_by_rays, traverse};
 use crate::kernel::view::{camera_ray, central_ray};
 use crate::lane::{Lane, groups};
 use crate::layout::{Frame, Hit, NONE, View};
@@ -58,7 +58,7 @@ pub fn visibility<L: Lane, const G: usize>(
     let (corner, inside) = frame.grid().corner(first);
     let mut best = unfound::<L, G>(token, frame, first);
     let mut searches = [Closest; G];
-    let block = camera.first_block + frame.grid().block(first).0;
+    let block = camera.list(frame.grid().block(first));
     if lists.is_empty(block) {
         return best;
     }
@@ -144,6 +144,10 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usi
             tiles.meets::<O>(&low, &high, &limits, searching)
         };
         if met == 0 {
+            continue;
+        }
+        if object.is_sphere() {
+            meet_sphere(geometry, entry.object, rays, met, &mut limits, searches, best);
             continue;
         }
         let is_identity = object.is_identity == 1;

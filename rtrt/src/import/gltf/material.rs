@@ -5,6 +5,7 @@ use super::primitive::Coordinates;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, error::quoted, file, picture};
 use gltf_json::deserialize::from_value;
+use gltf_json::extensions::material::Volume;
 use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material;
 use gltf_json::texture::{self, Info, WrappingMode};
@@ -237,8 +238,16 @@ const CLEAREST: f32 = 0.1;
 /// alpha · max(1 − transmission · mean(base), 0.1)
 /// ```
 ///
-/// So dark glass covers more than bright glass. Roughness, refraction and the texture of the
-/// transmission are left out.
+/// So dark glass covers more than bright glass. The base color is tinted by what the volume behind
+/// the surface takes from light (KHR_materials_volume); light that crosses it crosses two surfaces,
+/// each of which stands for half of it:
+///
+/// ```text
+/// base · attenuation color ^ (thickness / (2 · attenuation distance))
+/// ```
+///
+/// Roughness, refraction, the textures of transmission and thickness, and the scale of nodes are
+/// left out.
 fn see_through(source: &material::Material, alpha: f32, material: Material) -> Material {
     use material::AlphaMode as Mode;
     let mode = match source.alpha_mode {
@@ -251,8 +260,38 @@ fn see_through(source: &material::Material, alpha: f32, material: Material) -> M
     if transmission == 0.0 || mode == AlphaMode::Mask {
         return Material { alpha, alpha_mode: mode as u32, ..material };
     }
-    let [r, g, b] = material.base;
+    let volume = source.extensions.as_ref().and_then(|e| e.volume.as_ref());
+    let [r, g, b] = volume.map_or(material.base, |volume| {
+        let Volume { attenuation_color, attenuation_distance, thickness_factor, .. } = volume;
+        tinted(material.base, attenuation_color.0, thickness_factor.0, attenuation_distance.0)
+    });
     let covered = (1.0 - transmission * (r + g + b) / 3.0).max(CLEAREST);
     let alpha = if mode == AlphaMode::Blend { alpha } else { 1.0 };
-    Material { alpha: alpha * covered, alpha_mode: AlphaMode::Blend as u32, ..material }
+    Material { base: [r, g, b], alpha: alpha * covered, alpha_mode: AlphaMode::Blend as u32, ..material }
+}
+
+/// A base color, tinted by half of a volume.
+fn tinted(base: [f32; 3], attenuation: [f32; 3], thickness: f32, distance: f32) -> [f32; 3] {
+    let ways = thickness / (2.0 * distance);
+    if !(ways > 0.0 && ways.is_finite()) {
+        return base;
+    }
+    core::array::from_fn(|i| base[i] * libm::powf(finite(attenuation[i]).clamp(0.0, 1.0), ways))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tinted;
+
+    #[test]
+    fn a_volume_takes_half_of_its_share_at_each_surface() {
+        // As thick as the distance after which a quarter of red is left.
+        let [r, g, b] = tinted([1.0, 0.5, 0.25], [0.25, 1.0, 0.0], 3.0, 3.0);
+        assert!((r - 0.5).abs() < 1e-6 && g == 0.5 && b == 0.0, "{r} {g} {b}");
+        for (thickness, distance) in
+            [(0.0, 1.0), (2.0, f32::INFINITY), (-1.0, 1.0), (1.0, 0.0), (f32::NAN, 1.0)]
+        {
+            assert_eq!(tinted([0.3; 3], [0.1; 3], thickness, distance), [0.3; 3]);
+        }
+    }
 }

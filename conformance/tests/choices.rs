@@ -1,0 +1,152 @@
+//! What is chosen for a frame: levels of detail, levels of textures, and the structure.
+
+use conformance::shape::{Build, Random, Shape, bulb, sun};
+use conformance::variants::{all, present, requires_gpu};
+use conformance::{cases, compare, reference};
+use glam::{Mat4, Vec3};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+use rtrt_core::scene::{Camera, Mip, Projection, Scene, Structure};
+
+const CAMERA: Camera = Camera {
+    eye: Vec3::new(0.0, 3.0, 6.0),
+    look_at: Vec3::new(0.0, 0.0, -4.0),
+    up: Vec3::Y,
+    projection: Projection::Perspective { fov_y: 0.9 },
+};
+
+fn request(camera: &Camera) -> Request<'_> {
+    Request {
+        camera,
+        size: [97, 55],
+        samples: 1,
+        shadows: Shadows::Hard,
+        layers: rtrt_core::backend::LAYERS,
+        deferred: true,
+    }
+}
+
+/// From which distance on the balls have which level.
+const STEPS: [(f32, u32); 3] = [(0.0, 8), (7.0, 4), (12.0, 2)];
+
+/// Balls at many distances: with levels, or each with the mesh that is right for a camera at `eye`.
+fn balls(eye: Option<Vec3>) -> (Scene, [u32; 3]) {
+    let mut build = Build::default().shape(Shape::floor(40.0, -1.0));
+    let meshes = STEPS.map(|(_, steps)| build.mesh(Shape::ball(steps)));
+    let mut random = Random(4);
+    let mut counts = [0; 3];
+    for _ in 0..60 {
+        let (center, size) = (random.vector(9.0) * Vec3::new(1.0, 0.1, 1.0), random.within(0.2, 0.7));
+        let place = Mat4::from_translation(center) * Mat4::from_scale(Vec3::splat(size));
+        match eye {
+            None => {
+                let ball = build.object(meshes[0], place);
+                build.scene.set_levels(ball, &[(STEPS[2].0, meshes[2]), (STEPS[1].0, meshes[1])]).unwrap();
+            }
+            Some(eye) => {
+                // To the nearest point of the box around the ball.
+                let away = ((eye - center).abs() - size).max(Vec3::ZERO).length();
+                let level = STEPS.iter().rposition(|(from, _)| away >= *from).unwrap();
+                counts[level] += 1;
+                build.object(meshes[level], place);
+            }
+        }
+    }
+    (build.light(bulb([2.0, 6.0, 3.0])).light(sun([0.3, -1.0, 0.2])).scene, counts)
+}
+
+#[test]
+fn a_scene_with_levels_is_one_with_the_meshes_that_are_chosen() {
+    let (scene, _) = balls(None);
+    let mut variants = present(all(), requires_gpu());
+    assert_eq!(variants.failed, 0);
+    let mut reference = reference();
+    let (mut expected, mut actual) = (Picture::default(), Picture::default());
+    let mut pictures = Vec::new();
+    for eye in [CAMERA.eye, Vec3::new(3.0, 2.5, 5.0), CAMERA.eye] {
+        let camera = Camera { eye, ..CAMERA };
+        let (chosen, counts) = balls(Some(eye));
+        assert!(counts.iter().all(|&count| count > 1), "{counts:?}");
+        reference.render(&chosen, &request(&camera), &mut expected).unwrap();
+        pictures.push(expected.pixels.clone());
+        for (name, backend) in &mut variants.backends {
+            backend.render(&scene, &request(&camera), &mut actual).unwrap();
+            let compared = compare(&request(&camera), &expected, &actual);
+            compared.unwrap_or_else(|why| panic!("{name}, from {eye}: {why}"));
+        }
+    }
+    assert!(pictures[0] != pictures[1] && pictures[0] == pictures[2]);
+    // Had the near mesh been drawn everywhere, it would show.
+    let mut near = balls(None).0;
+    for object in 1..61 {
+        near.set_levels(rtrt_core::scene::ObjectIndex(object), &[]).unwrap();
+    }
+    reference.render(&near, &request(&CAMERA), &mut actual).unwrap();
+    assert_ne!(actual.pixels, pictures[0]);
+}
+
+#[test]
+fn levels_that_make_no_sense_are_refused() {
+    let (mut scene, _) = balls(None);
+    let ball = rtrt_core::scene::ObjectIndex(1);
+    let mut other = Build::default();
+    let mesh = [0, 1, 2, 3, 4].map(|_| other.mesh(Shape::cube()))[4];
+    for from in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(scene.set_levels(ball, &[(from, mesh)]).is_err(), "{from}");
+    }
+    assert!(scene.set_levels(ball, &[(2.0, mesh)]).is_err());
+    assert!(scene.set_levels(rtrt_core::scene::ObjectIndex(999), &[]).is_err());
+}
+
+#[test]
+fn no_picture_depends_on_the_structure() {
+    let mut reference = reference();
+    let (mut with, mut without) = (Picture::default(), Picture::default());
+    let mut seen = 0;
+    for case in cases::all() {
+        let mut scene = (case.scene)();
+        // Whole lists for each ray of the largest take minutes.
+        if scene.objects().len() > 1500 {
+            continue;
+        }
+        scene.structure = Structure::Blocks;
+        reference.render(&scene, &case.request(), &mut with).unwrap();
+        scene.structure = Structure::None;
+        reference.render(&scene, &case.request(), &mut without).unwrap();
+        let [with, without] = [&mut with, &mut without].map(|picture| picture.deferred.as_mut().unwrap());
+        if scene.objects().len() > 1 && !scene.lights().is_empty() {
+            assert_ne!(with.lists, without.lists, "{}", case.name);
+            seen += 1;
+        }
+        with.lists.clear();
+        without.lists.clear();
+        assert_eq!(with, without, "{}", case.name);
+    }
+    assert!(seen > 50, "{seen}");
+}
+
+#[test]
+fn footprints_grow_by_one_over_the_cosine() {
+    let floor = Shape::floor(60.0, -1.0).textured([90.0, 90.0], [0.0, 0.0]);
+    let mut scene = Build::default().shape(floor).light(bulb([1.0, 3.0, 0.0])).scene;
+    let mut reference = reference();
+    let (mut distance, mut angle) = (Picture::default(), Picture::default());
+    reference.render(&scene, &request(&CAMERA), &mut distance).unwrap();
+    scene.mip = Mip::Angle;
+    reference.render(&scene, &request(&CAMERA), &mut angle).unwrap();
+    let [distance, angle] = [distance, angle].map(|picture| picture.deferred.unwrap());
+    assert_eq!(distance.hits, angle.hits);
+    let (mut judged, mut most) = (0, 0.0_f64);
+    for (before, after) in distance.surfaces.iter().zip(&angle.surfaces) {
+        if before.material == 0 {
+            continue;
+        }
+        let place = Vec3::from(before.origin).as_dvec3();
+        let way = (place - CAMERA.eye.as_dvec3()).normalize();
+        let ratio = f64::from(after.footprint) / f64::from(before.footprint);
+        let expected = (1.0 / way.y.abs()).min(1024.0);
+        assert!((ratio / expected - 1.0).abs() < 1e-4, "{ratio} {expected}");
+        judged += 1;
+        most = most.max(ratio);
+    }
+    assert!(judged > 500 && most > 5.0, "{judged} {most}");
+}

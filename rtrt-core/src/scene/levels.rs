@@ -1,0 +1,118 @@
+//! Levels of detail: objects that have another mesh when they are farther away.
+
+use crate::layout::Object;
+use crate::scene::place::{Stored, place};
+use crate::scene::tree::Bounds;
+use crate::scene::{MeshIndex, ObjectIndex, Scene, SceneError};
+use alloc::vec::Vec;
+use glam::{DVec3, Mat4, Vec3};
+
+/// Another mesh of an object.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Level {
+    /// From this distance on.
+    from: f32,
+    /// Which mesh.
+    mesh: MeshIndex,
+    /// The object that it then is.
+    placed: Object,
+}
+
+impl Scene {
+    /// Gives an object other meshes from some distances on; those of before are forgotten. Its
+    /// own mesh is for what is nearer than all of them.
+    ///
+    /// Distances are from the camera to the nearest point of the bounds that the object has with
+    /// its own mesh, so that what is chosen does not depend on what was chosen before. It is
+    /// chosen once a frame, for everything in it: a shadow is that of the mesh that is seen.
+    ///
+    /// # Errors
+    /// An index is of another scene, a distance is not a number above 0, or the object would be
+    /// out of range; nothing has changed then.
+    pub fn set_levels(&mut self, object: ObjectIndex, levels: &[(f32, MeshIndex)]) -> Result<(), SceneError> {
+        let (index, own) = self.object(object)?;
+        let mut placed = Vec::with_capacity(levels.len());
+        for &(from, mesh) in levels {
+            if !(from > 0.0 && from.is_finite()) {
+                return Err(SceneError::Distance { value: from });
+            }
+            let pane = self.pane(mesh.0, own.material)?;
+            let shown = place(self.mesh(mesh.0)?, own.material, super::place::matrix(&own))?;
+            placed.push(Level { from, mesh, placed: Object { pane, ..shown } });
+        }
+        placed.sort_by(|a, b| a.from.total_cmp(&b.from));
+        if placed.is_empty() {
+            self.levels.remove(&(index as u32));
+        } else {
+            self.levels.insert(index as u32, placed);
+        }
+        self.objects_changed();
+        Ok(())
+    }
+
+    /// An object's levels, placed elsewhere.
+    pub(super) fn moved_levels(&self, object: usize, to_world: Mat4) -> Result<Vec<Level>, SceneError> {
+        let levels = self.levels.get(&(object as u32)).map_or(&[][..], |levels| levels);
+        let moved = levels.iter().map(|level| {
+            let (pane, material) = (level.placed.pane, level.placed.material);
+            let placed = Object { pane, ..place(self.mesh(level.mesh.0)?, material, to_world)? };
+            Ok(Level { placed, ..*level })
+        });
+        moved.collect()
+    }
+
+    /// The levels of all objects that have this mesh as one of theirs, where it now is as `stored`
+    /// says.
+    pub(super) fn reshaped_levels(
+        &self,
+        mesh: MeshIndex,
+        stored: &Stored,
+    ) -> Result<Vec<(u32, usize, Object)>, SceneError> {
+        let mut placed = Vec::new();
+        for (&object, levels) in &self.levels {
+            for (number, level) in levels.iter().enumerate().filter(|(_, level)| level.mesh == mesh) {
+                let Object { pane, material, .. } = level.placed;
+                let to_world = super::place::matrix(&level.placed);
+                placed.push((object, number, Object { pane, ..place(stored, material, to_world)? }));
+            }
+        }
+        Ok(placed)
+    }
+
+    /// Keeps what [`Scene::reshaped_levels`] has found.
+    pub(super) fn replace_levels(&mut self, placed: Vec<(u32, usize, Object)>) {
+        for (object, number, placed) in placed {
+            if let Some(levels) = self.levels.get_mut(&object) {
+                levels[number].placed = placed;
+            }
+        }
+    }
+
+    /// The objects as a camera at `eye` sees them, and their bounds; none where no object has
+    /// levels, and the scene's own are those.
+    pub(super) fn seen_from(&self, eye: Vec3) -> Option<(Vec<Object>, Bounds)> {
+        if self.levels.is_empty() {
+            return None;
+        }
+        let mut objects = self.objects().to_vec();
+        for (&index, levels) in &self.levels {
+            let object = &mut objects[index as usize];
+            let distance = distance(eye, object);
+            let far = levels.iter().rev().find(|level| distance >= f64::from(level.from));
+            if let Some(level) = far.filter(|_| self.is_seen(index as usize)) {
+                *object = level.placed;
+            }
+        }
+        let seen = objects.iter().enumerate().filter(|(index, _)| self.is_seen(*index));
+        let bounds = seen.fold(Bounds::EMPTY, |all, (_, o)| all.union(&Bounds { low: o.low, high: o.high }));
+        Some((objects, bounds))
+    }
+}
+
+/// From a place to the nearest point of an object's bounds; 0 inside.
+fn distance(from: Vec3, object: &Object) -> f64 {
+    let [low, high] = [object.low, object.high].map(|corner| Vec3::from(corner).as_dvec3());
+    let from = from.as_dvec3();
+    let away = (low - from).max(from - high).max(DVec3::ZERO);
+    libm::sqrt(away.length_squared())
+}

@@ -1,0 +1,89 @@
+//! `demo:levels`: objects with fewer triangles the farther away they are.
+
+use super::shape::Shape;
+use crate::import::builder::{Builder, Geometry};
+use crate::import::{ImportError, Loaded, NamedCamera};
+use glam::{Mat4, Vec3, vec3};
+use rtrt_core::layout::{Attribute, Texture};
+use rtrt_core::scene::{Camera, Join, Light, Projection, phong};
+use std::path::Path;
+
+/// What the scene is called where a path is expected.
+pub const LEVELS: &str = "demo:levels";
+
+/// For each level: from which distance on, rings, and its color as linear RGBA, red lowest.
+const STEPS: [(f32, u32, u32); 4] =
+    [(0.0, 48, 0xffff_ffff), (8.0, 12, 0xff70_d0ff), (16.0, 6, 0xff80_ff80), (32.0, 3, 0xffff_9070)];
+
+/// A field of balls, each of 4,608 triangles near the camera and of 18 far away. Every level
+/// has a color of its own, so that it can be seen.
+///
+/// # Errors
+/// As for [`crate::import::load`]; nothing in the scene gives rise to any.
+pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
+    let mut builder = Builder::new(Path::new(LEVELS), join, None);
+    let floor = builder.scene.add_material(phong([0.5, 0.48, 0.45], 0.0, 0.9, Texture::NONE, [0.0; 3]));
+    let shape = Shape::default().tiled(vec3(-60.0, 0.0, -120.0), Vec3::X * 120.0, Vec3::Z * 130.0, 1.0);
+    let mesh = builder.add_mesh(LEVELS, shape.0)?;
+    builder.add_object(LEVELS, mesh, floor, Mat4::IDENTITY)?;
+    let white = builder.scene.add_material(phong([0.9; 3], 0.0, 0.4, Texture::NONE, [0.0; 3]));
+    let mut meshes = Vec::new();
+    for (from, rings, color) in STEPS {
+        meshes.push((from, builder.add_mesh(LEVELS, ball(rings, color))?));
+    }
+    for number in 0..32 * 40 {
+        let (column, row) = ((number % 32) as f32, (number / 32) as f32);
+        let center = vec3((column - 15.5) * 2.0, 0.6, 2.0 - row * 2.2);
+        let place = Mat4::from_translation(center) * Mat4::from_scale(Vec3::splat(0.6));
+        if let Some(object) = builder.add_object(LEVELS, meshes[0].1, white, place)? {
+            let set = builder.scene.set_levels(object, &meshes[1..]);
+            set.map_err(|source| ImportError::Scene { path: LEVELS.into(), source })?;
+        }
+    }
+    let mut scene = builder.scene;
+    scene.background = vec3(0.55, 0.70, 0.90);
+    scene.ambient = vec3(0.2, 0.21, 0.23);
+    scene.add_light(Light::Sun {
+        direction: vec3(-0.6, -1.0, -0.7),
+        color: vec3(1.0, 0.96, 0.88),
+        radius: 0.0,
+    });
+    let camera = Camera {
+        eye: vec3(0.0, 3.2, 6.5),
+        look_at: vec3(0.0, 0.6, -4.0),
+        up: Vec3::Y,
+        projection: Projection::Perspective { fov_y: 0.7 },
+    };
+    Ok(Loaded {
+        scene,
+        cameras: vec![NamedCamera { name: "field".into(), camera }],
+        camera,
+        lit_by_default: false,
+        animation: None,
+        warnings: Vec::new(),
+        tree_build_ms: builder.tree_build_ms,
+    })
+}
+
+/// A ball: so many rings of as many quads.
+fn ball(rings: u32, color: u32) -> Geometry {
+    let mut ball = Geometry::default();
+    let sides = rings;
+    for ring in 0..=rings {
+        let (out, up) = libm::sincosf(ring as f32 * (core::f32::consts::PI / rings as f32));
+        for side in 0..=sides {
+            let (sin, cos) = libm::sincosf(side as f32 * (core::f32::consts::TAU / sides as f32));
+            let normal = [out * cos, up, out * sin];
+            ball.positions.push(normal);
+            ball.attributes.push(Attribute { normal, uv: [0.0; 2], color });
+        }
+    }
+    for ring in 0..rings {
+        for side in 0..sides {
+            let above = ring * (sides + 1) + side;
+            let below = above + sides + 1;
+            ball.indices.extend([above, above + 1, below + 1, above, below + 1, below]);
+        }
+    }
+    ball
+}

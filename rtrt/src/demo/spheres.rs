@@ -1,0 +1,126 @@
+//! `demo:spheres`: what spheres can be.
+
+use super::paint;
+use super::shape::Shape;
+use crate::import::builder::Builder;
+use crate::import::{ImportError, Loaded, NamedCamera};
+use glam::{Mat4, Quat, Vec3, vec3};
+use rtrt_core::layout::{AlphaMode, Material, Texture};
+use rtrt_core::scene::{Camera, Image, Join, Light, MaterialIndex, Projection, phong};
+use std::path::Path;
+
+/// What the scene is called where a path is expected.
+pub const SPHERES: &str = "demo:spheres";
+
+/// Spheres on a floor: plain, textured, of glass, of metal, and drawn out to ellipsoids.
+///
+/// # Errors
+/// As for [`crate::import::load`]; nothing in the scene gives rise to any.
+pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
+    let mut stage = Stage { builder: Builder::new(Path::new(SPHERES), join, None) };
+    let planks = stage.texture(paint::planks())?;
+    let floor = stage.material([0.95; 3], 0.5, planks);
+    let corner = vec3(-6.0, 0.0, -7.0);
+    let shape = Shape::default().tiled(corner, Vec3::X * 12.0, Vec3::Z * 12.0, 2.4);
+    let mesh = stage.builder.add_mesh(SPHERES, shape.0)?;
+    stage.builder.add_object(SPHERES, mesh, floor, Mat4::IDENTITY)?;
+    stage.large()?;
+    stage.small()?;
+    let mut scene = stage.builder.scene;
+    scene.ambient = vec3(0.16, 0.17, 0.19);
+    scene.background = vec3(0.55, 0.70, 0.90);
+    scene.add_light(Light::Sun {
+        direction: vec3(0.7, -1.0, -0.5),
+        color: vec3(1.15, 1.08, 0.95),
+        radius: 0.0,
+    });
+    scene.add_light(Light::Point {
+        position: vec3(-1.2, 2.4, 2.6),
+        color: vec3(0.55, 0.42, 0.28),
+        reach: Some(8.0),
+        inverse_square: false,
+        radius: 0.0,
+    });
+    let camera = Camera {
+        eye: vec3(0.4, 2.3, 5.2),
+        look_at: vec3(0.0, 0.72, 0.0),
+        up: Vec3::Y,
+        projection: Projection::Perspective { fov_y: 0.72 },
+    };
+    Ok(Loaded {
+        scene,
+        cameras: vec![NamedCamera { name: "table".into(), camera }],
+        camera,
+        lit_by_default: false,
+        animation: None,
+        warnings: Vec::new(),
+        tree_build_ms: stage.builder.tree_build_ms,
+    })
+}
+
+/// The scene in the making.
+struct Stage<'a, J> {
+    builder: Builder<'a, J>,
+}
+
+impl<J: Join> Stage<'_, J> {
+    fn texture(&mut self, image: Image) -> Result<Texture, ImportError> {
+        self.builder.add_texture("painted", Ok(image))
+    }
+    fn material(&mut self, color: [f32; 3], roughness: f32, texture: Texture) -> MaterialIndex {
+        self.builder.scene.add_material(phong(color, 0.0, roughness, texture, [0.0; 3]))
+    }
+    fn glass(&mut self, color: [f32; 3], alpha: f32) -> MaterialIndex {
+        let glass = phong(color, 0.0, 0.1, Texture::NONE, [0.0; 3]);
+        self.builder.scene.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
+    }
+    /// An ellipsoid with these half axes.
+    fn add(
+        &mut self,
+        material: MaterialIndex,
+        center: Vec3,
+        size: Vec3,
+        turn: Quat,
+    ) -> Result<(), ImportError> {
+        let place = Mat4::from_scale_rotation_translation(size, turn, center);
+        let added = self.builder.scene.add_sphere(material, place);
+        added.map_err(|source| ImportError::Scene { path: SPHERES.into(), source })?;
+        Ok(())
+    }
+
+    /// A globe of tiles, two of glass with something in them, a disc and an egg.
+    fn large(&mut self) -> Result<(), ImportError> {
+        let tiles = self.texture(paint::tiles())?;
+        let tiles = self.material([1.0; 3], 0.25, Texture { turn: [[4.0, 0.0], [0.0, 2.0]], ..tiles });
+        let tilt = Quat::from_rotation_z(0.4) * Quat::from_rotation_y(0.6);
+        self.add(tiles, vec3(-1.45, 0.95, -0.6), Vec3::splat(0.95), tilt)?;
+        let gold = self.builder.scene.add_material(phong([0.9, 0.6, 0.2], 1.0, 0.3, Texture::NONE, [0.0; 3]));
+        for (center, color) in
+            [(vec3(0.35, 0.62, 0.9), [0.95, 0.25, 0.1]), (vec3(1.3, 0.75, 0.2), [0.1, 0.35, 0.95])]
+        {
+            let glass = self.glass(color, 0.3);
+            self.add(glass, center, Vec3::splat(center.y), Quat::IDENTITY)?;
+            self.add(gold, center - Vec3::Y * 0.1, Vec3::splat(0.25), Quat::IDENTITY)?;
+        }
+        let jade = self.material([0.25, 0.6, 0.4], 0.3, Texture::NONE);
+        self.add(jade, vec3(0.55, 1.55, -1.9), vec3(1.1, 1.1, 0.12), Quat::from_rotation_y(-0.5))?;
+        let egg = self.material([0.85, 0.8, 0.7], 0.6, Texture::NONE);
+        self.add(egg, vec3(-0.35, 0.42, 1.55), vec3(0.3, 0.42, 0.3), Quat::IDENTITY)
+    }
+
+    /// A spiral of beads.
+    fn small(&mut self) -> Result<(), ImportError> {
+        const BEADS: u32 = 60;
+        let colors = [[0.8, 0.2, 0.2], [0.85, 0.7, 0.25], [0.25, 0.5, 0.8]];
+        let beads = colors.map(|color| self.material(color, 0.3, Texture::NONE));
+        for bead in 0..BEADS {
+            let share = bead as f32 / BEADS as f32;
+            let (sin, cos) = libm::sincosf(share * 4.0 * core::f32::consts::TAU);
+            let radius = 0.03 + 0.05 * share;
+            let center =
+                vec3(2.6 + 0.7 * share * cos, radius + 1.8 * (1.0 - share), -1.4 + 0.7 * share * sin);
+            self.add(beads[bead as usize % beads.len()], center, Vec3::splat(radius), Quat::IDENTITY)?;
+        }
+        Ok(())
+    }
+}
