@@ -86,6 +86,7 @@ impl<'a> Job<'a> {
             console.say("warning: nothing in the scene is animated");
         }
         scene.mip = common.mip;
+        scene.occluders = common.sun_shadows;
         show_lights(&mut scene, common)?;
         let mut job = Self {
             scene,
