@@ -2,8 +2,9 @@
 
 use crate::suite::Failed;
 use rtrt_core::backend::Picture;
-use std::fs::{File, create_dir_all};
-use std::io::{self, BufWriter};
+use std::borrow::Cow;
+use std::fs::{create_dir_all, write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Writes the expected and the actual picture of a failed case, and where they differ (white
@@ -17,24 +18,36 @@ pub fn leave_images(failed: &Failed, variant: &str) -> io::Result<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/conformance");
     let folder = folder.join(failed.case.name).join(variant.replace([' ', '/'], "_"));
     create_dir_all(&folder)?;
-    let [expected, actual] = [&failed.expected, &failed.actual];
-    write(&folder.join("expected.png"), expected)?;
-    write(&folder.join("actual.png"), actual)?;
-    let pairs = expected.pixels.iter().zip(&actual.pixels);
-    let pixels = pairs.map(|(a, b)| if a == b { 0xff00_0000 } else { u32::MAX }).collect();
-    write(&folder.join("difference.png"), &Picture { pixels, ..expected.clone() })?;
+    for (name, picture) in pictures(failed) {
+        if let Some(bytes) = png(&picture)? {
+            write(folder.join(format!("{name}.png")), bytes)?;
+        }
+    }
     Ok(folder)
 }
 
-fn write(path: &Path, picture: &Picture) -> io::Result<()> {
-    // A backend that failed may have left anything.
-    if picture.pixels.is_empty()
-        || picture.pixels.len() as u64 != u64::from(picture.width) * u64::from(picture.height)
-    {
-        return Ok(());
+/// The expected and the actual picture of a failed case, and where they differ (white on black).
+pub(crate) fn pictures(failed: &Failed) -> [(&'static str, Cow<'_, Picture>); 3] {
+    let [expected, actual] = [&failed.expected, &failed.actual];
+    let pairs = expected.pixels.iter().zip(&actual.pixels);
+    let pixels = pairs.map(|(a, b)| if a == b { 0xff00_0000 } else { u32::MAX }).collect();
+    let difference = Picture { pixels, deferred: None, ..*expected };
+    [
+        ("expected", Cow::Borrowed(expected)),
+        ("actual", Cow::Borrowed(actual)),
+        ("difference", Cow::Owned(difference)),
+    ]
+}
+
+/// The picture as a PNG file; none if it is no picture: a backend that failed may have left anything.
+pub(crate) fn png(picture: &Picture) -> io::Result<Option<Vec<u8>>> {
+    let Picture { width, height, ref pixels, .. } = *picture;
+    if pixels.is_empty() || pixels.len() as u64 != u64::from(width) * u64::from(height) {
+        return Ok(None);
     }
-    let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), picture.width, picture.height);
+    let mut bytes = vec![];
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.write_header()?.write_image_data(picture.bytes())?;
-    Ok(())
+    Ok(Some(bytes))
 }

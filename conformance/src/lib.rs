@@ -1,5 +1,10 @@
 //! The suite that any backend of rtrt can be run through: whether it gives the same bits.
 //!
+//! For a backend of your own: implement [`rtrt_core::backend::Backend`], give it to [`Suite::run`], and look at what
+//! [`Outcome::failures`] says (`examples/custom_backend.rs` is a whole one). For a machine of your own:
+//! `cargo run --release -p conformance -- --report out` runs everything that is present, compares it with the hashes
+//! in [`golden`], and writes a [`report`].
+//!
 //! ```
 //! use conformance::{Suite, cases};
 //! use rtrt_cpu::{Cpu, Options};
@@ -24,8 +29,10 @@
 
 mod case;
 pub mod cases;
+pub mod golden;
 mod image;
 pub mod oracle;
+pub mod report;
 pub mod shape;
 mod suite;
 pub mod variants;
@@ -34,3 +41,8 @@ pub use case::{Agree, Case, Known};
 pub use image::leave_images;
 pub use rtrt_core::compare::{Difference, Place, compare};
 pub use suite::{Failed, Failure, Itself, Outcome, Suite, check, reference};
+
+/// Runs the README's examples as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

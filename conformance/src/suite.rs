@@ -5,6 +5,7 @@ use rtrt_core::backend::{Backend, Description, Picture, RenderError};
 use rtrt_core::compare::{Difference, compare};
 use rtrt_core::scene::Scene;
 use rtrt_cpu::{Cpu, Options};
+use std::time::Instant;
 
 /// The reference: one number at a time, one thread.
 ///
@@ -60,6 +61,8 @@ pub struct Failed {
 pub struct Outcome {
     /// How many were run.
     pub cases: usize,
+    /// Milliseconds that each of them took, in order.
+    pub times_ms: Vec<f64>,
     /// Those that failed, in order.
     pub failures: Vec<Failed>,
     /// Those that failed as it was known.
@@ -112,7 +115,9 @@ impl Suite {
         let mut actual = Picture::default();
         for Prepared { case, scene, expected } in &self.cases {
             outcome.cases += 1;
+            let start = Instant::now();
             let rendered = backend.render(scene, &case.request(), &mut actual);
+            outcome.times_ms.push(start.elapsed().as_secs_f64() * 1e3);
             let checked = rendered.map_err(Failure::from).and_then(|()| check(case, expected, &actual));
             let known = case.known.filter(|known| description.adapter.contains(known.adapter));
             let (failure, list) = match (checked, known) {

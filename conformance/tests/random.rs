@@ -10,7 +10,9 @@ use glam::{Mat4, Quat, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::compare::compare;
 use rtrt_core::layout::{AlphaMode, Material, Texture, Wrap};
-use rtrt_core::scene::{Camera, Image, Light, MaterialIndex, Projection, Scene, phong};
+use rtrt_core::scene::{
+    Camera, Image, Light, MaterialIndex, ObjectIndex, Panorama, Projection, Scene, phong,
+};
 use std::ops::Range;
 
 fn seeds() -> Range<u64> {
@@ -129,7 +131,32 @@ fn scene(random: &mut Random) -> Scene {
             added.expect("a transform that was tried");
         }
     }
-    (0..random.below(5)).fold(build, |build, _| build.light(light(random))).scene
+    let mut scene = (0..random.below(5)).fold(build, |build, _| build.light(light(random))).scene;
+    if random.below(4) == 0 {
+        surround(random, &mut scene);
+    }
+    if random.below(3) == 0 {
+        change(random, &mut scene);
+    }
+    scene
+}
+
+/// An environment of a few pixels, some of them bright.
+fn surround(random: &mut Random, scene: &mut Scene) {
+    let (width, height) = (2 + random.below(9), 1 + random.below(6));
+    let rgb = (0..width * height).map(|_| [0; 3].map(|_| any_size(random, -3.0, 1.5))).collect();
+    scene.set_environment(&Panorama { width, height, rgb }).expect("a panorama");
+}
+
+/// Objects that are elsewhere than at first, and some that are hidden.
+fn change(random: &mut Random, scene: &mut Scene) {
+    for object in (0..scene.objects().len() as u32).map(ObjectIndex) {
+        match random.below(4) {
+            0 => scene.hide(object).expect("it is there"),
+            1 => scene.set_transform(object, transform(random)).expect("a transform that was tried"),
+            _ => {}
+        }
+    }
 }
 
 fn camera(random: &mut Random) -> Camera {
@@ -164,7 +191,7 @@ fn every_variant_equals_the_oracles_on_random_scenes() {
         let request = Request {
             camera: &camera(&mut random),
             size: if is_swarm { [61, 45] } else { [1 + random.below(40), 1 + random.below(30)] },
-            samples: [1, 1, 1, 4][random.below(4) as usize],
+            samples: [1, 1, 1, 1, 1, 4, 4, 16][random.below(8) as usize],
             shadows: shadows(&mut random),
             layers: [1, 2, 3, 8][random.below(4) as usize],
             deferred: true,

@@ -141,6 +141,32 @@ pub enum RenderError {
 
 /// A machine that renders: a function from scene and request to picture, the same bits
 /// whichever implements it.
+///
+/// ```
+/// use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request};
+/// use rtrt_core::scene::Scene;
+///
+/// /// Renders as another does, and counts frames.
+/// struct Counting<B> {
+///     backend: B,
+///     frames: u32,
+/// }
+///
+/// impl<B: Backend> Backend for Counting<B> {
+///     fn describe(&self) -> Description {
+///         Description { kind: "counting".into(), ..self.backend.describe() }
+///     }
+///     fn render(
+///         &mut self,
+///         scene: &Scene,
+///         request: &Request<'_>,
+///         picture: &mut Picture,
+///     ) -> Result<(), RenderError> {
+///         self.frames += 1;
+///         self.backend.render(scene, request, picture)
+///     }
+/// }
+/// ```
 pub trait Backend: Send {
     /// Where it runs.
     fn describe(&self) -> Description;

@@ -62,6 +62,27 @@ pub enum Place {
 /// Where neither has deferred buffers, only the pixels are compared; where one of them has
 /// none, that is a difference.
 ///
+/// ```
+/// use rtrt_core::backend::{LAYERS, Picture, Request, Shadows};
+/// use rtrt_core::compare::compare;
+/// use rtrt_core::scene::{Camera, Projection};
+///
+/// let camera = Camera {
+///     eye: [0.0, 0.0, 3.0].into(),
+///     look_at: [0.0; 3].into(),
+///     up: [0.0, 1.0, 0.0].into(),
+///     projection: Projection::Perspective { fov_y: 1.0 },
+/// };
+/// let request =
+///     Request { camera: &camera, size: [2, 1], samples: 1, shadows: Shadows::Hard, layers: LAYERS, deferred: false };
+/// let expected = Picture { width: 2, height: 1, pixels: vec![7, 8], ..Picture::default() };
+/// let mut actual = expected.clone();
+/// assert!(compare(&request, &expected, &actual).is_ok());
+/// actual.pixels[1] ^= 1;
+/// let difference = compare(&request, &expected, &actual).unwrap_err();
+/// assert!(difference.to_string().starts_with("resolve: pixels[0] at pixel 1,0"));
+/// ```
+///
 /// # Errors
 /// The first difference, in the order of the stages; within a buffer the lowest index.
 pub fn compare(request: &Request<'_>, expected: &Picture, actual: &Picture) -> Result<(), Difference> {

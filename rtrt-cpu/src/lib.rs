@@ -157,24 +157,20 @@ impl Memory {
         self.tiles.resize(grid.blocks() as usize * tile, 0);
         let start = Instant::now();
         let tiles = self.tiles.par_chunks_mut(tile);
-        let (records, kept) = match deferred {
-            None => ((0..grid.blocks()).map(|_| None).collect(), None),
-            Some(deferred) => {
-                deferred_room(deferred, &frame, &self.bins.words);
-                let (records, kept) = block_records(deferred, &frame);
-                (records, Some(kept))
+        let block =
+            |(block, (tile, records))| level.run(Block { job: &job, index: block as u32, tile, records });
+        let none = || rayon::iter::repeat_n((), grid.blocks() as usize).map(|()| None);
+        let deferred = deferred.map(|deferred| {
+            deferred_room(deferred, &frame, &self.bins.words);
+            block_records(deferred, &frame)
+        });
+        let busy = match (deferred, frame.window) {
+            (None, 0) => tiles.zip(none()).enumerate().map(block).reduce(Clock::default, Clock::plus),
+            (Some((records, _)), 0) => {
+                tiles.zip(records).enumerate().map(block).reduce(Clock::default, Clock::plus)
             }
-        };
-        let busy = if frame.window == 0 {
-            tiles
-                .zip(records)
-                .enumerate()
-                .map(|(block, (tile, records))| {
-                    level.run(Block { job: &job, index: block as u32, tile, records })
-                })
-                .reduce(Clock::default, Clock::plus)
-        } else {
-            self.soft.frame(level, &job, tiles, records, kept)
+            (None, _) => self.soft.frame(level, &job, tiles, none().collect(), None),
+            (Some((records, kept)), _) => self.soft.frame(level, &job, tiles, records, Some(kept)),
         };
         // The stages of a block follow one another on one thread, so a stage's share of
         // the time that passed is its share of the threads' time.

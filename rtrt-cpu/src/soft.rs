@@ -222,37 +222,40 @@ impl Work for Find<'_> {
     }
 }
 
-/// Where penumbras are: for each block and light, whether any of its rays has one.
+/// Where shadows have edges that are to be blurred.
 struct Edges {
-    has: Vec<bool>,
+    /// For each block and light, whether any of its rays has a penumbra, and whether anything of
+    /// the light is left at any.
+    has: Vec<[bool; 2]>,
 }
 
 impl Edges {
     fn of(frame: &Frame, shadows: &[u32]) -> Self {
         let lights = frame.lights as usize;
-        let sizes = &shadows[size_at(frame, 0, 0)..];
-        let mut has = vec![false; frame.grid().blocks() as usize * lights];
-        has.par_chunks_mut(lights.max(1)).zip(sizes.par_chunks(RAYS * lights.max(1))).for_each(
-            |(has, sizes)| {
-                for (at, &size) in sizes.iter().enumerate() {
-                    has[at % lights] |= f32::from_bits(size) > 0.0;
+        let (left, sizes) = shadows.split_at(size_at(frame, 0, 0));
+        let mut has = vec![[false; 2]; frame.grid().blocks() as usize * lights];
+        has.par_chunks_mut(lights)
+            .zip(left.par_chunks(RAYS * lights).zip(sizes.par_chunks(RAYS * lights)))
+            .for_each(|(has, (left, sizes))| {
+                for (at, (&left, &size)) in left.iter().zip(sizes).enumerate() {
+                    has[at % lights][0] |= f32::from_bits(size) > 0.0;
+                    has[at % lights][1] |= left != 0;
                 }
-            },
-        );
+            });
         Self { has }
     }
 
-    /// Whether a penumbra of the light may reach into a block.
-    fn reach(&self, frame: &Frame, block: BlockIndex, light: u32) -> bool {
+    /// Whether a block sees both a penumbra of the light and something that is left of it.
+    fn are_near(&self, frame: &Frame, block: BlockIndex, light: u32) -> bool {
         let (columns, rows) = (frame.grid().blocks_x(), frame.grid().blocks_y());
         let (x, y, around) = (block.0 % columns, block.0 / columns, reach(frame).div_ceil(BLOCK));
         let near = |at: u32, count: u32| at.saturating_sub(around)..(at + around + 1).min(count);
-        near(y, rows)
-            .any(|y| near(x, columns).any(|x| self.has[((y * columns + x) * frame.lights + light) as usize]))
+        let blocks = || near(y, rows).flat_map(|y| near(x, columns).map(move |x| y * columns + x));
+        (0..2).all(|what| blocks().any(|block| self.has[(block * frame.lights + light) as usize][what]))
     }
 }
 
-/// Blurs the shadows of a block. Those that no penumbra reaches stay as they are.
+/// Blurs the shadows of a block. Where no penumbra reaches, or all is dark, they stay as they are.
 fn blur(
     frame: &Frame,
     job: &Job<'_>,
@@ -265,7 +268,7 @@ fn blur(
     let lights = frame.lights;
     let first = block * BLOCK_RAYS;
     tints.copy_from_slice(&shadows[(first * lights) as usize..][..tints.len()]);
-    for light in (0..lights).filter(|&light| edges.reach(frame, BlockIndex(block), light)) {
+    for light in (0..lights).filter(|&light| edges.are_near(frame, BlockIndex(block), light)) {
         for ray in 0..BLOCK_RAYS {
             tints[(ray * lights + light) as usize] =
                 soften(frame, job.views, surfaces, shadows, first + ray, light);

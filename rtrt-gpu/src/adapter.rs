@@ -20,7 +20,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    fn new(kind: wgpu::DeviceType) -> Self {
+    pub(crate) fn new(kind: wgpu::DeviceType) -> Self {
         match kind {
             wgpu::DeviceType::DiscreteGpu => Self::Discrete,
             wgpu::DeviceType::IntegratedGpu => Self::Integrated,
@@ -62,7 +62,7 @@ pub struct AdapterReport {
 }
 
 /// All adapters in the order in which [`crate::Gpu::new`] would try them, each opened and
-/// asked. Their position here is their number in [`Options::adapter`].
+/// asked. `WGPU_BACKEND` and `WGPU_POWER_PREF` in the environment have the meaning that wgpu gives them. Their position here is their number in [`Options::adapter`].
 pub fn adapters() -> Vec<AdapterReport> {
     let report = |adapter: &wgpu::Adapter| {
         let info = adapter.get_info();
@@ -70,7 +70,7 @@ pub fn adapters() -> Vec<AdapterReport> {
             api: info.backend.to_string(),
             kind: Kind::new(info.device_type),
             driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
-            passthrough: has_passthrough(adapter),
+            passthrough: has_passthrough(&info, adapter.features()),
             canary: open(adapter, Route::Auto).map(drop),
             name: info.name,
         }
@@ -91,13 +91,14 @@ pub(crate) fn choose(options: &Options) -> Result<Device, Error> {
         }
         return Err(Error::NoAdapter { tried });
     };
-    let named = |adapter: &&wgpu::Adapter| label(adapter).to_lowercase().contains(&wanted.to_lowercase());
+    let named =
+        |adapter: &&wgpu::Adapter| label(&adapter.get_info()).to_lowercase().contains(&wanted.to_lowercase());
     let numbered = wanted.parse().ok().and_then(|number: usize| adapters.get(number));
     match numbered.or_else(|| adapters.iter().find(named)) {
         Some(adapter) => open(adapter, options.route),
         None => Err(Error::AdapterNotFound {
             wanted: wanted.clone(),
-            names: adapters.iter().map(label).collect(),
+            names: adapters.iter().map(|adapter| label(&adapter.get_info())).collect(),
         }),
     }
 }
@@ -109,32 +110,33 @@ fn open(adapter: &wgpu::Adapter, route: Route) -> Result<Device, Error> {
     Ok(device)
 }
 
-/// All adapters, the most promising first.
+/// All adapters, the most promising first. `WGPU_BACKEND` in the environment leaves out those that are reached
+/// otherwise, and with `WGPU_POWER_PREF=low` integrated GPUs come before discrete ones.
 fn enumerate() -> Vec<wgpu::Adapter> {
-    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    let known = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    let backends = wgpu::Backends::from_env().map_or(known, |wanted| wanted & known);
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,
         flags: wgpu::InstanceFlags::empty(),
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     });
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
-    adapters.sort_by_key(|adapter| Kind::new(adapter.get_info().device_type));
+    let saves_power = wgpu::PowerPreference::from_env() == Some(wgpu::PowerPreference::LowPower);
+    adapters.sort_by_key(|adapter| match Kind::new(adapter.get_info().device_type) {
+        kind @ (Kind::Discrete | Kind::Integrated) => {
+            (Kind::Discrete, saves_power == (kind == Kind::Discrete))
+        }
+        kind => (kind, false),
+    });
     adapters
 }
 
 /// What the adapter is called, with its interface: one GPU may be there twice.
-pub(crate) fn label(adapter: &wgpu::Adapter) -> String {
-    let info = adapter.get_info();
+pub(crate) fn label(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({})", info.name, info.backend)
 }
 
-/// What the adapter is.
-pub(crate) fn kind(adapter: &wgpu::Adapter) -> Kind {
-    Kind::new(adapter.get_info().device_type)
-}
-
-/// Whether the adapter takes SPIR-V as it is.
-pub(crate) fn has_passthrough(adapter: &wgpu::Adapter) -> bool {
-    adapter.get_info().backend == wgpu::Backend::Vulkan
-        && adapter.features().contains(wgpu::Features::PASSTHROUGH_SHADERS)
+/// Whether an adapter or a device with these features takes SPIR-V as it is.
+pub(crate) fn has_passthrough(info: &wgpu::AdapterInfo, features: wgpu::Features) -> bool {
+    info.backend == wgpu::Backend::Vulkan && features.contains(wgpu::Features::PASSTHROUGH_SHADERS)
 }

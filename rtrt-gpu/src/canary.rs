@@ -1,7 +1,7 @@
 //! Whether a device computes the CPU's numbers, asked before it is trusted.
 
 use crate::Error;
-use crate::device::Device;
+use crate::device::{Device, watched};
 use crate::pipeline::{Access, groups};
 use rtrt_core::kernel::canary::{NAMES, OUTPUTS, canary};
 use rtrt_core::layout::{Attribute, Frame, Hit, Material, Node, Object, PROBES, Surface, View, probe};
@@ -24,7 +24,8 @@ pub(crate) const LAYOUT: &[Access] = &[
 /// Compares the device's answers with the CPU's.
 pub(crate) fn check(device: &Device) -> Result<(), Error> {
     let words = words();
-    for (case, answers) in kernels(device, &words)?.iter().enumerate() {
+    let answers = watched(&device.device, || kernels(device, &words))?;
+    for (case, answers) in answers.iter().enumerate() {
         let expected = canary::<f32>((), &words, case as u32).map(|word| word.0);
         if let Some(i) = (0..OUTPUTS).find(|&i| answers[i] != expected[i]) {
             return Err(Error::Canary {

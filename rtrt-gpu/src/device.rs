@@ -1,6 +1,6 @@
 //! An opened device with the compiled module, and how its failures become errors.
 
-use crate::adapter::{Kind, has_passthrough, kind, label};
+use crate::adapter::{Kind, has_passthrough, label};
 use crate::barriers::with_barriers;
 use crate::pipeline::{Access, PASSES, Pipeline, bind_group_layout};
 use crate::{Error, Route};
@@ -19,8 +19,12 @@ pub(crate) struct Device {
     pub limit: u64,
     module: wgpu::ShaderModule,
     zero: Option<Zero>,
-    failure: Arc<Mutex<Option<Error>>>,
+    /// Why the device is gone, where it tells.
+    lost: Arc<Mutex<Option<String>>>,
 }
+
+/// Features that make a difference, where an adapter has them.
+const USEFUL: wgpu::Features = wgpu::Features::PASSTHROUGH_SHADERS.union(wgpu::Features::TIMESTAMP_QUERY);
 
 /// Bytes of the smallest buffer: the largest element of any fits.
 const LARGEST: u64 = 512;
@@ -29,44 +33,52 @@ const _: () = assert!(size_of::<Material>() <= LARGEST as usize && size_of::<Vie
 impl Device {
     /// Opens the adapter with all it allows, and hands it the module.
     pub fn open(adapter: &wgpu::Adapter, route: Route) -> Result<Self, Error> {
-        let name = label(adapter);
-        let passthrough = has_passthrough(adapter);
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: None,
+            required_features: adapter.features() & USEFUL,
+            required_limits: adapter.limits(),
+            experimental_features: wgpu::ExperimentalFeatures::disabled(),
+            memory_hints: wgpu::MemoryHints::Performance,
+            trace: wgpu::Trace::Off,
+        }))
+        .map_err(|source| Error::Open { adapter: label(&adapter.get_info()), source })?;
+        let lost = Arc::new(Mutex::new(None));
+        let kept = Arc::clone(&lost);
+        device.set_device_lost_callback(move |_, reason| {
+            *kept.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason);
+        });
+        Ok(Self { lost, ..Self::new(device, queue, route)? })
+    }
+
+    /// Hands the module to a device that is open.
+    pub fn new(device: wgpu::Device, queue: wgpu::Queue, route: Route) -> Result<Self, Error> {
+        let info = device.adapter_info();
+        let name = label(&info);
+        let passthrough = has_passthrough(&info, device.features());
         let route = match route {
             Route::Auto if passthrough => Route::Passthrough,
             Route::Auto | Route::Naga => Route::Naga,
             Route::Passthrough if passthrough => Route::Passthrough,
             Route::Passthrough => return Err(Error::NoPassthrough { adapter: name }),
         };
-        let limits = adapter.limits();
+        let limits = device.limits();
         let needed = most_storage_buffers();
         if limits.max_storage_buffers_per_shader_stage < needed {
             let limit = limits.max_storage_buffers_per_shader_stage;
             return Err(Error::TooFewBindings { adapter: name, limit, needed });
         }
-        let wanted = wgpu::Features::PASSTHROUGH_SHADERS | wgpu::Features::TIMESTAMP_QUERY;
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            label: None,
-            required_features: adapter.features() & wanted,
-            required_limits: limits.clone(),
-            experimental_features: wgpu::ExperimentalFeatures::disabled(),
-            memory_hints: wgpu::MemoryHints::Performance,
-            trace: wgpu::Trace::Off,
-        }))
-        .map_err(|source| Error::Open { adapter: name.clone(), source })?;
-        let failure = Arc::new(Mutex::new(None));
-        keep_failures(&device, &failure);
-        let module = module(&device, route);
+        let kind = Kind::new(info.device_type);
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let zero = (route == Route::Naga).then(|| Zero::new(&device));
-        let this = Self { name, kind: kind(adapter), route, device, queue, limit, module, zero, failure };
-        this.check()?;
-        Ok(this)
+        let (module, zero) = watched(&device, || {
+            Ok((module(&device, route), (route == Route::Naga).then(|| Zero::new(&device))))
+        })?;
+        Ok(Self { name, kind, route, device, queue, limit, module, zero, lost: Arc::default() })
     }
 
-    /// The first failure since the last call, if there was one.
+    /// Whether the device is still there.
     pub fn check(&self) -> Result<(), Error> {
-        let failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner).take();
-        failure.map_or(Ok(()), Err)
+        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        lost.map_or(Ok(()), |reason| Err(Error::Lost { reason }))
     }
 
     /// A pipeline of the entry point, whose buffers are bound from 0 on.
@@ -161,15 +173,21 @@ fn most_storage_buffers() -> u32 {
     PASSES.iter().map(|pass| pass.accesses().map(|a| storage(&a)).sum()).max().unwrap_or(0)
 }
 
-/// Without this wgpu panics. The first failure is kept: others follow from it.
-fn keep_failures(device: &wgpu::Device, failure: &Arc<Mutex<Option<Error>>>) {
-    let keep = |failure: &Mutex<Option<Error>>, error| {
-        failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-    };
-    let kept = Arc::clone(failure);
-    device.on_uncaptured_error(Arc::new(move |error| keep(&kept, Error::Device(error))));
-    let kept = Arc::clone(failure);
-    device.set_device_lost_callback(move |_, reason| keep(&kept, Error::Lost { reason }));
+/// Does some work, and gives the first thing that the device had against it.
+///
+/// What nobody catches goes to the handler of the device, which may be an application's own, or
+/// panics. The work is on this thread, and so are scopes.
+pub(crate) fn watched<T>(device: &wgpu::Device, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    let filters =
+        [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
+    let scopes = filters.map(|filter| device.push_error_scope(filter));
+    let result = work();
+    let mut caught = None;
+    for scope in scopes.into_iter().rev() {
+        // Without memory, buffers are not there, and their use is an error as well.
+        caught = pollster::block_on(scope.pop()).or(caught);
+    }
+    caught.map_or(result, |error| Err(Error::Device(error)))
 }
 
 /// The compiled module, as the route wants it.

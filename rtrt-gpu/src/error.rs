@@ -68,6 +68,14 @@ pub enum Error {
         /// How many it may have.
         limit: u64,
     },
+    /// A texture is not one that a frame can be rendered into.
+    #[error("the texture has {is}, the frame needs {needed}")]
+    Texture {
+        /// What it has.
+        is: String,
+        /// What it should have.
+        needed: String,
+    },
     /// The device refused a command, or has no memory left.
     #[error(transparent)]
     Device(#[from] wgpu::Error),

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::buffers::{Buffers, Slot};
-use crate::device::Device;
+use crate::device::{Device, watched};
 use crate::pipeline::{FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, groups};
 use crate::timer::Timer;
 use bytemuck::Pod;
@@ -42,17 +42,7 @@ pub(crate) struct Renderer {
 impl Renderer {
     /// Compiles all entry points.
     pub fn new(device: Device, band_bytes: Option<u64>) -> Result<Self, Error> {
-        let mut pipelines: Vec<Pipeline> = Vec::with_capacity(PASSES.len());
-        for (number, pass) in PASSES.iter().enumerate() {
-            let known = PASSES[..number].iter().position(|earlier| earlier.entry == pass.entry);
-            let pipeline = match known {
-                Some(earlier) => pipelines[earlier].clone(),
-                None => device.pipeline(pass.entry, pass.accesses()),
-            };
-            pipelines.push(pipeline);
-        }
-        let timer = Timer::new(&device)?;
-        device.check()?;
+        let (pipelines, timer) = watched(&device.device, || Ok((pipelines(&device), Timer::new(&device)?)))?;
         Ok(Self {
             band_bytes: band_bytes.unwrap_or(u64::MAX).min(device.limit),
             device,
@@ -65,15 +55,18 @@ impl Renderer {
         })
     }
 
-    /// Renders the frame that was set up.
+    /// Renders the frame that was set up into the picture, or into a texture: the picture then holds
+    /// times, and no pixels.
     pub fn render(
         &mut self,
         scene: &Scene,
         setup: &Setup,
         deferred: bool,
+        texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
-        let result = self.frame(scene, setup, deferred, picture);
+        let device = self.device.device.clone();
+        let result = watched(&device, || self.frame(scene, setup, deferred, texture, picture));
         if result.is_err() {
             // Whatever is there now is not to be relied on.
             self.buffers = Buffers::default();
@@ -87,12 +80,18 @@ impl Renderer {
         scene: &Scene,
         setup: &Setup,
         deferred: bool,
+        texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
         let frame = setup.frame;
-        picture.width = frame.width;
-        picture.height = frame.height;
-        picture.pixels.resize((frame.width * frame.height) as usize, 0);
+        match texture {
+            Some(texture) => check(texture, &frame)?,
+            None => {
+                picture.width = frame.width;
+                picture.height = frame.height;
+                picture.pixels.resize((frame.width * frame.height) as usize, 0);
+            }
+        }
         let empty = || {
             let tint_words = if frame.is_tinted() { frame.lights } else { 0 };
             let layer_count = frame.layers.max(1) - 1;
@@ -110,7 +109,7 @@ impl Renderer {
         let Some(first) = bands.next() else { return Ok(()) };
         let entries = loop {
             picture.deferred = empty();
-            let entries = self.band(first.with_room(self.capacity), 0, picture)?;
+            let entries = self.band(first.with_room(self.capacity), 0, texture, picture)?;
             if entries <= self.capacity {
                 break entries;
             }
@@ -119,7 +118,7 @@ impl Renderer {
             picture.stages_ms = [0.0; STAGES.len()];
         };
         for band in bands {
-            self.band(band.with_room(self.capacity), FIRST_OF_BAND, picture)?;
+            self.band(band.with_room(self.capacity), FIRST_OF_BAND, texture, picture)?;
         }
         if let Some(deferred) = &mut picture.deferred {
             let words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(entries);
@@ -128,12 +127,19 @@ impl Renderer {
         Ok(())
     }
 
-    /// Runs the stages from `first_stage` on for a band of rays, and reads its pixels and
-    /// times back. Gives the number of entries in the lists.
-    fn band(&mut self, band: Band, first_stage: usize, picture: &mut Picture) -> Result<u32, Error> {
+    /// Runs the stages from `first_stage` on for a band of rays, and reads its times back, and its
+    /// pixels if they do not go into a texture. Gives the number of entries in the lists.
+    fn band(
+        &mut self,
+        band: Band,
+        first_stage: usize,
+        texture: Option<&wgpu::Texture>,
+        picture: &mut Picture,
+    ) -> Result<u32, Error> {
         let (device, frame) = (&self.device, &band.frame);
         let [first_made, pixel_count] = frame.grid().pixels(RayIndex(frame.first_ray), frame.rays);
         let [first_pixel, kept_pixels] = frame.grid().pixels(RayIndex(band.first), band.rays);
+        let skipped = first_pixel - first_made;
         let rays = u64::from(frame.rays);
         let list_words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(frame.capacity);
         let behind = frame.layers.max(1) - 1;
@@ -158,7 +164,7 @@ impl Renderer {
         self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;
         self.buffers.reserve::<[f32; 4]>(device, Slot::Colors, rays)?;
         self.buffers.reserve::<u32>(device, Slot::Pixels, u64::from(pixel_count))?;
-        let bytes = PIXELS + 4 * u64::from(pixel_count);
+        let bytes = PIXELS + if texture.is_some() { 0 } else { 4 * u64::from(pixel_count) };
         if self.read_back.as_ref().is_none_or(|buffer| buffer.size() < bytes) {
             let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
             self.read_back = Some(device.buffer("read back", bytes, usage)?);
@@ -181,17 +187,24 @@ impl Renderer {
             return Ok(0);
         };
         commands.copy_buffer_to_buffer(lists, 4 * u64::from(frame.blocks), read_back, 0, 4);
-        commands.copy_buffer_to_buffer(made, 0, read_back, PIXELS, 4 * u64::from(pixel_count));
+        match texture {
+            Some(texture) => {
+                copy(&mut commands, made, skipped, frame.width, [first_pixel, kept_pixels], texture);
+            }
+            None => commands.copy_buffer_to_buffer(made, 0, read_back, PIXELS, 4 * u64::from(pixel_count)),
+        }
         self.timer.copy(&mut commands, read_back, TIMES);
         let mut entries = 0;
         let timer = &self.timer;
         device.finish(commands, read_back, bytes, |mapped| {
             entries = bytemuck::pod_read_unaligned(&mapped[..4]);
             timer.add(&mapped[TIMES as usize..PIXELS as usize], first_stage, &mut picture.stages_ms);
-            let range = first_pixel as usize..(first_pixel + kept_pixels) as usize;
-            let from = PIXELS as usize + 4 * (first_pixel - first_made) as usize;
-            let kept = &mapped[from..from + 4 * kept_pixels as usize];
-            bytemuck::cast_slice_mut(&mut picture.pixels[range]).copy_from_slice(kept);
+            if texture.is_none() {
+                let range = first_pixel as usize..(first_pixel + kept_pixels) as usize;
+                let from = PIXELS as usize + 4 * skipped as usize;
+                let kept = &mapped[from..from + 4 * kept_pixels as usize];
+                bytemuck::cast_slice_mut(&mut picture.pixels[range]).copy_from_slice(kept);
+            }
         })?;
         self.fetch_colors(&band, &mut picture.deferred)?;
         Ok(entries)
@@ -297,6 +310,63 @@ impl Renderer {
     }
 }
 
+/// The pipelines of all passes; one that is in the table twice is compiled once.
+fn pipelines(device: &Device) -> Vec<Pipeline> {
+    let mut pipelines: Vec<Pipeline> = Vec::with_capacity(PASSES.len());
+    for (number, pass) in PASSES.iter().enumerate() {
+        let known = PASSES[..number].iter().position(|earlier| earlier.entry == pass.entry);
+        pipelines.push(match known {
+            Some(earlier) => pipelines[earlier].clone(),
+            None => device.pipeline(pass.entry, pass.accesses()),
+        });
+    }
+    pipelines
+}
+
+/// Whether a frame can be rendered into the texture.
+fn check(texture: &wgpu::Texture, frame: &Frame) -> Result<(), Error> {
+    let wrong = |is: String, needed: String| Err(Error::Texture { is, needed });
+    let (size, needed) = (texture.size(), [frame.width, frame.height, 1]);
+    if [size.width, size.height, size.depth_or_array_layers] != needed {
+        return wrong(format!("the size {size:?}"), format!("{needed:?}"));
+    }
+    let format = texture.format();
+    if format.remove_srgb_suffix() != wgpu::TextureFormat::Rgba8Unorm {
+        return wrong(format!("the format {format:?}"), "Rgba8Unorm or Rgba8UnormSrgb".into());
+    }
+    if !texture.usage().contains(wgpu::TextureUsages::COPY_DST) || texture.sample_count() != 1 {
+        let is = format!("the usage {:?} and {} samples", texture.usage(), texture.sample_count());
+        return wrong(is, "COPY_DST and 1 sample".into());
+    }
+    Ok(())
+}
+
+/// Appends the copy of whole rows of pixels to where they are in a texture, the `first` of them
+/// from behind those `skipped` in the buffer: all at once where rows are aligned as copies want
+/// it, else one by one.
+fn copy(
+    commands: &mut wgpu::CommandEncoder,
+    pixels: &wgpu::Buffer,
+    skipped: u32,
+    width: u32,
+    [first, count]: [u32; 2],
+    texture: &wgpu::Texture,
+) {
+    let (row_bytes, rows) = (4 * width, count / width);
+    let at_once = if row_bytes.is_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT) { rows } else { 1 };
+    for row in (0..rows).step_by(at_once.max(1) as usize) {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 4 * u64::from(skipped) + u64::from(row * row_bytes),
+            bytes_per_row: (at_once > 1).then_some(row_bytes),
+            rows_per_image: None,
+        };
+        let origin = wgpu::Origin3d { x: 0, y: first / width + row, z: 0 };
+        let to = wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() };
+        let extent = wgpu::Extent3d { width, height: at_once, depth_or_array_layers: 1 };
+        commands.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer: pixels, layout }, to, extent);
+    }
+}
+
 /// Whether a buffer of [`ZEROED`] has to be zero in this frame.
 fn is_zeroed(frame: &Frame, slot: Slot) -> bool {
     match slot {
@@ -367,7 +437,7 @@ mod tests {
     use crate::{Gpu, Options};
     use bytemuck::Zeroable;
     use rtrt_core::backend::{Backend, Request, Shadows};
-    use rtrt_core::scene::{Camera, Projection};
+    use rtrt_core::scene::{Camera, Panorama, Projection};
 
     #[test]
     fn bands_are_whole_rows_of_blocks_and_make_the_frame() {
@@ -411,5 +481,73 @@ mod tests {
         assert!(error.to_string().contains("the device allows 10000"), "{error}");
         gpu.renderer.device.limit = limit;
         gpu.render(&Scene::new(), &request, &mut picture).unwrap();
+    }
+
+    /// The bytes of a texture.
+    fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<u8> {
+        let device = &gpu.renderer.device;
+        let padded = (4 * texture.width()).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let bytes = u64::from(padded * texture.height());
+        let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        let buffer = device.buffer("texels", bytes, usage).unwrap();
+        let mut commands = device.device.create_command_encoder(&Default::default());
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+        commands.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+        let mut rows = vec![];
+        device
+            .finish(commands, &buffer, bytes, |mapped| {
+                let row = 4 * texture.width() as usize;
+                mapped.chunks(padded as usize).for_each(|padded| rows.extend_from_slice(&padded[..row]));
+            })
+            .unwrap();
+        rows
+    }
+
+    #[test]
+    fn a_texture_gets_the_picture_whatever_its_rows_and_bands() {
+        for (size, band_bytes) in
+            [([128, 50], None), ([128, 50], Some(1)), ([75, 50], None), ([75, 50], Some(1))]
+        {
+            let mut gpu = match Gpu::new(Options { band_bytes, ..Options::default() }) {
+                Ok(gpu) => gpu,
+                Err(error) => return println!("skipped: {error}"),
+            };
+            let camera = Camera {
+                eye: [0.0, 0.0, 3.0].into(),
+                look_at: [0.0; 3].into(),
+                up: [0.0, 1.0, 0.0].into(),
+                projection: Projection::Perspective { fov_y: 1.0 },
+            };
+            let request = Request {
+                camera: &camera,
+                size,
+                samples: 4,
+                shadows: Shadows::Hard,
+                layers: 8,
+                deferred: true,
+            };
+            // What is seen is the sky, a gradient.
+            let mut scene = Scene::new();
+            let rgb = (0..64).map(|i| [i as f32 / 64.0, (i % 8) as f32 / 8.0, 0.5]).collect();
+            scene.set_environment(&Panorama { width: 8, height: 8, rgb }).unwrap();
+            let mut picture = Picture::default();
+            gpu.render(&scene, &request, &mut picture).unwrap();
+            let texture = gpu.renderer.device.device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let times = gpu.render_into(&texture, &scene, &request).unwrap();
+            assert!(times.iter().sum::<f64>() > 0.0);
+            assert_eq!(texels(&gpu, &texture), picture.bytes());
+            assert!(picture.pixels.iter().any(|pixel| *pixel != picture.pixels[0]));
+        }
     }
 }

@@ -26,9 +26,14 @@ mod timer;
 
 pub use adapter::{AdapterReport, Kind, adapters};
 pub use error::Error;
+pub use wgpu;
 
+/// The compiled stages, as they are handed to a device: SPIR-V.
+pub const SHADERS: &[u8] = rtrt_shaders::SPIRV;
+
+use device::watched;
 use frame::Renderer;
-use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request};
+use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request, STAGES};
 use rtrt_core::kernel::canary::OUTPUTS;
 use rtrt_core::layout::PROBES;
 use rtrt_core::scene::{Scene, Setup};
@@ -75,6 +80,59 @@ impl Gpu {
         Ok(Self { renderer: Renderer::new(device, options.band_bytes)?, setup: Setup::default() })
     }
 
+    /// Renders on a device that an application has opened for itself, with the same wgpu ([`wgpu`]). It is asked
+    /// the canary, and gets pipelines and buffers; its handlers of errors are left alone.
+    ///
+    /// | of the device | needed | without it |
+    /// |---|---|---|
+    /// | `max_storage_buffers_per_shader_stage` | 8, WebGPU's default | [`Error::TooFewBindings`] |
+    /// | `Features::PASSTHROUGH_SHADERS`, on Vulkan | for [`Route::Passthrough`] | [`Route::Naga`] |
+    /// | `Features::TIMESTAMP_QUERY` | no | the host waits for each stage to take its time |
+    /// | `max_buffer_size`, `max_storage_buffer_binding_size` | as large as the largest array of a scene | [`Error::BufferTooLarge`] when it is rendered |
+    ///
+    /// # Errors
+    /// The device lacks what is needed, fails, or computes other numbers than the CPU ([`Error::Canary`]).
+    pub fn with_device(device: wgpu::Device, queue: wgpu::Queue, route: Route) -> Result<Self, Error> {
+        let device = device::Device::new(device, queue, route)?;
+        canary::check(&device)?;
+        Ok(Self { renderer: Renderer::new(device, None)?, setup: Setup::default() })
+    }
+
+    /// Renders a frame into a texture of the same device. No pixel passes through the host, which only waits for
+    /// the length of the lists. Gives the milliseconds in each of [`STAGES`].
+    ///
+    /// The texture has the size of the request, one sample, [`wgpu::TextureUsages::COPY_DST`], and four channels
+    /// of 8 bits, red first: `Rgba8Unorm`, or `Rgba8UnormSrgb` where what samples it wants linear numbers. Its
+    /// bytes are those of [`Picture::bytes`], so alpha is straight. Rows may have any length. Deferred buffers
+    /// are not kept.
+    ///
+    /// # Errors
+    /// The request makes no picture, the texture is another one ([`Error::Texture`]), or the device failed.
+    pub fn render_into(
+        &mut self,
+        texture: &wgpu::Texture,
+        scene: &Scene,
+        request: &Request<'_>,
+    ) -> Result<[f64; STAGES.len()], RenderError> {
+        let mut picture = Picture::default();
+        self.frame(scene, &Request { deferred: false, ..*request }, Some(texture), &mut picture)?;
+        Ok(picture.stages_ms)
+    }
+
+    fn frame(
+        &mut self,
+        scene: &Scene,
+        request: &Request<'_>,
+        texture: Option<&wgpu::Texture>,
+        picture: &mut Picture,
+    ) -> Result<(), RenderError> {
+        let &Request { camera, size, samples, shadows, layers, deferred } = request;
+        self.setup.prepare(scene, camera, size, samples, shadows, layers)?;
+        self.renderer
+            .render(scene, &self.setup, deferred, texture, picture)
+            .map_err(|source| RenderError::Backend { backend: "gpu", source: Box::new(source) })
+    }
+
     /// What the adapter is.
     pub fn kind(&self) -> Kind {
         self.renderer.device.kind
@@ -90,7 +148,8 @@ impl Gpu {
     /// # Errors
     /// The device failed.
     pub fn kernels(&self, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
-        canary::kernels(&self.renderer.device, words)
+        let device = &self.renderer.device;
+        watched(&device.device, || canary::kernels(device, words))
     }
 
     /// The device's answer to [`rtrt_core::layout::probe`], where every word of every value tells its place:
@@ -99,7 +158,8 @@ impl Gpu {
     /// # Errors
     /// The device failed.
     pub fn layout(&self) -> Result<[u32; PROBES], Error> {
-        canary::layout(&self.renderer.device)
+        let device = &self.renderer.device;
+        watched(&device.device, || canary::layout(device))
     }
 
     /// The CPU's answer to the same.
@@ -120,16 +180,6 @@ impl Backend for Gpu {
         request: &Request<'_>,
         picture: &mut Picture,
     ) -> Result<(), RenderError> {
-        self.setup.prepare(
-            scene,
-            request.camera,
-            request.size,
-            request.samples,
-            request.shadows,
-            request.layers,
-        )?;
-        self.renderer
-            .render(scene, &self.setup, request.deferred, picture)
-            .map_err(|source| RenderError::Backend { backend: "gpu", source: Box::new(source) })
+        self.frame(scene, request, None, picture)
     }
 }

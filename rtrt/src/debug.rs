@@ -192,7 +192,7 @@ fn pack(color: [f32; 3]) -> u32 {
     u32::from_le_bytes([r, g, b, 255])
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "import"))]
 mod tests {
     use super::*;
     use rtrt_core::backend::{Backend, Shadows};

@@ -1,5 +1,6 @@
 //! The deferred buffers of a frame as layers of pixels, for compositing and for looking at.
 
+use crate::backdrop::straight;
 use rtrt_core::backend::{Deferred, Picture};
 use rtrt_core::grid::Grid;
 use rtrt_core::kernel::texture::Maps;
@@ -77,11 +78,15 @@ impl Layers {
         Some(layers)
     }
 
-    /// The color with 16 bits a channel: sRGB, and alpha as it is.
+    /// The color with 16 bits a channel: sRGB, and alpha, by which it is not multiplied.
     pub fn encoded16(&self) -> Vec<[u16; 4]> {
         let round = |value: f32| (value * 65535.0 + 0.5) as u16;
         let encode = |value: f32| round(srgb_encode(value));
-        self.color.iter().map(|&[r, g, b, a]| [encode(r), encode(g), encode(b), round(a)]).collect()
+        self.color
+            .iter()
+            .map(|&color| straight(color))
+            .map(|[r, g, b, a]| [encode(r), encode(g), encode(b), round(a)])
+            .collect()
     }
 }
 

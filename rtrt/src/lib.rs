@@ -2,9 +2,16 @@
 //!
 //! Whichever backend is chosen, a frame has the same bits. `choose` picks one, `import`
 //! reads glTF and OBJ, `demo` builds a scene without any file, `layers` and `debug` show what a
-//! frame is made of.
+//! frame is made of, `hash` is what two machines compare.
 //!
-//! ```
+//! | feature | what it adds |
+//! |---|---|
+//! | `gpu` | `rtrt-gpu`, for [`choose`](mod@choose) to choose from |
+//! | `import` | the modules `import` and `demo` |
+//! | `command` | the `rtrt` command; takes the other two |
+//!
+#![cfg_attr(feature = "import", doc = "```")]
+#![cfg_attr(not(feature = "import"), doc = "```ignore")]
 //! use rtrt_core::backend::{Picture, Request, Shadows};
 //!
 //! let loaded = rtrt::demo::matchbox(&rtrt_core::scene::Sequential)?;
@@ -17,15 +24,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod backdrop;
 pub mod cache;
 pub mod choose;
 pub mod debug;
+#[cfg(feature = "import")]
 pub mod demo;
+pub mod hash;
+#[cfg(feature = "import")]
 pub mod import;
 pub mod layers;
 pub mod replace;
-
-/// Runs the README's example as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
-struct Readme;

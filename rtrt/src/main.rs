@@ -7,7 +7,15 @@ use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
 
+/// What shells return for a program that was interrupted.
+const INTERRUPTED: i32 = 130;
+
 fn main() -> ExitCode {
+    // Without a handler the program ends all the same, and may leave a file that is half written.
+    _ = ctrlc::set_handler(|| {
+        rtrt::replace::abandon();
+        std::process::exit(INTERRUPTED);
+    });
     match command::run(&command::Command::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

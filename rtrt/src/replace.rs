@@ -2,7 +2,15 @@
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The files that are being written.
+static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(vec![]);
+
+fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
+    PARTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Makes `path` a file of these bytes. They are written beside it and moved there when all
 /// are on disk, so that nobody ever sees half of them.
@@ -12,6 +20,7 @@ use std::path::Path;
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let beside = folder(path).join(format!(".{name}.{}.part", std::process::id()));
+    parts().push(beside.clone());
     let written = OpenOptions::new()
         .write(true)
         .create_new(true)
@@ -22,7 +31,15 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
         // The error says enough; a leftover that cannot be removed adds nothing to it.
         fs::remove_file(&beside).ok();
     }
+    parts().retain(|part| *part != beside);
     written
+}
+
+/// Removes what is half written. For a program that is told to end: it must not write any more afterwards.
+pub fn abandon() {
+    for part in parts().iter() {
+        fs::remove_file(part).ok();
+    }
 }
 
 /// The folder that a file lies in.

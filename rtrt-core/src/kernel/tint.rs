@@ -57,8 +57,11 @@ impl<L: Lane> Crossing<L> {
         let inverse = recip(sum.max(sum.like(1.0)));
         let alpha = sum * UNIT;
         let left = clamp(sum.like(1.0) - alpha, 0.0, 1.0);
-        let share = |tints: L::Bits| left * (left + alpha * (from_integer::<L>(tints) * inverse));
-        packed([share(self.red), share(self.green), share(self.blue)])
+        packed([
+            share(self.red, inverse, alpha, left),
+            share(self.green, inverse, alpha, left),
+            share(self.blue, inverse, alpha, left),
+        ])
     }
 
     /// Adds a pane of this tint and alpha; all 0 in the lanes that have met nothing.
@@ -74,8 +77,19 @@ impl<L: Lane> Crossing<L> {
 /// The word that stands for these shares of white light, linear RGB.
 #[inline(always)]
 pub fn packed<L: Lane>([red, green, blue]: [L; 3]) -> L::Bits {
-    let channel = |share: L| to_integer(floor(sqrt(clamp(share, 0.0, 1.0)) * MOST + 0.5));
     channel(red) | channel(green) << 10 | channel(blue) << 20
+}
+
+/// A channel of a word.
+#[inline(always)]
+fn channel<L: Lane>(share: L) -> L::Bits {
+    to_integer(floor(sqrt(clamp(share, 0.0, 1.0)) * MOST + 0.5))
+}
+
+/// What is left of a channel of white light: see [`Crossing::word`].
+#[inline(always)]
+fn share<L: Lane>(tints: L::Bits, inverse: L, alpha: L, left: L) -> L {
+    left * (left + alpha * (from_integer::<L>(tints) * inverse))
 }
 
 /// A share of 1, as a whole number for sums.

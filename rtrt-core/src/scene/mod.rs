@@ -1,5 +1,24 @@
 //! Building a scene, on the host: meshes and their trees, mip chains, cameras, lights.
 //!
+//! ```
+//! use rtrt_core::layout::{Attribute, Texture};
+//! use rtrt_core::scene::{Light, Mesh, MeshTree, Scene, Sequential, phong};
+//!
+//! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! // Without a normal of its own, a vertex has that of its triangle.
+//! let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+//! let mesh = Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2])?;
+//! let mut scene = Scene::new();
+//! let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.7, Texture::NONE, [0.0; 3]));
+//! let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential))?;
+//! for x in [-2.0, 0.0, 2.0] {
+//!     scene.add_object(mesh, red, glam::Mat4::from_translation([x, 0.0, 0.0].into()))?;
+//! }
+//! scene.add_light(Light::Sun { direction: [0.0, -1.0, -1.0].into(), color: [1.0; 3].into() });
+//! assert_eq!((scene.triangles(), scene.drawn_triangles()), (1, 3));
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
 //! This is the part of the crate that allocates (feature `alloc`) and the only one that
 //! calls `libm`, which makes hosts agree where the standard libraries differ. Kernels read
 //! what is built here.

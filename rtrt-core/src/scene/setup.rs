@@ -217,13 +217,18 @@ const LEAST_DISTANCE: f32 = 1e-12;
 /// The largest: its square is finite, and nothing is farther away.
 const MOST_DISTANCE: f32 = 1e18;
 
-/// Blocks along one side of a light's view: about two a side for each object that would
-/// be beside another in a square, so that a block sees few; fewer where there are many
-/// lights, to bound the memory of the lists.
+/// The most blocks of all lights' views together, unless there are thousands of lights.
+const LIGHT_BLOCKS: usize = 1 << 21;
+
+/// Blocks along one side of a light's view. About two for each object that would be beside
+/// another in a square, so that a block sees few of them; of thousands of objects a quarter as
+/// many, because a packet asks every block that its shadow rays end in. Fewer where there are
+/// many lights, to bound the memory of the lists.
 fn light_cells(objects: usize, lights: usize) -> u32 {
-    let wanted = 2.0 * libm::sqrt(objects as f64);
-    let most = if lights <= 4 { 64 } else { 16 };
-    (wanted as u32).next_power_of_two().clamp(8, most)
+    let side = libm::sqrt(objects as f64) as u32;
+    let wanted = (2 * side).next_power_of_two().min(64).max((side / 2).next_power_of_two());
+    let most = libm::sqrt((LIGHT_BLOCKS / (6 * lights.max(1))) as f64) as u32;
+    wanted.clamp(8, 1 << most.max(8).ilog2())
 }
 
 #[cfg(test)]

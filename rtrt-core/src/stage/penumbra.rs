@@ -88,8 +88,6 @@ pub fn reach(frame: &Frame) -> u32 {
 /// A ray that looks for others on its surface.
 #[derive(Clone, Copy)]
 struct Here {
-    /// Column and row.
-    at: [u32; 2],
     origin: V3<f32>,
     normal: V3<f32>,
     /// Unit vector to the light's middle.
@@ -113,6 +111,8 @@ struct Here {
 /// A neighbor is on the same surface if it lies within some 14° of the surface's plane, and its
 /// normal within 41° of the surface's; others have no say, so shadows do not leak over edges.
 ///
+/// Where the search sees nothing but what is left here, too, nothing is blurred.
+///
 /// Sums are in the order of the lattice, whoever computes them.
 #[inline(always)]
 pub fn soften(
@@ -128,12 +128,24 @@ pub fn soften(
     if own == 0 && size < 0.0 {
         return 0;
     }
-    let (camera, view) = (&views[Frame::CAMERA as usize], &views[frame.light_view(light) as usize]);
     let number = RayIndex(frame.first_ray + ray);
+    let at = frame.grid().ray(number);
+    let mut is_same = true;
+    let mut tap = 0;
+    while is_same && tap < SEARCHED {
+        let there = searched(frame, at, tap);
+        tap += 1;
+        if there != MISSING {
+            is_same = shadows[left_at(frame, there, light)] == own;
+        }
+    }
+    if is_same {
+        return own;
+    }
+    let (camera, view) = (&views[Frame::CAMERA as usize], &views[frame.light_view(light) as usize]);
     let surface = &surfaces[ray as usize];
     let origin = V3::<f32>::splat((), surface.origin);
     let here = Here {
-        at: frame.grid().ray(number),
         origin,
         normal: V3::splat((), surface.normal),
         toward: normalize(to_light(frame, view, number, origin).0),
@@ -141,10 +153,8 @@ pub fn soften(
 
     let (mut sum, mut count) = (0.0_f32, 0.0_f32);
     let mut tap = 0;
-    while tap < 2 * (2 * SEARCH + 1) * (2 * SEARCH + 1) {
-        let is_wide = tap >= (2 * SEARCH + 1) * (2 * SEARCH + 1);
-        let steps = if is_wide { 6 * frame.side } else { frame.side };
-        let there = neighbor::<SEARCH>(frame, here.at, steps, tap);
+    while tap < SEARCHED {
+        let there = searched(frame, at, tap);
         tap += 1;
         if there == MISSING {
             continue;
@@ -179,7 +189,7 @@ pub fn soften(
     let (mut total, mut red, mut green, mut blue) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
     let mut tap = 0;
     while tap < (2 * BLUR + 1) * (2 * BLUR + 1) {
-        let there = neighbor::<BLUR>(frame, here.at, steps, tap);
+        let there = neighbor::<BLUR>(frame, at, steps, tap);
         tap += 1;
         if there == MISSING {
             continue;
@@ -214,6 +224,17 @@ fn steps(radius: f32, side: u32) -> u32 {
     let steps = if steps > 0.0 { floor(steps) + 1.0 } else { 0.0 };
     let most = (5 * side) as f32;
     (if steps < most { steps } else { most }) as u32
+}
+
+/// Taps of the search.
+const SEARCHED: u32 = 2 * (2 * SEARCH + 1) * (2 * SEARCH + 1);
+
+/// The ray at a tap of the search around column and row `at`, as [`neighbor`] gives it: first of a
+/// lattice as narrow as pixels, then of one as wide as the window.
+#[inline(always)]
+fn searched(frame: &Frame, at: [u32; 2], tap: u32) -> u32 {
+    let steps = if 2 * tap < SEARCHED { frame.side } else { 6 * frame.side };
+    neighbor::<SEARCH>(frame, at, steps, tap)
 }
 
 /// What [`neighbor`] gives where there is no ray.

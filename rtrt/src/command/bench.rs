@@ -5,7 +5,8 @@ use super::console::Console;
 use super::job::{Job, open};
 use super::options::Bench;
 use super::output;
-use super::report::{Machine, PerStage, pixel_hash};
+use super::report::{Machine, PerStage};
+use rtrt::hash;
 use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
 use rtrt_core::scene::Structure;
 use std::fmt;
@@ -62,6 +63,7 @@ struct Times {
 /// Measures.
 pub fn run(options: &Bench) -> Result<(), Error> {
     let console = Console::new(
+        options.common.talk,
         u64::from(options.frames + WARM_UP) + 3 + u64::from(options.structure == Structure::None),
     );
     let mut job = Job::load(&options.common, SAMPLES, true, options.common.time, &console)?;
@@ -112,7 +114,7 @@ pub fn run(options: &Bench) -> Result<(), Error> {
         triangles: scene.triangles(),
         drawn_triangles: scene.drawn_triangles(),
         objects: scene.objects().len(),
-        hash: pixel_hash(&picture),
+        hash: hash::pixels(&picture),
     };
     if options.common.json { output::print_json(&report) } else { output::print(report) }
 }
@@ -128,7 +130,7 @@ fn times(mut of: Vec<f64>) -> Times {
 /// How many rays to lights a frame casts. Without shadows a light reaches every surface
 /// that would have asked whether something is in between: the bits of the shadow mask are
 /// the rays.
-fn shadow_rays(job: &Job<'_>, backend: &mut dyn Backend) -> Result<u64, Error> {
+fn shadow_rays(job: &Job, backend: &mut dyn Backend) -> Result<u64, Error> {
     if job.shadows == Shadows::Off {
         return Ok(0);
     }

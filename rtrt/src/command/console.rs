@@ -1,7 +1,9 @@
 //! What a person sees while a command runs, on standard error.
 
+use super::options::Talk;
 use super::{Error, output};
 use indicatif::{ProgressBar, ProgressStyle};
+use rtrt_core::backend::RenderError;
 use std::fmt::Display;
 use std::io::Write;
 use std::time::Duration;
@@ -9,19 +11,20 @@ use std::time::Duration;
 /// Messages, and a progress bar where standard error is a terminal.
 pub struct Console {
     bar: ProgressBar,
+    talk: Talk,
 }
 
 impl Console {
     /// A console for a command of that many steps.
-    pub fn new(steps: u64) -> Self {
-        let bar = ProgressBar::new(steps);
+    pub fn new(talk: Talk, steps: u64) -> Self {
+        let bar = if talk.quiet { ProgressBar::hidden() } else { ProgressBar::new(steps) };
         if let Ok(style) = ProgressStyle::with_template("{spinner} {bar:24} {msg}") {
             bar.set_style(style);
         }
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_millis(100));
         }
-        Self { bar }
+        Self { bar, talk }
     }
 
     /// The next step begins.
@@ -30,13 +33,46 @@ impl Console {
         self.bar.inc(1);
     }
 
+    /// The last step is done.
+    #[cfg(feature = "viewer")]
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
     /// A line of results.
     pub fn print(&self, line: impl Display) -> Result<(), Error> {
         self.bar.suspend(|| output::print(line))
     }
 
+    /// Something that is not as it should be, but does not keep the command from going on, unless it is
+    /// to be strict: it then ends with this exit code.
+    pub fn warn(&self, code: u8, warning: impl Display) -> Result<(), Error> {
+        if self.talk.strict {
+            return Err(Error::Strict { warning: warning.to_string(), code });
+        }
+        self.say(format_args!("warning: {warning}"));
+        Ok(())
+    }
+
+    /// Whom a backend tells that another one takes its place, if anybody.
+    pub fn tells(&self) -> Option<fn(&RenderError)> {
+        (!self.talk.quiet).then_some(|error| {
+            _ = writeln!(std::io::stderr(), "warning: {error}; the CPU renders from here on");
+        })
+    }
+
+    /// A line for who wants to know more.
+    pub fn detail(&self, line: impl Display) {
+        if self.talk.verbose {
+            self.say(line);
+        }
+    }
+
     /// A line that is not a result.
     pub fn say(&self, line: impl Display) {
+        if self.talk.quiet {
+            return;
+        }
         // With standard error closed there is nobody to tell.
         self.bar.suspend(|| writeln!(std::io::stderr(), "{line}").ok());
     }

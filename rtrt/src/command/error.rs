@@ -78,6 +78,33 @@ pub enum Error {
         /// What the system says.
         source: io::Error,
     },
+    /// No window could be opened.
+    #[cfg(feature = "viewer")]
+    #[error("cannot open a window: {}: {why}", scene.display())]
+    Window {
+        /// The scene.
+        scene: PathBuf,
+        /// What failed, and why.
+        why: String,
+    },
+    /// The recording cannot be replayed.
+    #[cfg(feature = "viewer")]
+    #[error("cannot replay: {}: {why}", path.display())]
+    Replay {
+        /// The recording.
+        path: PathBuf,
+        /// What the system says, or what is wrong in which line.
+        why: String,
+    },
+    /// The recording cannot be written.
+    #[cfg(feature = "viewer")]
+    #[error("cannot record: {}: {source}", path.display())]
+    Record {
+        /// Where it was to go.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
     /// Results could not be written.
     #[error("cannot write to standard output: {0}")]
     Print(#[from] io::Error),
@@ -86,6 +113,46 @@ pub enum Error {
     Structure {
         /// The scene.
         scene: PathBuf,
+    },
+    /// The picture to be compared with cannot be read.
+    #[error("cannot read the picture: {}: {why}", path.display())]
+    Reference {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// The picture has another size than the one it is compared with.
+    #[error("pictures differ: {}: it has {} x {} pixels, the frame {} x {}", path.display(), has[0], has[1], frame[0], frame[1])]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        has: [u32; 2],
+        /// The frame's.
+        frame: [u32; 2],
+    },
+    /// The picture is another than the one it is compared with.
+    #[error("pictures differ: {}: {pixels} pixels, the first at {},{}: is {is:?}, not {expected:?}", path.display(), at[0], at[1])]
+    Differs {
+        /// The file.
+        path: PathBuf,
+        /// How many pixels differ.
+        pixels: usize,
+        /// Column and row of the first.
+        at: [u32; 2],
+        /// Its color.
+        is: [u8; 4],
+        /// The color in the file.
+        expected: [u8; 4],
+    },
+    /// A warning, where warnings are errors.
+    #[error("{warning} (--strict)")]
+    Strict {
+        /// The warning.
+        warning: String,
+        /// What the process returns.
+        code: u8,
     },
     /// Results differ from the reference.
     #[error("backends disagree: {}: {differ} of {variants} differ from the reference", scene.display())]
@@ -105,9 +172,16 @@ impl Error {
         match self {
             Self::Encode { .. } | Self::Write { .. } | Self::Print(_) => 1,
             Self::Demo { .. } | Self::Camera { .. } | Self::TooLarge { .. } | Self::Usage(_) => 2,
-            Self::Import(_) => 3,
+            Self::Import(_) | Self::Reference { .. } => 3,
+            Self::Strict { code, .. } => *code,
+            #[cfg(feature = "viewer")]
+            Self::Record { .. } => 1,
+            #[cfg(feature = "viewer")]
+            Self::Replay { .. } => 3,
+            #[cfg(feature = "viewer")]
+            Self::Window { .. } => 4,
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => 4,
-            Self::Disagree { .. } | Self::Structure { .. } => 5,
+            Self::Disagree { .. } | Self::Structure { .. } | Self::Size { .. } | Self::Differs { .. } => 5,
             Self::Render { source: RenderError::Setup(error), .. } => match error {
                 // The command's own lights are checked when they are parsed.
                 SetupError::Light { .. } | SetupError::Lights { .. } => 3,
@@ -125,9 +199,19 @@ impl Error {
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => {
                 Some("`rtrt doctor` lists what this machine offers")
             }
+            Self::Differs { .. } => Some("--tolerance N allows for N of 256 steps a channel"),
+            Self::Strict { .. } => Some("without --strict this is a warning"),
+            Self::Import(ImportError::Format { .. }) => {
+                Some("scenes are .glb, .gltf and .obj files, demo:matchbox and demo:glass")
+            }
             Self::Render { source: RenderError::Setup(SetupError::Camera { .. }), .. } => {
                 Some("see --eye, --look-at, --up and --fov-y")
             }
+            #[cfg(feature = "viewer")]
+            Self::Window { .. } => Some(
+                "a window needs a display (on Linux X11, or XWayland, with DISPLAY set) and a Vulkan driver; \
+                 `rtrt render` needs neither",
+            ),
             _ => None,
         }
     }

@@ -20,7 +20,7 @@ const MAX_RAYS: u64 = 1 << 31;
 const MAX_DEFERRED: u64 = 1 << 26;
 
 /// What is rendered.
-pub struct Job<'a> {
+pub struct Job {
     pub scene: Scene,
     pub camera: Camera,
     pub size: [u32; 2],
@@ -34,43 +34,48 @@ pub struct Job<'a> {
     pub tree_build_ms: f64,
     /// Whether the lights are those of the file.
     own_lights: bool,
+    /// Whether the lights are [`import::light_by_default`]'s.
+    #[cfg(feature = "viewer")]
+    default_lights: bool,
     animation: Option<Animation>,
     cameras: Vec<NamedCamera>,
-    common: &'a Common,
+    common: Common,
 }
 
-impl<'a> Job<'a> {
+impl Job {
     /// Loads the scene that `common` names, and changes it as `common` says. `samples` is
     /// for where it says nothing; `deferred` is whether deferred buffers will be asked for; `time` is
     /// when, of the animation.
     pub fn load(
-        common: &'a Common,
+        common: &Common,
         samples: u32,
         deferred: bool,
         time: Option<f64>,
         console: &Console,
     ) -> Result<Self, Error> {
         let samples = common.samples.unwrap_or(samples);
-        let rays = common.size.map(u64::from).iter().product::<u64>() * u64::from(samples);
-        if rays > MAX_RAYS {
-            return Err(Error::TooLarge { rays, limit: MAX_RAYS, may: "can be numbered" });
-        }
-        if deferred && rays > MAX_DEFERRED {
-            return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can be kept to be looked at" });
-        }
+        let rays = rays(common.size, samples, deferred)?;
         console.step(format_args!("loading {}", common.scene.display()));
         let mut loaded = load(common, console)?;
         for warning in &loaded.warnings {
-            console.say(format_args!("warning: {warning}"));
+            console.warn(3, warning)?;
         }
+        console.detail(format_args!(
+            "scene: {} objects, {} triangles stored, {} drawn; trees took {:.1} ms",
+            loaded.scene.objects().len(),
+            loaded.scene.triangles(),
+            loaded.scene.drawn_triangles(),
+            loaded.tree_build_ms
+        ));
         let camera = camera(common, &mut loaded, time.is_some())?;
         let Loaded { mut scene, cameras, lit_by_default, animation, tree_build_ms, .. } = loaded;
+        let default_lights = lit_by_default && common.lights.is_empty() && common.environment.is_none();
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
-        } else if lit_by_default && common.environment.is_some() {
-            scene.lights_mut().clear();
-        } else if lit_by_default {
+        } else if default_lights {
             import::light_by_default(&mut scene, &camera);
+        } else if lit_by_default {
+            scene.lights_mut().clear();
         }
         if let Some(size) = common.light_radius {
             for light in scene.lights_mut() {
@@ -83,7 +88,7 @@ impl<'a> Job<'a> {
             import::surround(&mut scene, path)?;
         }
         if animation.is_none() && time.is_some() {
-            console.say("warning: nothing in the scene is animated");
+            console.warn(3, "nothing in the scene is animated")?;
         }
         scene.mip = common.mip;
         scene.occluders = common.sun_shadows;
@@ -98,9 +103,11 @@ impl<'a> Job<'a> {
             layers: common.transparency_depth,
             tree_build_ms,
             own_lights: common.lights.is_empty() && !lit_by_default,
+            #[cfg(feature = "viewer")]
+            default_lights,
             animation,
             cameras,
-            common,
+            common: common.clone(),
         };
         if let Some(time) = time {
             job.play(time)?;
@@ -116,7 +123,7 @@ impl<'a> Job<'a> {
         pose.apply(&mut self.scene)?;
         if self.own_lights {
             pose.aim(self.scene.lights_mut());
-            show_lights(&mut self.scene, self.common)?;
+            show_lights(&mut self.scene, &self.common)?;
         }
         for (index, camera) in pose.cameras {
             self.cameras[index].camera = camera;
@@ -160,17 +167,58 @@ impl<'a> Job<'a> {
     }
 }
 
+/// How many rays a frame has, if not too many; fewer are allowed where their deferred buffers are kept.
+pub fn rays(size: [u32; 2], samples: u32, deferred: bool) -> Result<u64, Error> {
+    let rays = size.map(u64::from).iter().product::<u64>() * u64::from(samples);
+    if rays > MAX_RAYS {
+        return Err(Error::TooLarge { rays, limit: MAX_RAYS, may: "can be numbered" });
+    }
+    if deferred && rays > MAX_DEFERRED {
+        return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can be kept to be looked at" });
+    }
+    Ok(rays)
+}
+
+/// What changes while a scene is looked at.
+#[cfg(feature = "viewer")]
+impl Job {
+    /// Looks from elsewhere. Lights that the scene has only because it brings none are placed anew.
+    pub fn look(&mut self, camera: Camera) {
+        self.camera = camera;
+        if self.default_lights {
+            import::light_by_default(&mut self.scene, &camera);
+        }
+    }
+
+    /// The lights are no longer those that the scene has only because it brings none.
+    pub fn keep_lights(&mut self) -> Result<(), Error> {
+        self.default_lights = false;
+        show_lights(&mut self.scene, &self.common)
+    }
+
+    /// Whether the scene brings cameras.
+    pub fn has_cameras(&self) -> bool {
+        !self.cameras.is_empty()
+    }
+
+    /// When the animation comes to rest, seconds, if there is one.
+    pub fn end(&self) -> Option<f64> {
+        self.animation.as_ref().map(Animation::end)
+    }
+}
+
 /// Loads the scene that the options name, its trees built by as many threads as they say.
 fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
     let threads = common.backend.threads();
     let pool = Cpu::new(rtrt_cpu::Options { lanes: None, threads }).map_err(ChooseError::Cpu)?;
-    let cache = common.cache.as_deref().and_then(|folder| match Cache::new(folder) {
-        Ok(cache) => Some(cache),
-        Err(error) => {
-            console.say(format_args!("warning: no cache at {}: {error}", folder.display()));
+    let cache = match common.cache.as_deref().map(|folder| (folder, Cache::new(folder))) {
+        None => None,
+        Some((_, Ok(cache))) => Some(cache),
+        Some((folder, Err(error))) => {
+            console.warn(1, format_args!("no cache at {}: {error}", folder.display()))?;
             None
         }
-    });
+    };
     let name = &common.scene;
     match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
         Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
@@ -222,20 +270,23 @@ fn changed(camera: Camera, options: &CameraOptions, scene: &Scene) -> Camera {
             .look_at
             .unwrap_or_else(|| if options.eye.is_some() { middle() } else { camera.look_at }),
         up: options.up.unwrap_or(camera.up),
-        projection: options.fov_y.map_or(camera.projection, |fov_y| Projection::Perspective { fov_y }),
+        projection: match (options.fov_y, options.parallel) {
+            (Some(fov_y), _) => Projection::Perspective { fov_y },
+            (None, Some(height)) => Projection::Orthographic { height },
+            (None, None) => camera.projection,
+        },
     }
 }
 
 /// Opens the backend that the options ask for, and says which it is and why.
 pub fn open(options: &BackendOptions, console: &Console) -> Result<(Box<dyn Backend>, Machine), Error> {
     console.step("opening the backend");
-    let Chosen { backend, why, is_software } = choose(&options.choose())?;
+    let Chosen { backend, why, is_software } = choose(&options.choose(console.tells()))?;
     let machine = Machine::from(backend.describe());
     console.say(format_args!("backend: {machine}: {why}"));
     if is_software {
-        console.say(
-            "warning: this adapter is software: it computes on the processor, as --backend cpu does faster",
-        );
+        let why = "this adapter is software: it computes on the processor, as --backend cpu does faster";
+        console.warn(4, why)?;
     }
     Ok((backend, machine))
 }

@@ -4,8 +4,8 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::{self, Choice};
-use rtrt::debug::View;
-use rtrt_core::backend::{LAYERS, Shadows};
+use rtrt::debug;
+use rtrt_core::backend::{LAYERS, RenderError, Shadows};
 use rtrt_core::scene::{Light, Mip, Occluders, Setup, Structure};
 use std::path::{Path, PathBuf};
 
@@ -13,8 +13,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 pub struct Render {
     /// Where to write the picture: a PNG file; an EXR file, which gets the linear color; or - to
-    /// write a PNG to standard output
-    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "hash", "json"])]
+    /// write a PNG to standard output. In names of files, {scene} becomes the scene's name, {n} the
+    /// frame's number, and {frame} the same with at least four digits
+    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "compare", "hash", "json"])]
     pub output: Option<PathBuf>,
     /// Bits of a channel of the PNG
     #[arg(long, default_value = "8", value_parser = one_of(["8", "16"]))]
@@ -29,9 +30,20 @@ pub struct Render {
     /// a ray misses all bounding spheres, white where it misses all meshes; heat is how many entries
     /// a block's list has; tests is how many boxes and triangles a ray is asked for
     #[arg(long, value_name = "VIEW", value_parser = view())]
-    pub debug: Option<View>,
-    /// Render so many frames, from --time on, or from the start. {frame} in the names of files becomes the frame's
-    /// number, from 0000 on; --hash and --json print for each frame
+    pub debug: Option<debug::View>,
+    /// What is behind everything: a linear color; transparent, which is an alpha of 0 where a ray
+    /// hits nothing; or env, the environment, which is usual where there is one. With an
+    /// environment, or transparent, what is seen through a surface stays as it was
+    #[arg(long, value_name = "R,G,B|transparent|env", value_parser = background, allow_hyphen_values = true)]
+    pub background: Option<Background>,
+    /// Compare the picture with this PNG file, pixel by pixel; a difference is exit code 5
+    #[arg(long, value_name = "FILE")]
+    pub compare: Option<PathBuf>,
+    /// Let each channel be off by so many of 256 steps when pictures are compared
+    #[arg(long, value_name = "STEPS", default_value_t = 0, requires = "compare")]
+    pub tolerance: u8,
+    /// Render so many frames, from --time on, or from the start, numbered from 0 on: the names of files need {n} or
+    /// {frame} in them. --hash and --json print for each frame
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: u32,
     /// Frames a second
@@ -69,15 +81,39 @@ pub struct Bench {
     pub common: Common,
 }
 
-/// What all commands that render take.
+/// Options of `rtrt view`.
+#[cfg(feature = "viewer")]
 #[derive(Debug, Args)]
+pub struct View {
+    /// Where F12 writes the picture, a PNG file; {frame} becomes the first number that no file has
+    #[arg(short, long, value_name = "FILE", default_value = "rtrt-{frame}.png", value_parser = PathBufValueParser::new().try_map(png))]
+    pub output: PathBuf,
+    /// While something moves, trace fewer rays if fewer frames a second than this could be shown
+    #[arg(long, value_name = "N", default_value = "25", value_parser = rate)]
+    pub fps: f64,
+    /// Load the scene again when its file changes
+    #[arg(long)]
+    pub watch: bool,
+    /// Write keys and mouse, frame by frame, to this file
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Take keys and mouse from this file, and close at its end. Frames happen at the times that
+    /// the file says, all of them at full resolution
+    #[arg(long, value_name = "FILE")]
+    pub replay: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What all commands that render take.
+#[derive(Debug, Clone, Args)]
 pub struct Common {
     /// A .glb, .gltf or .obj file, demo:matchbox, demo:glass, demo:spheres or demo:levels
     pub scene: PathBuf,
     /// Width and height in pixels, each at most 16384
     #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size)]
     pub size: [u32; 2],
-    /// Sub-rays a pixel; render takes 4, verify and bench 1
+    /// Sub-rays a pixel; render and view take 4, verify and bench 1
     #[arg(long, value_parser = one_of(["1", "4", "16"]))]
     pub samples: Option<u32>,
     /// How lights with a radius cast shadows: hard, as if all came from their middle; soft,
@@ -130,6 +166,8 @@ pub struct Common {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
+    pub talk: Talk,
+    #[command(flatten)]
     pub camera: CameraOptions,
     #[command(flatten)]
     pub backend: BackendOptions,
@@ -142,8 +180,33 @@ impl Common {
     }
 }
 
+/// How much is said on standard error.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Talk {
+    /// Say nothing but results and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Say more
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub verbose: bool,
+    /// Make every warning an error
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// What is behind everything.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Background {
+    /// Linear RGB.
+    Color([f32; 3]),
+    /// Nothing.
+    Transparent,
+    /// The environment.
+    Environment,
+}
+
 /// Where the scene is seen from. What is not given is the scene's.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraOptions {
     /// Take this camera of the scene's, counted from 0
@@ -161,10 +224,13 @@ pub struct CameraOptions {
     /// Angle between the top and the bottom of the picture, degrees within 0 and 180
     #[arg(long, value_name = "DEGREES", value_parser = angle, allow_hyphen_values = true)]
     pub fov_y: Option<f32>,
+    /// Look along parallel rays, and show so much from top to bottom, world units
+    #[arg(long, value_name = "HEIGHT", value_parser = height, conflicts_with = "fov_y")]
+    pub parallel: Option<f32>,
 }
 
 /// What renders.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Backend")]
 pub struct BackendOptions {
     /// What renders; auto takes the first that works of: discrete, integrated, virtual GPU,
@@ -172,8 +238,9 @@ pub struct BackendOptions {
     #[arg(long, default_value = "auto", value_parser = choice())]
     pub backend: Choice,
     /// The GPU adapter whose name contains this, or that has this number in `rtrt doctor`; auto
-    /// then takes no other
-    #[arg(long, value_name = "NAME")]
+    /// then takes no other. WGPU_BACKEND (vulkan, metal, dx12) and WGPU_POWER_PREF (low, high) in the
+    /// environment choose among adapters as well
+    #[arg(long, value_name = "NAME", env = "WGPU_ADAPTER_NAME", hide_env_values = true)]
     pub adapter: Option<String>,
     /// Threads for loading, and for rendering on the CPU; as many as run at once if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -185,12 +252,13 @@ pub struct BackendOptions {
 
 impl BackendOptions {
     /// What to choose from.
-    pub fn choose(&self) -> choose::Options {
+    pub fn choose(&self, tell: Option<fn(&RenderError)>) -> choose::Options {
         choose::Options {
             choice: self.backend,
             adapter: self.adapter.clone(),
             lanes: self.lanes,
             threads: self.threads(),
+            tell,
         }
     }
 
@@ -205,14 +273,19 @@ fn one_of<const N: usize>(allowed: [&'static str; N]) -> impl TypedValueParser<V
     PossibleValuesParser::new(allowed).try_map(|text| text.parse::<u32>())
 }
 
+/// The names of the ways to cast shadows.
+pub const SHADOWS: [(&str, Shadows); 5] = [
+    ("off", Shadows::Off),
+    ("hard", Shadows::Hard),
+    ("soft", Shadows::Soft),
+    ("area", Shadows::Area { jitter: None }),
+    ("jitter", Shadows::Area { jitter: Some(0) }),
+];
+
 /// A way to cast shadows.
 fn shadows() -> impl TypedValueParser<Value = Shadows> {
-    PossibleValuesParser::new(["off", "hard", "soft", "area", "jitter"]).map(|name| match &name[..] {
-        "off" => Shadows::Off,
-        "hard" => Shadows::Hard,
-        "area" => Shadows::Area { jitter: None },
-        "jitter" => Shadows::Area { jitter: Some(0) },
-        _ => Shadows::Soft,
+    PossibleValuesParser::new(SHADOWS.map(|(name, _)| name)).map(|given| {
+        SHADOWS.iter().find(|(name, _)| *name == given).map_or(Shadows::default(), |(_, how)| *how)
     })
 }
 
@@ -270,6 +343,19 @@ fn vector(text: &str) -> Result<Vec3, String> {
     }
 }
 
+/// `0.1,0.2,0.5`, `transparent` or `env`.
+fn background(text: &str) -> Result<Background, String> {
+    match text {
+        "transparent" => Ok(Background::Transparent),
+        "env" => Ok(Background::Environment),
+        color => vector(color)
+            .ok()
+            .filter(|color| color.min_element() >= 0.0)
+            .map(|color| Background::Color(color.to_array()))
+            .ok_or("not three numbers of 0 or more, transparent or env".into()),
+    }
+}
+
 /// Degrees, to radians.
 fn angle(text: &str) -> Result<f32, String> {
     let radians = text.parse().map(|degrees: f64| degrees.to_radians() as f32);
@@ -277,6 +363,12 @@ fn angle(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|&radians| radians > 0.0 && radians < core::f32::consts::PI)
         .ok_or("not a number within 0 and 180".into())
+}
+
+/// World units, above 0.
+fn height(text: &str) -> Result<f32, &'static str> {
+    let height = text.parse().ok().filter(|height: &f32| *height > 0.0 && height.is_finite());
+    height.ok_or("not a finite number above 0")
 }
 
 /// Seconds, 0 or more.
@@ -356,6 +448,12 @@ fn picture(path: PathBuf) -> Result<PathBuf, &'static str> {
     if is_known { Ok(path) } else { Err("the name must end in .png or .exr, or be -") }
 }
 
+/// The path of a PNG file.
+#[cfg(feature = "viewer")]
+fn png(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if ends_in(&path, "png") { Ok(path) } else { Err("the name must end in .png") }
+}
+
 /// The path of an EXR file.
 fn exr(path: PathBuf) -> Result<PathBuf, &'static str> {
     if ends_in(&path, "exr") { Ok(path) } else { Err("the name must end in .exr") }
@@ -372,9 +470,9 @@ pub fn ends_in(path: &Path, ending: &str) -> bool {
 }
 
 /// A view's name.
-fn view() -> impl TypedValueParser<Value = View> {
-    PossibleValuesParser::new(View::ALL.map(|(name, _)| name)).try_map(|name| {
-        View::ALL.iter().find(|(known, _)| *known == name).map(|(_, view)| *view).ok_or("unknown view")
+fn view() -> impl TypedValueParser<Value = debug::View> {
+    PossibleValuesParser::new(debug::View::ALL.map(|(name, _)| name)).try_map(|name| {
+        debug::View::ALL.iter().find(|(known, _)| *known == name).map(|(_, view)| *view).ok_or("unknown view")
     })
 }
 

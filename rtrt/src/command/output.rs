@@ -16,6 +16,12 @@ pub fn print(line: impl Display) -> Result<(), Error> {
     Ok(writeln!(io::stdout(), "{line}")?)
 }
 
+/// Writes bytes of results.
+pub fn print_bytes(bytes: &[u8]) -> Result<(), Error> {
+    let mut to = io::stdout().lock();
+    Ok(to.write_all(bytes).and_then(|()| to.flush())?)
+}
+
 /// The results as one JSON object on one line.
 pub fn json(results: &impl serde::Serialize) -> Result<String, Error> {
     Ok(serde_json::to_string(results).map_err(io::Error::from)?)
@@ -51,8 +57,7 @@ pub fn png(pixels: &[u8], [width, height]: [u32; 2], depth: ExtendedColorType) -
 /// Writes a file, all of it or nothing, or to standard output.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     if is_standard(path) {
-        let mut to = io::stdout().lock();
-        return Ok(to.write_all(bytes).and_then(|()| to.flush())?);
+        return print_bytes(bytes);
     }
     replace(path, bytes).map_err(|source| Error::Write { path: path.to_owned(), source })
 }

@@ -1,22 +1,26 @@
 //! `rtrt render`: a picture of a scene.
 
 use super::Error;
+use super::compare::compare;
 use super::console::Console;
 use super::exr;
 use super::job::{Job, open};
-use super::options::{Render, ends_in, is_standard};
+use super::names::{filled, is_numbered};
+use super::options::{Background, Render, ends_in, is_standard};
 use super::output::{self, png};
-use super::report::{Machine, PerStage, buffer_hashes, pixel_hash};
+use super::report::{Machine, PerStage, buffer_hashes};
 use bytemuck::cast_slice;
 use image::ExtendedColorType::{Rgba8, Rgba16};
+use rtrt::backdrop::put_behind;
+use rtrt::hash;
 use rtrt::layers::Layers;
-use rtrt_core::backend::{Backend, Picture};
+use rtrt_core::backend::{Backend, Picture, STAGES};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Sub-rays a pixel if not given: a picture is looked at.
-const SAMPLES: u32 = 4;
+pub const SAMPLES: u32 = 4;
 
 /// What `--json` prints.
 #[derive(serde::Serialize)]
@@ -42,9 +46,12 @@ struct Report<'a> {
 /// Renders.
 pub fn run(options: &Render) -> Result<(), Error> {
     check(options)?;
-    let console = Console::new(2 + 3 * u64::from(options.frames));
+    let console = Console::new(options.common.talk, 2 + 3 * u64::from(options.frames));
     let start = options.common.time.or((options.frames > 1).then_some(0.0));
     let mut job = Job::load(&options.common, SAMPLES, keeps_buffers(options), start, &console)?;
+    if let (Some(Background::Color(color)), None) = (options.background, &options.common.environment) {
+        job.scene.background = color.into();
+    }
     let (mut backend, machine) = open(&options.common.backend, &console)?;
     let mut picture = Picture::default();
     for frame in 0..options.frames {
@@ -60,7 +67,7 @@ pub fn run(options: &Render) -> Result<(), Error> {
 /// Renders a frame, writes its files, and prints what was asked for.
 fn render(
     options: &Render,
-    job: &Job<'_>,
+    job: &Job,
     frame: u32,
     (backend, machine): (&mut dyn Backend, &Machine),
     picture: &mut Picture,
@@ -69,10 +76,18 @@ fn render(
     let start = Instant::now();
     job.render(backend, &job.request(keeps_buffers(options)), picture)?;
     let frame_ms = start.elapsed().as_secs_f64() * 1e3;
-    let name = |path: &PathBuf| numbered(path, frame);
+    console.detail(format_args!("frame {frame}: {frame_ms:.1} ms, in {}", stages(picture)));
+    if let Some(color) = behind(options) {
+        put_behind(picture, job.samples, color);
+    }
+    let name = |path: &PathBuf| filled(path, &options.common.scene, frame);
     let (output, aov) = (options.output.as_ref().map(name), options.aov.as_ref().map(name));
     write(options, output.as_deref(), aov.as_deref(), job, picture, console)?;
-    let (hash, buffers) = (pixel_hash(picture), buffer_hashes(picture).filter(|_| options.hash));
+    if let Some(reference) = options.compare.as_ref().map(name) {
+        compare(&reference, picture.bytes(), job.size, options.tolerance)?;
+        console.say(format_args!("equal to {}", reference.display()));
+    }
+    let (hash, buffers) = (hash::pixels(picture), buffer_hashes(picture).filter(|_| options.hash));
     if options.common.json {
         return console.print(output::json(&Report {
             machine: machine.clone(),
@@ -92,14 +107,18 @@ fn render(
     if options.hash { output::print_hashes(console, &hash, buffers) } else { Ok(()) }
 }
 
-/// What stands for a frame's number in a file's name.
-const FRAME: &str = "{frame}";
+/// Stages with their times, those that took any.
+fn stages(picture: &Picture) -> String {
+    let all = STAGES.iter().zip(picture.stages_ms).filter(|(_, ms)| *ms > 0.0);
+    all.map(|(stage, ms)| format!("{stage} {ms:.1}")).collect::<Vec<_>>().join(", ")
+}
 
-/// The name of a frame's file.
-fn numbered(path: &Path, frame: u32) -> PathBuf {
-    match path.to_str() {
-        Some(name) => name.replace(FRAME, &format!("{frame:04}")).into(),
-        None => path.to_owned(),
+/// The color of what hits nothing, where it is not that of the scene.
+fn behind(options: &Render) -> Option<[f32; 4]> {
+    match options.background? {
+        Background::Transparent => Some([0.0; 4]),
+        Background::Color([r, g, b]) => options.common.environment.as_ref().map(|_| [r, g, b, 1.0]),
+        Background::Environment => None,
     }
 }
 
@@ -117,18 +136,31 @@ fn check(options: &Render) -> Result<(), Error> {
     if options.debug.is_some() && options.bits != 8 {
         return Err(Error::Usage("--debug has 8 bits a channel"));
     }
-    let mut files = output.into_iter().chain(options.aov.as_deref());
-    let is_numbered = |path: &Path| path.to_str().is_some_and(|name| name.contains(FRAME));
-    if options.frames > 1 && !files.clone().all(is_numbered) {
-        return Err(Error::Usage("every frame wants a file of its own, so the names need {frame} in them"));
+    if options.background.is_some() && options.debug.is_some() {
+        return Err(Error::Usage("--debug has no background"));
     }
-    files.try_for_each(|path| output::check(&numbered(path, 0)))
+    if options.background == Some(Background::Environment) && options.common.environment.is_none() {
+        return Err(Error::Usage("--background env needs an --environment"));
+    }
+    let mut files = output.into_iter().chain(options.aov.as_deref());
+    if options.frames > 1 && !files.clone().all(is_numbered) {
+        return Err(Error::Usage(
+            "every frame wants a file of its own, so the names need {frame} or {n} in them",
+        ));
+    }
+    files.try_for_each(|path| output::check(&filled(path, &options.common.scene, 0)))
 }
 
 /// Whether what is to be written is made from the deferred buffers.
 fn keeps_buffers(options: &Render) -> bool {
     let is_exr = options.output.as_deref().is_some_and(|path| ends_in(path, "exr"));
-    options.hash || options.aov.is_some() || options.debug.is_some() || options.bits != 8 || is_exr
+    let is_changed = behind(options).is_some();
+    is_changed
+        || options.hash
+        || options.aov.is_some()
+        || options.debug.is_some()
+        || options.bits != 8
+        || is_exr
 }
 
 /// Writes the picture's files.
@@ -136,7 +168,7 @@ fn write(
     options: &Render,
     output: Option<&Path>,
     aov: Option<&Path>,
-    job: &Job<'_>,
+    job: &Job,
     picture: &Picture,
     console: &Console,
 ) -> Result<(), Error> {
@@ -164,6 +196,6 @@ fn write(
 }
 
 /// What is said where a file could not be encoded.
-fn encode<E: Into<Box<dyn std::error::Error + Send + Sync>>>(path: &Path) -> impl FnOnce(E) -> Error {
+pub fn encode<E: Into<Box<dyn std::error::Error + Send + Sync>>>(path: &Path) -> impl FnOnce(E) -> Error {
     |source| Error::Encode { path: path.to_owned(), source: source.into() }
 }

@@ -2,7 +2,6 @@
 
 use rtrt_core::backend::{Description, Picture, STAGES};
 use serde::ser::{Serialize, Serializer};
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -13,6 +12,14 @@ pub struct Machine {
     adapter: String,
     lanes: u32,
     threads: u32,
+}
+
+#[cfg(feature = "viewer")]
+impl Machine {
+    /// `"cpu"` or `"gpu"`.
+    pub fn kind(&self) -> &str {
+        &self.backend
+    }
 }
 
 impl From<Description> for Machine {
@@ -47,30 +54,7 @@ impl<T: Serialize> Serialize for PerStage<T> {
     }
 }
 
-/// The SHA-256 of these bytes, in hex.
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// The SHA-256 of the pixels.
-pub fn pixel_hash(picture: &Picture) -> String {
-    sha256(picture.bytes())
-}
-
-/// The SHA-256 of each deferred buffer; none if they were not kept.
+/// The SHA-256 of each deferred buffer, by name; none if they were not kept.
 pub fn buffer_hashes(picture: &Picture) -> Option<BTreeMap<&'static str, String>> {
-    let deferred = picture.deferred.as_ref()?;
-    let buffers: [(_, &[u8]); 10] = [
-        ("lists", bytemuck::cast_slice(&deferred.lists)),
-        ("hits", bytemuck::cast_slice(&deferred.hits)),
-        ("surfaces", bytemuck::cast_slice(&deferred.surfaces)),
-        ("left", bytemuck::cast_slice(&deferred.left)),
-        ("penumbras", bytemuck::cast_slice(&deferred.penumbras)),
-        ("masks", bytemuck::cast_slice(&deferred.masks)),
-        ("tints", bytemuck::cast_slice(&deferred.tints)),
-        ("lit", bytemuck::cast_slice(&deferred.lit)),
-        ("colors", bytemuck::cast_slice(&deferred.colors)),
-        ("layers", bytemuck::cast_slice(&deferred.layers)),
-    ];
-    Some(buffers.map(|(name, bytes)| (name, sha256(bytes))).into())
+    Some(rtrt::hash::buffers(picture)?.into())
 }

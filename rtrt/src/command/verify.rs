@@ -5,8 +5,9 @@ use super::console::Console;
 use super::job::Job;
 use super::options::{BackendOptions, Verify};
 use super::output;
-use super::report::{buffer_hashes, counted, pixel_hash};
+use super::report::{buffer_hashes, counted};
 use rtrt::choose::{Choice, ChooseError, is_called};
+use rtrt::hash;
 use rtrt_core::backend::{Backend, Picture};
 use rtrt_core::compare::compare;
 use rtrt_cpu::Cpu;
@@ -76,7 +77,7 @@ const REFERENCE: Variant = Variant::Cpu { lanes: 1, threads: 1 };
 pub fn run(options: &Verify) -> Result<(), Error> {
     let common = &options.common;
     let variants = variants(&common.backend)?;
-    let console = Console::new(variants.len() as u64 + 2);
+    let console = Console::new(common.talk, variants.len() as u64 + 2);
     let job = Job::load(common, SAMPLES, true, common.time, &console)?;
     console.step(format_args!("rendering the reference: {REFERENCE}"));
     let mut expected = Picture::default();
@@ -92,7 +93,7 @@ pub fn run(options: &Verify) -> Result<(), Error> {
         verdicts.push(verdict);
     }
     let failure = failure(&verdicts, &common.scene);
-    let (hash, buffers) = (pixel_hash(&expected), buffer_hashes(&expected));
+    let (hash, buffers) = (hash::pixels(&expected), buffer_hashes(&expected));
     if common.json {
         let equal = verdicts.iter().all(|verdict| verdict.result != Outcome::Differs);
         let (reference, size, samples) = (REFERENCE.to_string(), job.size, job.samples);
@@ -112,12 +113,7 @@ pub fn run(options: &Verify) -> Result<(), Error> {
 }
 
 /// Renders on the variant, and compares.
-fn verdict(
-    variant: &Variant,
-    job: &Job<'_>,
-    expected: &Picture,
-    actual: &mut Picture,
-) -> Result<Verdict, Error> {
+fn verdict(variant: &Variant, job: &Job, expected: &Picture, actual: &mut Picture) -> Result<Verdict, Error> {
     let (result, detail) = match variant.open() {
         Err(error) => (Outcome::Skipped, Some(error.to_string())),
         Ok(mut backend) => {

@@ -1,0 +1,287 @@
+//! A backend of somebody else's: one thread, one ray after another, through the stages of `rtrt-core`. It passes
+//! the conformance suite.
+//!
+//! ```text
+//! $ cargo run --release -p conformance --example custom_backend
+//! 141 cases on one ray after another: 0 differ
+//! ```
+//!
+//! A backend decides where and when the stages run; what they compute is theirs. This one keeps nothing between
+//! frames, and is as slow as it is short.
+
+use bytemuck::Zeroable;
+use conformance::{Suite, cases};
+use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request};
+use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::lists::{Entry, Lists};
+use rtrt_core::kernel::texture::Maps;
+use rtrt_core::kernel::traverse::{Best, Geometry};
+use rtrt_core::lane::Word;
+use rtrt_core::layout::{Frame, Hit, Surface};
+use rtrt_core::scene::{Scene, Setup};
+use rtrt_core::stage::surface::{Surfaces, Vertices};
+use rtrt_core::stage::visibility::{hit, rays, visibility};
+use rtrt_core::stage::{bin, detail, layers, light, occlusion, penumbra, prepare, resolve, shade, surface};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut backend = OneByOne::default();
+    let outcome = Suite::new(cases::all()).run(&mut backend)?;
+    for failed in &outcome.failures {
+        println!("{}: {}", failed.case.name, failed.failure);
+    }
+    let (cases, differ) = (outcome.cases, outcome.failures.len());
+    println!("{cases} cases on {}: {differ} differ", backend.describe().adapter);
+    assert_eq!(differ, 0);
+    Ok(())
+}
+
+/// The backend.
+#[derive(Default)]
+struct OneByOne {
+    setup: Setup,
+}
+
+impl Backend for OneByOne {
+    fn describe(&self) -> Description {
+        let (kind, adapter) = ("one by one".into(), "one ray after another".into());
+        Description { kind, adapter, lanes: 1, threads: 1 }
+    }
+
+    fn render(
+        &mut self,
+        scene: &Scene,
+        request: &Request<'_>,
+        picture: &mut Picture,
+    ) -> Result<(), RenderError> {
+        let &Request { camera, size, samples, shadows, layers, deferred } = request;
+        self.setup.prepare(scene, camera, size, samples, shadows, layers)?;
+        let frame = self.setup.frame;
+        let grid = frame.grid();
+        let words = lists(&self.setup, scene);
+        let job = Job::new(&self.setup, scene, &words);
+        let mut kept = room(&frame);
+        let mut layer = Layer::new(&frame);
+        for number in 0..frame.layers.max(1) {
+            let frame = Frame { layers: frame.layers.saturating_sub(number), ..frame };
+            job.find(&frame, &mut layer);
+            job.shadows(&frame, &mut layer);
+            if number == 0 && frame.window > 0 {
+                let (left, sizes) = layer.shadows.split_at(penumbra::size_at(&frame, 0, 0));
+                kept.left = left.to_vec();
+                kept.penumbras = sizes.iter().map(|&bits| f32::from_bits(bits)).collect();
+            }
+            job.shade(&frame, number, &mut layer, &mut kept);
+        }
+        let pixel = |number: u32| {
+            let color = |ray: RayIndex| kept.colors[ray.0 as usize];
+            resolve::resolve::<f32>((), grid, |_| grid.pixel(number), color).0
+        };
+        picture.pixels = (0..size[0] * size[1]).map(pixel).collect();
+        [picture.width, picture.height] = size;
+        kept.lists = words;
+        picture.deferred = deferred.then_some(kept);
+        Ok(())
+    }
+}
+
+/// Buffers for a frame in which nothing has been hit.
+fn room(frame: &Frame) -> Deferred {
+    let rays = frame.rays as usize;
+    let tint_words = if frame.is_tinted() { frame.lights } else { 0 };
+    let layer_count = frame.layers.max(1) - 1;
+    Deferred {
+        hits: vec![Hit::MISS; rays],
+        surfaces: vec![Zeroable::zeroed(); rays],
+        masks: vec![0; rays * frame.mask_words as usize],
+        tints: vec![0; rays * tint_words as usize],
+        lit: vec![Zeroable::zeroed(); rays],
+        colors: vec![[0.0; 4]; rays],
+        layers: vec![Hit::MISS; rays * layer_count as usize],
+        mask_words: frame.mask_words,
+        layer_count,
+        tint_words,
+        ..Deferred::default()
+    }
+}
+
+/// The stages `prepare` and `bin`: the lists of all blocks, each in the order of `(key, object)`.
+fn lists(setup: &Setup, scene: &Scene) -> Vec<u32> {
+    let (frame, views, objects) = (&setup.frame, &setup.views[..], setup.objects(scene));
+    let count = prepare::count(frame);
+    let covers: Vec<_> = (0..count).map(|i| prepare::prepare(frame, views, objects, i)).collect();
+    let mut blocks: Vec<Vec<Entry>> = vec![vec![]; frame.blocks as usize];
+    for index in 0..count {
+        bin::each_block(frame, views, objects, &covers, index, |block, entry| {
+            blocks[block as usize].push(entry);
+        });
+    }
+    let mut words = vec![0];
+    for block in &mut blocks {
+        block.sort_by_key(|entry| (entry.key, entry.object));
+        words.push(words[words.len() - 1] + block.len() as u32);
+    }
+    words.extend(blocks.iter().flatten().flat_map(|entry| [entry.key, entry.object]));
+    words
+}
+
+/// What is known of the layer of surfaces that rays look at, a record a ray.
+struct Layer {
+    hits: Vec<Hit>,
+    surfaces: Vec<Surface>,
+    /// Where shadows are soft, what they are before they are blurred.
+    shadows: Vec<u32>,
+    /// Whether nothing more is looked for.
+    is_done: Vec<bool>,
+}
+
+impl Layer {
+    fn new(frame: &Frame) -> Self {
+        let (rays, lights) = (frame.rays as usize, frame.lights as usize);
+        Self {
+            // A hit at 0 says that nothing has been looked for yet.
+            hits: vec![Hit::zeroed(); rays],
+            surfaces: vec![Surface::zeroed(); rays],
+            shadows: vec![0; if frame.window > 0 { 2 * rays * lights } else { 0 }],
+            is_done: vec![false; rays],
+        }
+    }
+}
+
+/// What the stages read.
+struct Job<'a> {
+    setup: &'a Setup,
+    lists: Lists<'a>,
+    geometry: Geometry<'a>,
+    maps: Maps<'a>,
+    vertices: Vertices<'a>,
+}
+
+impl<'a> Job<'a> {
+    fn new(setup: &'a Setup, scene: &'a Scene, words: &'a [u32]) -> Self {
+        let objects = setup.objects(scene);
+        Self {
+            setup,
+            lists: Lists { words, blocks: setup.frame.blocks },
+            geometry: Geometry {
+                objects,
+                nodes: scene.nodes(),
+                words: scene.words(),
+                positions: scene.positions(),
+                texels: scene.texels(),
+                magnitude: setup.frame.magnitude,
+            },
+            maps: Maps { materials: scene.materials(), texels: scene.texels() },
+            vertices: Vertices { objects, words: scene.words(), attributes: scene.attributes() },
+        }
+    }
+
+    /// The stages `visibility` and `surface`.
+    fn find(&self, frame: &Frame, layer: &mut Layer) {
+        let Self { lists, geometry, maps, vertices, .. } = self;
+        let views = &self.setup.views[..];
+        let camera = &views[Frame::CAMERA as usize];
+        for ray in 0..frame.rays {
+            let (at, number) = (ray as usize, RayIndex(ray));
+            let [primary] = rays::<f32, 1>((), frame, camera, number);
+            let best = if frame.layers == 0 {
+                visibility::<f32, 1>((), frame, views, lists, geometry, number)
+            } else {
+                let last = [Best::new(&layer.hits[at])];
+                layers::layer::<f32, 1>((), frame, views, lists, geometry, number, &last)
+            };
+            let mut found = surface::surface(camera, geometry, vertices.attributes, &primary, &best[0]);
+            if frame.details == 1 {
+                found = detail::detail(maps, vertices, &best[0], &found);
+            }
+            layer.hits[at] = hit(&best[0], 0);
+            layer.surfaces[at] = found.lane(0);
+        }
+    }
+
+    /// Of the stage `occlusion`, what all rays must have done before the first of them is lit: what is left of
+    /// each light, and the penumbras, where shadows are soft.
+    fn shadows(&self, frame: &Frame, layer: &mut Layer) {
+        let Self { lists, geometry, .. } = self;
+        let views = &self.setup.views[..];
+        for ray in (0..frame.rays).filter(|_| frame.window > 0) {
+            let found = Surfaces::<f32>::new(&layer.surfaces[ray as usize]);
+            let (number, origin) = (RayIndex(ray), [found.origin]);
+            for light in 0..frame.lights {
+                let asked = [occlusion::ask(frame, views, light, number, &found)];
+                let [(left, size)] =
+                    penumbra::near::<f32, 1>(frame, views, lists, geometry, light, number, &origin, &asked);
+                layer.shadows[penumbra::left_at(frame, ray, light)] = left.0;
+                layer.shadows[penumbra::size_at(frame, ray, light)] = size.to_bits();
+            }
+        }
+    }
+
+    /// The stages from `occlusion` to `layers`.
+    fn shade(&self, frame: &Frame, number: u32, layer: &mut Layer, kept: &mut Deferred) {
+        let views = &self.setup.views[..];
+        let camera = &views[Frame::CAMERA as usize];
+        for ray in 0..frame.rays {
+            let (at, index) = (ray as usize, RayIndex(ray));
+            if layer.is_done[at] {
+                continue;
+            }
+            let found = Surfaces::<f32>::new(&layer.surfaces[at]);
+            let [primary] = rays::<f32, 1>((), frame, camera, index);
+            let (masks, tints) = self.reaching(frame, layer, ray, &found);
+            let mask = |word: u32| Word(masks[word as usize]);
+            let tint = |light: u32| Word(tints[light as usize]);
+            let arriving = light::light(frame, views, &self.maps, mask, tint, index, &primary, &found);
+            let shaded = shade::shade(frame, &self.maps, &primary, &found, &arriving);
+            let sum = if frame.layers == 0 { shaded } else { layers::blend(frame, kept.colors[at], shaded) };
+            kept.colors[at] = sum;
+            if number == 0 {
+                kept.hits[at] = layer.hits[at];
+                kept.surfaces[at] = layer.surfaces[at];
+                kept.masks[at * masks.len()..][..masks.len()].copy_from_slice(&masks);
+                kept.tints[at * tints.len()..][..tints.len()].copy_from_slice(&tints);
+                kept.lit[at] = arriving.lane(0);
+            } else {
+                kept.layers[at * kept.layer_count as usize + number as usize - 1] = layer.hits[at];
+            }
+            // What nothing shines through hides the others.
+            if layers::is_covered(sum[3]) || layer.hits[at] == Hit::MISS {
+                layer.is_done[at] = true;
+                layer.hits[at] = Hit::MISS;
+            }
+        }
+    }
+
+    /// The words of a ray's shadow mask, and what is left of each light if not everything is opaque or shadows are
+    /// soft.
+    fn reaching(
+        &self,
+        frame: &Frame,
+        layer: &Layer,
+        ray: u32,
+        found: &Surfaces<f32>,
+    ) -> (Vec<u32>, Vec<u32>) {
+        let Self { lists, geometry, .. } = self;
+        let (views, index) = (&self.setup.views[..], RayIndex(ray));
+        if !frame.is_tinted() {
+            let word =
+                |word| occlusion::word::<f32, 1>(frame, views, lists, geometry, word, index, &[*found])[0].0;
+            return ((0..frame.mask_words).map(word).collect(), vec![]);
+        }
+        let tint = |light| {
+            if frame.window > 0 {
+                return penumbra::soften(frame, views, &layer.surfaces, &layer.shadows, ray, light);
+            }
+            let asked = [occlusion::ask(frame, views, light, index, found)];
+            let origin = [found.origin];
+            occlusion::tint::<f32, 1>(frame, views, lists, geometry, light, index, &origin, &asked)[0].0
+        };
+        let tints: Vec<u32> = (0..frame.lights).map(tint).collect();
+        let mask = |word| occlusion::mask(frame, word, Word(0), |light| Word(tints[light as usize])).0;
+        ((0..frame.mask_words).map(mask).collect(), tints)
+    }
+}
+
+#[test]
+fn runs() {
+    main().expect("no error");
+}

@@ -1,0 +1,69 @@
+//! What there is to choose from where there may be GPUs.
+
+use super::fallback::Fallback;
+use super::{ChooseError, Chosen, Options, cpu};
+use rtrt_gpu::{AdapterReport, Gpu, Kind, Route};
+
+/// The GPU that was asked for.
+pub(super) fn gpu(options: &Options) -> Result<Chosen, ChooseError> {
+    let gpu = rtrt_gpu::Options { adapter: options.adapter.clone(), ..Default::default() };
+    Ok(opened(Gpu::new(gpu)?, "asked for"))
+}
+
+/// The first that works. A software adapter is never better than the CPU, which is always
+/// there, so it is taken only where it is asked for by name.
+pub(super) fn auto(options: &Options) -> Result<Chosen, ChooseError> {
+    let mut passed_over = Vec::new();
+    for (number, report) in rtrt_gpu::adapters().into_iter().enumerate() {
+        let name = &report.name;
+        let wanted = options.adapter.as_ref();
+        let is_wanted = wanted.is_some_and(|wanted| is_called(&report, number, wanted));
+        if wanted.is_some() && !is_wanted {
+            passed_over.push(format!("{name} has another name"));
+            continue;
+        }
+        if !is_wanted && report.kind > Kind::Virtual {
+            passed_over.push(format!("{name} is {}", report.kind));
+            continue;
+        }
+        let adapter = Some(number.to_string());
+        let gpu = report.canary.and_then(|()| Gpu::new(rtrt_gpu::Options { adapter, ..Default::default() }));
+        match gpu {
+            Ok(gpu) if is_wanted => return Ok(opened(gpu, "its adapter was asked for")),
+            Ok(gpu) => {
+                let Chosen { backend, why, is_software } =
+                    opened(gpu, &and("the first GPU that works", &passed_over));
+                let backend = Box::new(Fallback::new(backend, options.cpu(), options.tell));
+                return Ok(Chosen { backend, why, is_software });
+            }
+            Err(error) => passed_over.push(error.to_string()),
+        }
+    }
+    if passed_over.is_empty() {
+        passed_over.push("there is no adapter".into());
+    }
+    match &options.adapter {
+        Some(wanted) => Err(ChooseError::Adapter { wanted: wanted.clone(), tried: passed_over }),
+        None => cpu(options, and("no GPU is better", &passed_over)),
+    }
+}
+
+/// Whether an adapter is the one that [`rtrt_gpu::Options::adapter`] would name.
+pub fn is_called(report: &AdapterReport, number: usize, wanted: &str) -> bool {
+    let label = format!("{} ({})", report.name, report.api).to_lowercase();
+    label.contains(&wanted.to_lowercase()) || wanted.parse() == Ok(number)
+}
+
+fn opened(gpu: Gpu, why: &str) -> Chosen {
+    let route = match gpu.route() {
+        Route::Naga => "naga",
+        Route::Auto | Route::Passthrough => "SPIR-V passthrough",
+    };
+    let why = format!("{why} ({} adapter, {route}, canary equal)", gpu.kind());
+    Chosen { is_software: gpu.kind() == Kind::Software, backend: Box::new(gpu), why }
+}
+
+/// The reason, then what was passed over.
+fn and(why: &str, passed_over: &[String]) -> String {
+    if passed_over.is_empty() { why.into() } else { format!("{why} ({})", passed_over.join("; ")) }
+}

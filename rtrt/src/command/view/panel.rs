@@ -1,0 +1,186 @@
+//! The panel: what can be changed besides the camera.
+
+use super::overlay::MARGIN;
+use super::viewer::{Settings, Viewer};
+use crate::command::options::SHADOWS;
+use egui::{Align2, CollapsingHeader, ComboBox, Context, DragValue, ScrollArea, Ui, Window, vec2};
+use glam::Vec3;
+use rtrt::debug::View;
+use rtrt_core::scene::{Light, Setup};
+
+/// Shows the panel, and does what is chosen.
+pub fn show(context: &Context, viewer: &mut Viewer) {
+    let mut is_open = viewer.settings.panel;
+    let corner = context.content_rect().right_top() + vec2(-MARGIN, MARGIN);
+    let window = Window::new("rtrt").open(&mut is_open).default_width(260.0);
+    let window = window.pivot(Align2::RIGHT_TOP).default_pos(corner);
+    window.show(context, |ui| {
+        ScrollArea::vertical().show(ui, |ui| {
+            picture(ui, &mut viewer.settings);
+            ui.separator();
+            lights(ui, viewer);
+        });
+    });
+    viewer.settings.panel = is_open;
+}
+
+fn picture(ui: &mut Ui, settings: &mut Settings) {
+    ui.horizontal(|ui| {
+        ui.label("samples");
+        for samples in [1, 4, 16] {
+            ui.selectable_value(&mut settings.samples, samples, samples.to_string());
+        }
+    });
+    let chosen = SHADOWS.iter().find(|(_, how)| *how == settings.shadows);
+    let chosen = chosen.map_or("", |(name, _)| *name);
+    ComboBox::from_label("shadows").selected_text(chosen).show_ui(ui, |ui| {
+        for (name, how) in SHADOWS {
+            ui.selectable_value(&mut settings.shadows, how, name);
+        }
+    });
+    let layers = DragValue::new(&mut settings.layers).range(1..=Setup::MAX_LAYERS).speed(0.1);
+    ui.horizontal(|ui| (ui.label("transparency depth"), ui.add(layers)));
+    let fps = DragValue::new(&mut settings.fps).range(1.0..=240.0).speed(0.5);
+    ui.horizontal(|ui| (ui.label("frames a second while moving"), ui.add(fps)));
+    let name =
+        |view| View::ALL.iter().find(|(_, known)| Some(*known) == view).map_or("picture", |(name, _)| *name);
+    ComboBox::from_label("shown").selected_text(name(settings.debug)).show_ui(ui, |ui| {
+        ui.selectable_value(&mut settings.debug, None, "picture");
+        for (name, view) in View::ALL {
+            ui.selectable_value(&mut settings.debug, Some(view), name);
+        }
+    });
+}
+
+fn lights(ui: &mut Ui, viewer: &mut Viewer) {
+    let scene = &mut viewer.job.scene;
+    let (mut ambient, mut background) = (scene.ambient, scene.background);
+    let mut lights = scene.lights().to_vec();
+    ui.horizontal(|ui| (ui.label("ambient"), tone(ui, &mut ambient)));
+    ui.horizontal(|ui| (ui.label("background"), tone(ui, &mut background)));
+    for (number, light) in lights.iter_mut().enumerate() {
+        let kind = match light {
+            Light::Point { .. } => "point light",
+            Light::Spot { .. } => "spot light",
+            Light::Sun { .. } => "sun",
+        };
+        let header = CollapsingHeader::new(format!("{number}: {kind}")).id_salt(number);
+        header.default_open(number == 0).show(ui, |ui| edit(ui, light));
+    }
+    let is_same = scene.ambient == ambient && scene.background == background;
+    if is_same && scene.lights() == lights {
+        return;
+    }
+    (scene.ambient, scene.background) = (ambient, background);
+    *scene.lights_mut() = lights;
+    if let Err(error) = viewer.job.keep_lights() {
+        viewer.announce(error);
+    }
+    viewer.has_own_lights = true;
+    viewer.has_own_colors |= !is_same;
+    viewer.touch();
+}
+
+/// A button that shows a color and changes it. What is not touched stays as it is to the bit.
+fn tone(ui: &mut Ui, color: &mut Vec3) {
+    let mut shown = color.to_array();
+    if ui.color_edit_button_rgb(&mut shown).changed() {
+        *color = shown.into();
+    }
+}
+
+fn edit(ui: &mut Ui, light: &mut Light) {
+    match light {
+        Light::Point { position, color, reach, radius, .. } => {
+            vector(ui, "position", position);
+            power(ui, color);
+            limit(ui, reach);
+            size(ui, radius);
+        }
+        Light::Spot { position, direction, inner, outer, color, reach, radius, .. } => {
+            vector(ui, "position", position);
+            aim(ui, direction);
+            ui.horizontal(|ui| (ui.label("angle"), angle(ui, outer)));
+            *inner = inner.min(*outer);
+            power(ui, color);
+            limit(ui, reach);
+            size(ui, radius);
+        }
+        Light::Sun { direction, color, radius } => {
+            aim(ui, direction);
+            power(ui, color);
+            ui.horizontal(|ui| {
+                ui.label("radius");
+                if ui.drag_angle(radius).changed() {
+                    *radius = radius.clamp(0.0, 0.78);
+                }
+            });
+        }
+    }
+}
+
+/// A light's radius, world units.
+fn size(ui: &mut Ui, radius: &mut f32) {
+    let speed = f64::from(radius.max(0.1)) * 0.01;
+    let drag = DragValue::new(radius).speed(speed).range(0.0..=1e6).clamp_existing_to_range(false);
+    ui.horizontal(|ui| (ui.label("radius"), ui.add(drag)));
+}
+
+/// An angle of a cone; it stays one that a light may have.
+fn angle(ui: &mut Ui, angle: &mut f32) {
+    if ui.drag_angle(angle).changed() {
+        *angle = angle.clamp(0.01, std::f32::consts::FRAC_PI_2);
+    }
+}
+
+/// Where a light shines, which must be somewhere.
+fn aim(ui: &mut Ui, direction: &mut Vec3) {
+    let mut next = *direction;
+    vector(ui, "direction", &mut next);
+    if next.abs().max_element() > 1e-9 {
+        *direction = next;
+    }
+}
+
+/// Three numbers.
+fn vector(ui: &mut Ui, name: &str, v: &mut Vec3) {
+    let speed = f64::from(v.abs().max_element().max(0.1)) * 0.01;
+    ui.horizontal(|ui| {
+        ui.label(name);
+        for number in [&mut v.x, &mut v.y, &mut v.z] {
+            let drag = DragValue::new(number).speed(speed).range(-1e6..=1e6);
+            ui.add(drag.clamp_existing_to_range(false));
+        }
+    });
+}
+
+/// The brightest channel of a color, and the color at full brightness.
+fn power(ui: &mut Ui, color: &mut Vec3) {
+    let before = color.max_element().max(0.0);
+    let mut power = before;
+    let shown = if before > 0.0 { *color / before } else { Vec3::ONE };
+    let mut next = shown;
+    ui.horizontal(|ui| {
+        ui.label("power");
+        let speed = f64::from(before.max(0.1)) * 0.01;
+        ui.add(DragValue::new(&mut power).speed(speed).range(0.0..=1e6).clamp_existing_to_range(false));
+        tone(ui, &mut next);
+    });
+    if power != before || next != shown {
+        *color = next * power;
+    }
+}
+
+/// How far a light reaches, if it does not reach everywhere.
+fn limit(ui: &mut Ui, reach: &mut Option<f32>) {
+    ui.horizontal(|ui| {
+        let mut is_limited = reach.is_some();
+        if ui.checkbox(&mut is_limited, "reach").changed() {
+            *reach = is_limited.then_some(10.0);
+        }
+        if let Some(reach) = reach {
+            let speed = f64::from(*reach) * 0.01;
+            ui.add(DragValue::new(reach).speed(speed).range(1e-3..=1e6).clamp_existing_to_range(false));
+        }
+    });
+}

@@ -1,0 +1,467 @@
+//! What is looked at, and how: everything about a viewer but its window.
+
+use super::controls::{Action, Controls, Free, Rig};
+use super::input::Event;
+use super::pace::{Detail, Pace};
+use super::reproduce::{self, Shot};
+use crate::command::Error;
+use crate::command::console::Console;
+use crate::command::job::{Job, open, rays};
+use crate::command::names::{filled, is_numbered};
+use crate::command::options::{self, Common};
+use crate::command::output::{self, png};
+use crate::command::render::{SAMPLES, encode};
+use crate::command::report::Machine;
+use bytemuck::cast_slice;
+use glam::DVec3;
+use image::ExtendedColorType::Rgba8;
+use rtrt::choose::Choice;
+use rtrt::debug::{Shown, View};
+use rtrt_core::backend::{Backend, Picture, STAGES, Shadows};
+use rtrt_core::scene::Camera;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// How long nothing must change before a picture is rendered as fine as it gets, seconds.
+const SETTLE: f64 = 0.2;
+/// How long a message is shown, seconds.
+const MESSAGE: f64 = 6.0;
+
+/// What a person chooses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    pub samples: u32,
+    pub shadows: Shadows,
+    pub layers: u32,
+    /// What is shown instead of the picture.
+    pub debug: Option<View>,
+    /// Frames a second that are worth fewer rays.
+    pub fps: f64,
+    pub help: bool,
+    pub timing: bool,
+    pub panel: bool,
+}
+
+/// All that a picture depends on, the scene by the number of its changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Wanted {
+    camera: Camera,
+    detail: Detail,
+    shadows: Shadows,
+    layers: u32,
+    debug: Option<View>,
+    backend: usize,
+    changes: u64,
+}
+
+/// How long the picture on the screen took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Timing {
+    pub detail: Detail,
+    /// Wall clock, milliseconds, readback included.
+    pub frame_ms: f64,
+    pub stages_ms: [f64; STAGES.len()],
+}
+
+/// What `--json` prints of a screenshot.
+#[derive(serde::Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    machine: Machine,
+    size: [u32; 2],
+    /// What renders the same without a window; null where no option gives lights that were changed.
+    command: Option<String>,
+    output: &'a Path,
+}
+
+/// A viewer.
+pub struct Viewer {
+    pub job: Job,
+    pub settings: Settings,
+    pub timing: Option<Timing>,
+    /// The lights are no longer those that the scene and the options give.
+    pub has_own_lights: bool,
+    /// Neither are the ambient light and the background.
+    pub has_own_colors: bool,
+    options: Common,
+    /// Options for a command that renders the same.
+    passed_on: Vec<String>,
+    output: PathBuf,
+    console: Console,
+    backends: Vec<(Box<dyn Backend>, Machine)>,
+    current: usize,
+    controls: Controls,
+    start: Camera,
+    /// Whether the camera is where the scene has it.
+    is_at_start: bool,
+    /// When, of the animation, if it was played; seconds.
+    time: Option<f64>,
+    is_playing: bool,
+    size: [u32; 2],
+    pace: Pace,
+    /// Whether every picture has full detail, however long it takes.
+    is_exact: bool,
+    changes: u64,
+    /// Since when nothing has changed, seconds.
+    still: f64,
+    before: Option<Wanted>,
+    /// What the picture is of, and the one that was given out last.
+    drawn: Option<Wanted>,
+    given: Option<Wanted>,
+    picture: Picture,
+    shown: Option<Shown>,
+    message: Option<(String, f64)>,
+    failure: Option<Error>,
+    pub is_closed: bool,
+}
+
+impl Viewer {
+    /// Loads the scene, and opens the backend.
+    pub fn new(options: &options::View) -> Result<Self, Error> {
+        let common = options.common.clone();
+        let console = Console::new(common.talk, 2);
+        let job = Job::load(&common, SAMPLES, false, common.time, &console)?;
+        let backend = open(&common.backend, &console)?;
+        console.finish();
+        Ok(Self {
+            settings: Settings {
+                samples: job.samples,
+                shadows: job.shadows,
+                layers: job.layers,
+                debug: None,
+                fps: options.fps,
+                help: false,
+                timing: false,
+                panel: false,
+            },
+            timing: None,
+            has_own_lights: false,
+            has_own_colors: false,
+            output: options.output.clone(),
+            console,
+            backends: vec![backend],
+            current: 0,
+            controls: Controls::default(),
+            start: job.camera,
+            is_at_start: true,
+            time: common.time,
+            is_playing: false,
+            size: job.size,
+            pace: Pace::default(),
+            is_exact: options.replay.is_some(),
+            changes: 0,
+            still: 0.0,
+            before: None,
+            drawn: None,
+            given: None,
+            picture: Picture::default(),
+            shown: None,
+            message: None,
+            failure: None,
+            is_closed: false,
+            options: common,
+            passed_on: reproduce::passed_on(std::env::args_os()),
+            job,
+        })
+    }
+
+    /// What failed, and ends the viewer.
+    pub fn failure(&mut self) -> Option<Error> {
+        self.failure.take()
+    }
+
+    /// Says something that is no result.
+    pub fn announce(&self, line: impl std::fmt::Display) {
+        self.console.say(line);
+    }
+
+    /// The backend that renders.
+    pub fn machine(&self) -> &Machine {
+        &self.backends[self.current].1
+    }
+
+    /// The scene that was loaded last.
+    pub fn scene(&self) -> &Path {
+        &self.options.scene
+    }
+
+    /// What is to be said at the moment.
+    pub fn message(&self) -> Option<&str> {
+        self.message.as_ref().map(|(text, _)| text.as_str())
+    }
+
+    /// What the colors of a debug view stand for.
+    pub fn legend(&self) -> Option<&str> {
+        self.shown.as_ref().and_then(|shown| shown.legend.as_deref())
+    }
+
+    /// When, of the animation, and when it ends.
+    pub fn time(&self) -> Option<(f64, f64)> {
+        self.time.zip(self.job.end())
+    }
+
+    /// The picture has another size.
+    pub fn resize(&mut self, size: [u32; 2]) {
+        self.size = size;
+    }
+
+    /// The scene has changed.
+    pub fn touch(&mut self) {
+        self.changes += 1;
+    }
+
+    /// Lets events happen.
+    pub fn handle(&mut self, event: &Event, free: Free) {
+        let mut rig = self.rig();
+        let action = self.controls.handle(event, free, &mut rig);
+        self.look(rig.camera);
+        if let Some(action) = action {
+            let done = self.act(action);
+            self.note(done);
+        }
+    }
+
+    /// Lets time pass.
+    pub fn advance(&mut self, seconds: f64) {
+        let mut rig = self.rig();
+        self.controls.advance(seconds, &mut rig);
+        self.look(rig.camera);
+        if let (true, Some(end)) = (self.is_playing, self.job.end()) {
+            let time = self.time.map_or(0.0, |time| time + seconds);
+            let played = self.play(if time > end { 0.0 } else { time });
+            self.note(played);
+        }
+        self.message =
+            self.message.take().filter(|(_, left)| *left > 0.0).map(|(text, left)| (text, left - seconds));
+        let now = Some(self.wanted(self.full()));
+        self.still = if now == self.before { self.still + seconds } else { 0.0 };
+        self.before = now;
+    }
+
+    /// Whether time has to go on for something to happen.
+    pub fn is_busy(&self) -> bool {
+        self.is_playing || self.controls.is_busy() || self.still < SETTLE || self.message.is_some()
+    }
+
+    /// Renders, if there is something new to see. Gives the pixels of a new picture, row by row, red,
+    /// green, blue and alpha, and its size.
+    pub fn render(&mut self) -> Option<(&[u8], [u32; 2])> {
+        let full = self.full();
+        let detail = if self.is_exact || self.still >= SETTLE {
+            full
+        } else {
+            self.pace.detail(full, 1e3 / self.settings.fps)
+        };
+        let wanted = self.wanted(detail);
+        if self.given == Some(wanted) {
+            return None;
+        }
+        // Tried, whatever comes of it: what fails is not tried again and again.
+        self.given = Some(wanted);
+        if let Err(error) = self.draw(wanted) {
+            self.note(Err(error));
+            return None;
+        }
+        Some((self.pixels(), detail.size))
+    }
+
+    /// Loads the scene again, or another one. If that fails, the scene stays as it is.
+    pub fn load(&mut self, scene: Option<PathBuf>) {
+        let is_other = scene.is_some();
+        let mut options = self.options.clone();
+        if let Some(scene) = scene {
+            options.scene = scene;
+            // These were for the scene before.
+            options.camera = options::CameraOptions::default();
+            options.time = None;
+        }
+        let job = Job::load(&options, SAMPLES, false, options.time, &self.console);
+        self.console.finish();
+        match job {
+            Ok(job) => {
+                let camera = self.job.camera;
+                self.start = job.camera;
+                self.job = job;
+                self.options = options;
+                (self.time, self.is_playing) = (self.options.time, false);
+                (self.has_own_lights, self.has_own_colors) = (false, false);
+                self.is_at_start |= is_other;
+                if !self.is_at_start {
+                    self.job.look(camera);
+                }
+                self.touch();
+                self.say(format!("loaded {}", self.scene().display()));
+            }
+            Err(error) => self.note(Err(error)),
+        }
+    }
+
+    fn act(&mut self, action: Action) -> Result<(), Error> {
+        let settings = &mut self.settings;
+        match action {
+            Action::Help => settings.help = !settings.help,
+            Action::Timing => settings.timing = !settings.timing,
+            Action::Panel => settings.panel = !settings.panel,
+            Action::Debug(view) => settings.debug = view,
+            Action::Play => match self.job.end() {
+                Some(_) => self.is_playing = !self.is_playing,
+                None => self.say("nothing in the scene is animated".into()),
+            },
+            Action::Reset => {
+                self.is_playing = false;
+                if self.time.is_some() {
+                    self.play(self.options.time.unwrap_or(0.0))?;
+                }
+                self.job.look(self.start);
+                self.is_at_start = true;
+            }
+            Action::Backend => self.switch()?,
+            Action::Screenshot => self.screenshot()?,
+            Action::Open(path) => self.load(Some(path)),
+            Action::Close => self.is_closed = true,
+        }
+        Ok(())
+    }
+
+    /// Shows the scene at a time of its animation.
+    fn play(&mut self, time: f64) -> Result<(), Error> {
+        let camera = self.job.camera;
+        self.time = Some(time);
+        let played = self.job.play(time);
+        // A camera that is part of the animation leads until it is moved by hand.
+        let leads = self.is_at_start && self.job.has_cameras();
+        self.job.look(if leads { self.job.camera } else { camera });
+        self.touch();
+        if played.is_err() {
+            self.is_playing = false;
+        }
+        played
+    }
+
+    /// Goes on with the other backend, which is opened the first time.
+    fn switch(&mut self) -> Result<(), Error> {
+        if self.backends.len() == 1 {
+            let mut options = self.options.backend.clone();
+            options.backend = if self.machine().kind() == "cpu" { Choice::Gpu } else { Choice::Cpu };
+            self.backends.push(open(&options, &self.console)?);
+        }
+        self.current = (self.current + 1) % self.backends.len();
+        self.pace = Pace::default();
+        self.say(format!("backend: {}", self.machine()));
+        Ok(())
+    }
+
+    /// Writes what is seen, at full detail, and prints how to get the same without a window.
+    fn screenshot(&mut self) -> Result<(), Error> {
+        let path = self.free_name();
+        output::check(&path)?;
+        let full = self.full();
+        self.draw(self.wanted(full))?;
+        let bytes = png(self.pixels(), full.size, Rgba8).map_err(encode(&path))?;
+        output::write(&path, &bytes)?;
+        let shot = Shot {
+            common: &self.options,
+            passed_on: &self.passed_on,
+            request: self.job.request(self.settings.debug.is_some()),
+            time: self.time,
+            debug: self.settings.debug,
+            lights: self.has_own_lights.then(|| self.job.scene.lights()),
+        };
+        let command = reproduce::command(&shot, &path).filter(|_| !self.has_own_colors);
+        if self.options.json {
+            let machine = self.machine().clone();
+            self.console.print(output::json(&Report {
+                machine,
+                size: full.size,
+                command,
+                output: &path,
+            })?)?;
+        } else if let Some(command) = command {
+            self.console.print(command)?;
+        } else {
+            let name = path.display();
+            self.console.say(format_args!("{name}: no option gives the lights that were changed here"));
+        }
+        self.say(format!("written: {}", path.display()));
+        Ok(())
+    }
+
+    /// The first name for a picture that no file has, if the name may change.
+    fn free_name(&self) -> PathBuf {
+        if !is_numbered(&self.output) {
+            return filled(&self.output, &self.options.scene, 0);
+        }
+        let mut names = (0..10_000).map(|number| filled(&self.output, &self.options.scene, number));
+        names.find(|name| !name.exists()).unwrap_or_else(|| self.output.clone())
+    }
+
+    /// Renders the picture, or the debug view, if that is not what is there already.
+    fn draw(&mut self, wanted: Wanted) -> Result<(), Error> {
+        if self.drawn == Some(wanted) {
+            return Ok(());
+        }
+        self.drawn = None;
+        let Wanted { detail, shadows, layers, debug, .. } = wanted;
+        rays(detail.size, detail.samples, debug.is_some())?;
+        let job = &mut self.job;
+        (job.size, job.samples, job.shadows, job.layers) = (detail.size, detail.samples, shadows, layers);
+        let start = Instant::now();
+        let request = job.request(debug.is_some());
+        let (backend, _) = &mut self.backends[self.current];
+        job.render(&mut **backend, &request, &mut self.picture)?;
+        self.shown = debug.map(|view| job.show(view, &self.picture)).transpose()?;
+        let frame_ms = start.elapsed().as_secs_f64() * 1e3;
+        self.pace.measured(detail.rays(), frame_ms);
+        self.timing = Some(Timing { detail, frame_ms, stages_ms: self.picture.stages_ms });
+        self.drawn = Some(wanted);
+        Ok(())
+    }
+
+    fn pixels(&self) -> &[u8] {
+        match &self.shown {
+            Some(shown) => cast_slice(&shown.pixels),
+            None => self.picture.bytes(),
+        }
+    }
+
+    fn look(&mut self, camera: Camera) {
+        if camera != self.job.camera {
+            self.job.look(camera);
+            self.is_at_start = false;
+        }
+    }
+
+    fn rig(&self) -> Rig {
+        let (low, high) = self.job.scene.extent().unwrap_or_default();
+        let (low, high) = (low.as_dvec3(), high.as_dvec3());
+        let radius = ((high - low) * 0.5).length();
+        let radius = if radius > 0.0 { radius } else { 1.0 };
+        let center: DVec3 = (low + high) * 0.5;
+        Rig { camera: self.job.camera, scene: (center, radius), size: self.size }
+    }
+
+    fn full(&self) -> Detail {
+        Detail { size: self.size, samples: self.settings.samples }
+    }
+
+    fn wanted(&self, detail: Detail) -> Wanted {
+        let Settings { shadows, layers, debug, .. } = self.settings;
+        let (camera, backend, changes) = (self.job.camera, self.current, self.changes);
+        Wanted { camera, detail, shadows, layers, debug, backend, changes }
+    }
+
+    /// Takes note of what did not work: a person may go on, a replay ends.
+    fn note(&mut self, done: Result<(), Error>) {
+        let Err(error) = done else { return };
+        if self.is_exact {
+            self.failure.get_or_insert(error);
+            return;
+        }
+        self.console.say(format_args!("error: {error}"));
+        self.say(format!("error: {error}"));
+    }
+
+    fn say(&mut self, text: String) {
+        self.message = Some((text, MESSAGE));
+    }
+}

@@ -1,0 +1,386 @@
+//! The window: what it tells becomes events, and each frame is events, overlay, picture.
+
+use super::controls::Free;
+use super::input::{Button, Event, Modifiers, Replay, Step, header};
+use super::screen::Screen;
+use super::viewer::Viewer;
+use super::watch::{self, Watch};
+use super::{caught, overlay, panel, plain};
+use crate::command::Error;
+use crate::command::options;
+use egui::{Context, FullOutput, PointerButton, Popup, Pos2, RawInput, Rect, pos2, vec2};
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow};
+use winit::keyboard::{Key, PhysicalKey};
+use winit::window::{Window, WindowId};
+
+/// The longest time that a frame stands for, seconds: nothing is to jump.
+const LONGEST: f32 = 0.1;
+/// The time that a frame usually stands for, seconds.
+const FRAME: f32 = 1.0 / 60.0;
+/// How many pixels of a touchpad are a notch of a wheel.
+const NOTCH: f64 = 40.0;
+
+/// The viewer in its window.
+pub struct App {
+    viewer: Viewer,
+    /// What the window's title says, and what is watched.
+    scene: PathBuf,
+    screen: Option<Screen>,
+    context: Context,
+    /// What happened since the last frame.
+    events: Vec<Event>,
+    modifiers: Modifiers,
+    /// Where the pointer is, in units of text and buttons.
+    pointer: Pos2,
+    /// Of the picture, pixels; and pixels for a unit of text and buttons.
+    size: [u32; 2],
+    scale: f32,
+    time: f64,
+    last: Instant,
+    /// Whether nothing went on since then.
+    is_idle: bool,
+    replay: Option<Replay>,
+    record: Option<(PathBuf, File)>,
+    watch: Option<Watch>,
+    /// When the overlay wants to be painted again.
+    wake: Option<Instant>,
+    /// Why the viewer ended.
+    pub result: Result<(), Error>,
+}
+
+impl App {
+    /// A viewer that is ready to have a window.
+    pub fn new(options: &options::View, viewer: Viewer, replay: Option<Replay>) -> Result<Self, Error> {
+        let record = options.record.as_ref().map(|path| -> Result<_, Error> {
+            let begin = |mut file: File| file.write_all(header().as_bytes()).map(|()| file);
+            let refused = |source| Error::Record { path: path.clone(), source };
+            Ok((path.clone(), File::create(path).and_then(begin).map_err(refused)?))
+        });
+        let scene = options.common.scene.clone();
+        let context = Context::default();
+        // The keys for it are the viewer's.
+        context.options_mut(|options| options.zoom_with_keyboard = false);
+        Ok(Self {
+            viewer,
+            screen: None,
+            context,
+            events: vec![Event::Size(options.common.size, 1.0)],
+            modifiers: Modifiers::default(),
+            pointer: Pos2::ZERO,
+            size: options.common.size,
+            scale: 1.0,
+            time: 0.0,
+            last: Instant::now(),
+            is_idle: true,
+            replay,
+            record: record.transpose()?,
+            watch: options.watch.then(|| Watch::new(&scene)),
+            wake: None,
+            result: Ok(()),
+            scene,
+        })
+    }
+
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<Screen, String> {
+        let [width, height] = self.size;
+        let attributes = Window::default_attributes()
+            .with_title(title(&self.scene))
+            .with_inner_size(PhysicalSize::new(width, height));
+        let window = events.create_window(attributes).map_err(|error| plain(&error))?;
+        let screen = Screen::new(Arc::new(window), events)?;
+        if let Some(name) = &screen.software {
+            self.viewer.announce(format_args!("warning: the window is drawn by a software adapter: {name}"));
+        }
+        Ok(screen)
+    }
+
+    /// A frame: events, what lies over the picture, the picture.
+    fn frame(&mut self) -> Result<(), Error> {
+        let Some(step) = self.step()? else {
+            self.viewer.is_closed = true;
+            return Ok(());
+        };
+        let over = self.overlay(&step);
+        // What lies over the picture has the first say.
+        let free = Free {
+            keys: !self.context.egui_wants_keyboard_input() && !Popup::is_any_open(&self.context),
+            pointer: !self.context.is_pointer_over_egui() && !self.context.egui_is_using_pointer(),
+        };
+        for event in &step.events {
+            self.viewer.handle(event, free);
+        }
+        self.viewer.advance(f64::from(step.seconds));
+        let Some(screen) = &mut self.screen else { return Ok(()) };
+        if let Some((pixels, size)) = self.viewer.render() {
+            screen.upload(pixels, size);
+        }
+        let delay = over.viewport_output.values().map(|output| output.repaint_delay).min();
+        self.wake = delay.and_then(|delay| Instant::now().checked_add(delay));
+        if self.scene != self.viewer.scene() {
+            self.scene = self.viewer.scene().to_owned();
+            screen.window.set_title(&title(&self.scene));
+            self.watch = self.watch.as_ref().map(|_| Watch::new(&self.scene));
+        }
+        let shown = screen.show(&self.context, over, self.size);
+        shown.map_err(|why| Error::Window { scene: self.scene.clone(), why })?;
+        self.viewer.failure().map_or(Ok(()), Err)
+    }
+
+    /// What happened before this frame; none at the end of a recording.
+    fn step(&mut self) -> Result<Option<Step>, Error> {
+        let now = Instant::now();
+        // What begins after a rest begins now.
+        let longest = if self.is_idle { FRAME } else { LONGEST };
+        let seconds = (now - self.last).as_secs_f32().min(longest);
+        self.last = now;
+        let mut step = Step { events: std::mem::take(&mut self.events), seconds };
+        if let Some(replay) = &mut self.replay {
+            let Some(Step { events, seconds }) = replay.next() else { return Ok(None) };
+            step.events.extend(events);
+            step.seconds = seconds;
+        }
+        if let Some((path, file)) = &mut self.record {
+            let written = file.write_all(step.to_string().as_bytes());
+            written.map_err(|source| Error::Record { path: path.clone(), source })?;
+        }
+        for event in &step.events {
+            if let Event::Size(size, scale) = event {
+                (self.size, self.scale) = (*size, *scale);
+                self.viewer.resize(*size);
+                if let (Some(_), Some(screen)) = (&self.replay, &self.screen) {
+                    // The system may have its own idea; the picture has its size all the same.
+                    _ = screen.window.request_inner_size(PhysicalSize::new(size[0], size[1]));
+                }
+            }
+        }
+        Ok(Some(step))
+    }
+
+    /// Lets what lies over the picture see the events.
+    fn overlay(&mut self, step: &Step) -> FullOutput {
+        self.time += f64::from(step.seconds);
+        let [width, height] = self.size.map(|side| side as f32 / self.scale);
+        let mut input = RawInput {
+            screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(width, height))),
+            time: Some(self.time),
+            predicted_dt: step.seconds,
+            events: step.events.iter().filter_map(|event| self.translated(event)).collect(),
+            ..RawInput::default()
+        };
+        for viewport in input.viewports.values_mut() {
+            viewport.native_pixels_per_point = Some(self.scale);
+        }
+        self.context.run_ui(input, |ui| {
+            overlay::show(ui.ctx(), &self.viewer);
+            if self.viewer.settings.panel {
+                panel::show(ui.ctx(), &mut self.viewer);
+            }
+        })
+    }
+
+    /// The event as the overlay takes it.
+    fn translated(&mut self, event: &Event) -> Option<egui::Event> {
+        let key = |key: &egui::Key, pressed, modifiers| egui::Event::Key {
+            key: *key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers,
+        };
+        let Modifiers { ctrl, shift, alt } = self.modifiers;
+        let modifiers = egui::Modifiers { ctrl, shift, alt, command: ctrl, mac_cmd: false };
+        Some(match event {
+            Event::Size(..) | Event::Drop(_) => return None,
+            Event::Press(pressed) => key(pressed, true, modifiers),
+            Event::Release(released) => key(released, false, modifiers),
+            Event::Modifiers(held) => {
+                self.modifiers = *held;
+                return None;
+            }
+            Event::Text(text) => egui::Event::Text(text.clone()),
+            Event::Move(x, y) => {
+                self.pointer = pos2(*x, *y) / self.scale;
+                egui::Event::PointerMoved(self.pointer)
+            }
+            Event::Leave => egui::Event::PointerGone,
+            Event::Button(button, pressed) => egui::Event::PointerButton {
+                pos: self.pointer,
+                button: match button {
+                    Button::Left => PointerButton::Primary,
+                    Button::Middle => PointerButton::Middle,
+                    Button::Right => PointerButton::Secondary,
+                },
+                pressed: *pressed,
+                modifiers,
+            },
+            Event::Wheel(notches) => egui::Event::MouseWheel {
+                unit: egui::MouseWheelUnit::Line,
+                delta: vec2(0.0, *notches),
+                phase: egui::TouchPhase::Move,
+                source: egui::MouseWheelSource::Unknown,
+                modifiers,
+            },
+            Event::Focus(has) => egui::Event::WindowFocused(*has),
+        })
+    }
+
+    /// What the window tells, as events.
+    fn told(&mut self, event: &WindowEvent) {
+        let scale = |screen: &Screen| screen.window.scale_factor() as f32;
+        let told = match event {
+            WindowEvent::Resized(size) if size.width > 0 && size.height > 0 => {
+                let Some(screen) = &mut self.screen else { return };
+                screen.resize([size.width, size.height]);
+                Event::Size(screen.size(), scale(screen))
+            }
+            WindowEvent::ScaleFactorChanged { scale_factor, .. } => {
+                Event::Size(self.size, *scale_factor as f32)
+            }
+            WindowEvent::Focused(has) => Event::Focus(*has),
+            WindowEvent::DroppedFile(path) => Event::Drop(path.clone()),
+            WindowEvent::ModifiersChanged(held) => {
+                let held = held.state();
+                let ctrl = held.control_key() || held.super_key();
+                Event::Modifiers(Modifiers { ctrl, shift: held.shift_key(), alt: held.alt_key() })
+            }
+            WindowEvent::CursorMoved { position, .. } => Event::Move(position.x as f32, position.y as f32),
+            WindowEvent::CursorLeft { .. } => Event::Leave,
+            WindowEvent::MouseWheel { delta: MouseScrollDelta::LineDelta(_, notches), .. } => {
+                Event::Wheel(*notches)
+            }
+            WindowEvent::MouseWheel { delta: MouseScrollDelta::PixelDelta(pixels), .. } => {
+                Event::Wheel((pixels.y / NOTCH) as f32)
+            }
+            WindowEvent::MouseInput { state, button, .. } => {
+                let button = match button {
+                    MouseButton::Left => Button::Left,
+                    MouseButton::Middle => Button::Middle,
+                    MouseButton::Right => Button::Right,
+                    _ => return,
+                };
+                Event::Button(button, *state == ElementState::Pressed)
+            }
+            WindowEvent::KeyboardInput { event, .. } => return self.typed(event),
+            _ => return,
+        };
+        self.tell(told);
+    }
+
+    fn typed(&mut self, event: &KeyEvent) {
+        let pressed = event.state == ElementState::Pressed;
+        if let Some(key) = key(event) {
+            self.tell(if pressed { Event::Press(key) } else { Event::Release(key) });
+        }
+        let text = event.text.as_ref().filter(|text| pressed && !text.chars().any(char::is_control));
+        if let Some(text) = text {
+            self.tell(Event::Text(text.to_string()));
+        }
+    }
+
+    /// An event happens before the next frame; a replay has its own.
+    fn tell(&mut self, event: Event) {
+        if self.replay.is_none() {
+            self.events.push(event);
+        }
+    }
+
+    fn end(&mut self, events: &ActiveEventLoop, result: Result<(), Error>) {
+        if self.result.is_ok() {
+            self.result = result;
+        }
+        events.exit();
+    }
+}
+
+fn title(scene: &Path) -> String {
+    let name = scene.file_name().unwrap_or(scene.as_os_str());
+    format!("{} – rtrt", name.to_string_lossy())
+}
+
+/// The key by what is printed on it; digits, and letters of other scripts, by their place.
+fn key(event: &KeyEvent) -> Option<egui::Key> {
+    let by_place = || match event.physical_key {
+        PhysicalKey::Code(code) => {
+            let name = format!("{code:?}");
+            let letter = name.strip_prefix("Key");
+            let digit = name.strip_prefix("Digit").or_else(|| name.strip_prefix("Numpad"));
+            egui::Key::from_name(letter.or(digit).unwrap_or(&name))
+        }
+        PhysicalKey::Unidentified(_) => None,
+    };
+    let place = by_place();
+    let is_digit =
+        place.is_some_and(|key| key.name().len() == 1 && key.name().as_bytes()[0].is_ascii_digit());
+    if is_digit {
+        return place;
+    }
+    let by_print = match &event.logical_key {
+        Key::Named(named) => egui::Key::from_name(&format!("{named:?}")),
+        Key::Character(text) => egui::Key::from_name(&text.to_uppercase()),
+        _ => None,
+    };
+    by_print.or(place)
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.screen.is_some() {
+            return;
+        }
+        match caught(|| self.open(events)) {
+            Ok(screen) => {
+                screen.window.request_redraw();
+                let size = screen.size();
+                let scale = screen.window.scale_factor() as f32;
+                self.screen = Some(screen);
+                self.tell(Event::Size(size, scale));
+            }
+            Err(why) => {
+                let scene = self.scene.clone();
+                self.end(events, Err(Error::Window { scene, why }));
+            }
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match &event {
+            WindowEvent::CloseRequested => return self.end(events, Ok(())),
+            WindowEvent::RedrawRequested => {
+                let shown = self.frame();
+                if shown.is_err() || self.viewer.is_closed {
+                    self.end(events, shown);
+                }
+                return;
+            }
+            _ => self.told(&event),
+        }
+        if let Some(screen) = &self.screen {
+            screen.window.request_redraw();
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        let Some(screen) = &self.screen else { return };
+        let now = Instant::now();
+        let mut is_due = self.replay.is_some() || self.viewer.is_busy();
+        if self.watch.as_mut().is_some_and(|watch| watch.has_changed(now)) {
+            self.viewer.load(None);
+            is_due = true;
+        }
+        self.is_idle = !is_due;
+        if is_due || self.wake.is_some_and(|wake| wake <= now) {
+            screen.window.request_redraw();
+        }
+        let look = self.watch.as_ref().map(|_| now + watch::EVERY);
+        let wake = [self.wake, look].into_iter().flatten().filter(|wake| *wake > now).min();
+        events.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+    }
+}

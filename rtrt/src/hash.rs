@@ -1,0 +1,40 @@
+//! SHA-256 of frames, in hex: what two machines compare instead of pictures.
+//!
+//! ```
+//! use rtrt_core::backend::Picture;
+//!
+//! let picture = Picture { width: 1, height: 1, pixels: vec![0xff00_0000], ..Picture::default() };
+//! assert_eq!(rtrt::hash::pixels(&picture), rtrt::hash::of(&[0, 0, 0, 255]));
+//! ```
+
+use bytemuck::cast_slice;
+use rtrt_core::backend::Picture;
+use sha2::{Digest, Sha256};
+
+/// The hash of these bytes.
+pub fn of(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The hash of the pixels: red, green, blue, alpha, row by row.
+pub fn pixels(picture: &Picture) -> String {
+    of(picture.bytes())
+}
+
+/// The hash of each deferred buffer, in the order of the stages that fill them; none if they were not kept.
+pub fn buffers(picture: &Picture) -> Option<[(&'static str, String); 10]> {
+    let deferred = picture.deferred.as_ref()?;
+    let buffers: [(_, &[u8]); 10] = [
+        ("lists", cast_slice(&deferred.lists)),
+        ("hits", cast_slice(&deferred.hits)),
+        ("surfaces", cast_slice(&deferred.surfaces)),
+        ("left", cast_slice(&deferred.left)),
+        ("penumbras", cast_slice(&deferred.penumbras)),
+        ("masks", cast_slice(&deferred.masks)),
+        ("tints", cast_slice(&deferred.tints)),
+        ("lit", cast_slice(&deferred.lit)),
+        ("layers", cast_slice(&deferred.layers)),
+        ("colors", cast_slice(&deferred.colors)),
+    ];
+    Some(buffers.map(|(name, bytes)| (name, of(bytes))))
+}

@@ -1,0 +1,135 @@
+//! What goes wrong: exit codes, one line, nothing left behind.
+
+use crate::folder::{Folder, code, stderr};
+use std::fs;
+
+#[test]
+fn wrong_usage_is_exit_code_2_and_no_panic() {
+    let folder = Folder::new("usage");
+    for wrong in [
+        "--size 0x0",
+        "--size 99999x99999",
+        "--size 16384x16384 --samples 16",
+        "--size 64",
+        "--samples 3",
+        "--lanes 4",
+        "--threads 0",
+        "--eye nan,0,0",
+        "--eye 0,0",
+        "--up 0,0,0",
+        "--fov-y 0",
+        "--fov-y 180",
+        "--fov-y -5",
+        "--fov-y NaN",
+        "--eye 1,2,3 --look-at 1,2,3",
+        "--eye 0,5,0 --look-at 0,0,0 --up 0,1,0",
+        "--camera 7",
+        "--camera -1",
+        "--light sun:0,0,0",
+        "--light moon:1,2,3",
+        "--backend tpu",
+        "--no-such-option",
+    ] {
+        let output = folder.run(&format!("render scene.obj -o out.png --backend cpu {wrong}"));
+        assert_eq!(code(&output), 2, "{wrong}: {}", stderr(&output));
+        assert!(stderr(&output).contains("error: "), "{wrong}: {}", stderr(&output));
+    }
+    for wrong in [
+        "render",
+        "render scene.obj",
+        "render scene.obj -o out.jpg",
+        "render demo:none -o out.png",
+        "render scene.obj --aov out.png",
+        "render scene.obj -o out.exr --bits 16",
+        "render scene.obj -o out.exr --debug depth",
+        "render scene.obj -o out.png --bits 16 --debug depth",
+        "render scene.obj -o out.png --debug colors",
+        "render scene.obj -o - --hash",
+        "render scene.obj -o - --json",
+        "",
+    ] {
+        assert_eq!(code(&folder.run(wrong)), 2, "{wrong}");
+    }
+    assert_eq!(folder.files(), [""; 0]);
+}
+
+#[test]
+fn extreme_numbers_do_not_panic() {
+    let folder = Folder::new("extreme");
+    for extreme in [
+        "--size 1x1",
+        "--size 1x3000",
+        "--size 8x8 --eye 1e38,1,1",
+        "--size 8x8 --eye 1e-38,0,0 --look-at 0,0,0",
+        "--size 8x8 --eye 3e38,3e38,3e38 --look-at -3e38,-3e38,-3e38",
+        "--size 8x8 --fov-y 1e-30",
+        "--size 8x8 --fov-y 179.999",
+        "--size 8x8 --light point:3e38,0,0",
+        "--size 8x8 --light point:0,0,0 --light sun:1e-17,0,0",
+        "--size 8x8 --light sun:0,-3e38,3e38",
+    ] {
+        let output = folder.run(&format!("render scene.obj --hash --backend cpu {extreme}"));
+        assert!([0, 2].contains(&code(&output)), "{extreme}: {}", stderr(&output));
+        assert!(!stderr(&output).contains("panicked"), "{extreme}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn input_that_cannot_be_read_is_exit_code_3() {
+    let folder = Folder::new("input");
+    fs::write(folder.0.join("broken.glb"), "glTF but not really").unwrap();
+    fs::write(folder.0.join("nan.obj"), "v 0 nan 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    for scene in ["missing.glb", "broken.glb", "nan.obj", "."] {
+        for command in ["render -o out.png", "verify", "bench"] {
+            let output = folder.run(&format!("{command} {scene} --size 8x8 --backend cpu"));
+            assert_eq!(code(&output), 3, "{command} {scene}: {}", stderr(&output));
+            let errors = stderr(&output);
+            let [error] = errors.lines().collect::<Vec<_>>()[..] else { panic!("not one line: {errors}") };
+            assert!(error.starts_with("error: ") && error.contains(scene), "{error}");
+        }
+    }
+    assert!(!folder.0.join("out.png").exists());
+}
+
+#[test]
+fn a_picture_that_cannot_be_written_is_exit_code_1_and_leaves_nothing() {
+    let folder = Folder::new("output");
+    fs::create_dir(folder.0.join("folder.png")).unwrap();
+    for place in [
+        "-o missing/out.png",
+        "-o folder.png",
+        "-o scene.obj/out.png",
+        "--aov missing/out.exr",
+        "-o out.png --aov scene.obj/out.exr",
+    ] {
+        let output = folder.run(&format!("render scene.obj {place} --size 8x8 --backend cpu"));
+        assert_eq!(code(&output), 1, "{place}: {}", stderr(&output));
+        let name = place.split_whitespace().last().unwrap();
+        assert!(stderr(&output).contains(name), "{}", stderr(&output));
+    }
+    assert_eq!(folder.files(), ["folder.png"]);
+}
+
+#[test]
+fn a_failed_run_leaves_the_picture_that_was_there() {
+    let folder = Folder::new("kept");
+    fs::write(folder.0.join("out.png"), "before").unwrap();
+    for scene in ["missing.obj", "demo:none", "scene.obj --up 0,0,0"] {
+        assert_ne!(code(&folder.run(&format!("render {scene} -o out.png --backend cpu"))), 0);
+        assert_eq!(fs::read(folder.0.join("out.png")).unwrap(), b"before");
+        assert_eq!(folder.files(), ["out.png"]);
+    }
+}
+
+#[test]
+fn a_backend_that_is_not_there_is_exit_code_4() {
+    let folder = Folder::new("unavailable");
+    for backend in ["--backend gpu --adapter no-such-adapter", "--adapter no-such-adapter"] {
+        for command in ["render -o out.png", "verify", "bench"] {
+            let output = folder.run(&format!("{command} scene.obj --size 8x8 {backend}"));
+            assert_eq!(code(&output), 4, "{command} {backend}: {}", stderr(&output));
+            assert!(stderr(&output).contains("no-such-adapter"), "{}", stderr(&output));
+        }
+    }
+    assert_eq!(folder.files(), [""; 0]);
+}

@@ -1,0 +1,17 @@
+//! The `rtrt` command as a shell sees it: exit codes, output, files.
+
+mod animation;
+mod background;
+mod cache;
+mod compare;
+mod ending;
+mod environment;
+mod failures;
+mod folder;
+mod help;
+mod layers;
+mod names;
+mod pictures;
+mod reports;
+mod talk;
+mod verify;
