@@ -5,7 +5,7 @@ use conformance::variants::{all, present, requires_gpu};
 use conformance::{cases, compare, reference};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::scene::{Camera, Mip, Projection, Scene, Structure};
+use rtrt_core::scene::{Camera, Mip, Occluders, Projection, Scene, Structure};
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 3.0, 6.0),
@@ -122,6 +122,25 @@ fn no_picture_depends_on_the_structure() {
         assert_eq!(with, without, "{}", case.name);
     }
     assert!(seen > 50, "{seen}");
+}
+
+#[test]
+fn shadows_that_are_not_seen_take_no_room_in_lists_and_far_ones_are_missing() {
+    let case = cases::named("bin/shadows_that_are_seen").unwrap();
+    let mut scene = (case.scene)();
+    let mut reference = reference();
+    let [all, seen, near] = [Occluders::All, Occluders::Seen, Occluders::Near(4.0)].map(|occluders| {
+        scene.occluders = occluders;
+        let mut picture = Picture::default();
+        reference.render(&scene, &case.request(), &mut picture).unwrap();
+        let deferred = picture.deferred.unwrap();
+        (deferred.lists.len(), deferred.hits, deferred.masks)
+    });
+    assert!(seen.0 * 10 < all.0 * 9, "{} of {}", seen.0, all.0);
+    assert_eq!((&seen.1, &seen.2), (&all.1, &all.2));
+    assert_eq!(near.1, all.1);
+    let lit = |masks: &[u32]| masks.iter().map(|mask| mask.count_ones()).sum::<u32>();
+    assert!(lit(&near.2) > lit(&all.2));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::case::{Case, look, parallel};
 use crate::shape::{Build, Random, Shape, bulb, lamp, sun};
 use glam::{Mat4, Vec3, Vec3Swizzles};
-use rtrt_core::scene::{Scene, Structure};
+use rtrt_core::scene::{Occluders, Scene, Structure};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -23,6 +23,30 @@ pub(super) const CASES: &[Case] = &[
             scene
         },
         camera: look([0.0, 6.0, 9.0], [0.0; 3]),
+        size: [53, 35],
+        ..Case::USUAL
+    },
+    Case {
+        name: "bin/shadows_that_are_seen",
+        claim: "Suns lose no shadow to leaving out what casts none that is seen.",
+        scene: || scattered(Occluders::Seen),
+        camera: look([0.0, 1.0, 0.5], [0.0, 0.0, -4.0]),
+        size: [53, 35],
+        ..Case::USUAL
+    },
+    Case {
+        name: "bin/shadows_that_are_seen_by_parallel_rays",
+        claim: "The same for parallel rays.",
+        scene: || scattered(Occluders::Seen),
+        camera: parallel(2.0, look([0.0, 1.0, 0.5], [0.0, 0.0, -4.0])),
+        size: [53, 35],
+        ..Case::USUAL
+    },
+    Case {
+        name: "bin/shadows_that_are_near",
+        claim: "Suns lose the shadows of what is farther from the camera than a distance, and no others.",
+        scene: || scattered(Occluders::Near(5.0)),
+        camera: look([0.0, 1.0, 0.5], [0.0, 0.0, -4.0]),
         size: [53, 35],
         ..Case::USUAL
     },
@@ -140,6 +164,24 @@ fn spread() -> Scene {
         build.object(if i % 2 == 0 { cube } else { ball }, place * Mat4::from_scale(Vec3::splat(0.12)));
     }
     build.light(lamp([2.0, 3.0, 1.0], 9.0)).light(sun([0.5, -1.0, 0.2])).scene
+}
+
+/// Cubes and balls all around the camera, over a floor, under three suns.
+fn scattered(occluders: Occluders) -> Scene {
+    let mut build = Build::default().shape(Shape::floor(12.0, -1.0));
+    let cube = build.mesh(Shape::cube());
+    let mut random = Random(21);
+    for i in 0..200 {
+        let at = random.vector(8.0) * Vec3::new(1.0, 0.3, 1.0) + Vec3::Y * 1.5;
+        let place = Mat4::from_translation(at) * Mat4::from_scale(Vec3::splat(random.within(0.1, 0.6)));
+        if i % 3 == 0 {
+            build.scene.add_sphere(build.gray, place).expect("a case's sphere");
+        } else {
+            build.object(cube, place);
+        }
+    }
+    build.scene.occluders = occluders;
+    build.light(sun([0.9, -1.0, -0.3])).light(sun([-0.2, -0.4, 1.0])).light(sun([0.0, -1.0, 0.0])).scene
 }
 
 /// Squares whose sides lie on the edges of blocks: a unit is a pixel.

@@ -4,6 +4,7 @@
 use rtrt_core::backend::{Picture, Request};
 use rtrt_core::compare::{Difference, compare};
 use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::frustum::is_near;
 use rtrt_core::kernel::pane::{cutoff, mode, pane};
 use rtrt_core::kernel::penumbra::Nearest;
 use rtrt_core::kernel::ray::Ray;
@@ -12,7 +13,7 @@ use rtrt_core::kernel::tint::{Crossing, WHITE};
 use rtrt_core::kernel::traverse::{Best, Geometry, Search};
 use rtrt_core::kernel::triangle::{Meeting, meet};
 use rtrt_core::kernel::view::camera_ray;
-use rtrt_core::layout::{AlphaMode, Frame, Hit, NONE, Surface};
+use rtrt_core::layout::{AlphaMode, Frame, Hit, NONE, Surface, ViewKind};
 use rtrt_core::scene::{Scene, Setup, SetupError};
 use rtrt_core::stage::occlusion::{LIGHTS_PER_WORD, limit, to_light};
 use rtrt_core::stage::surface::Surfaces;
@@ -62,7 +63,8 @@ impl<'a> Brute<'a> {
         }
     }
 
-    /// The same for a ray to a light, which passes through what shows that light.
+    /// The same for a ray to a light, which passes through what shows that light, and what is
+    /// beyond the distance at which shadows of suns end.
     fn between(
         &self,
         ray: &Ray<f32>,
@@ -71,8 +73,12 @@ impl<'a> Brute<'a> {
         mut visit: impl FnMut(u32, u32, &Meeting<f32>),
     ) {
         let objects = self.geometry().objects;
+        let views = &self.setup.views;
+        let (camera, view) =
+            (&views[Frame::CAMERA as usize], &views[self.setup.frame.light_view(light) as usize]);
         self.each(ray, limit, |object, triangle, found| {
-            if !objects[object as usize].shows(light) {
+            let near = view.kind != ViewKind::Sun as u32 || is_near(camera, view, &objects[object as usize]);
+            if near && !objects[object as usize].shows(light) {
                 visit(object, triangle, found);
             }
         });

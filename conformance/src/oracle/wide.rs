@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3, dvec2};
 use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::{Grid, RayIndex};
 use rtrt_core::layout::{Hit, Kind, Lit, NONE, Object, Surface};
-use rtrt_core::scene::{Light, Projection, Scene, Setup};
+use rtrt_core::scene::{Light, Occluders, Projection, Scene, Setup};
 
 /// How many rays and shadow rays could be judged, of how many. All of them were right.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -84,7 +84,8 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
     let objects = setup.objects(scene);
     let is_wide = !matches!(request.shadows, Shadows::Off | Shadows::Hard)
         && scene.lights().iter().any(|light| light.radius() > 0.0);
-    if is_wide || objects.iter().any(|object| object.pane != 0) {
+    let is_short = matches!(scene.occluders, Occluders::Near(_));
+    if is_wide || is_short || objects.iter().any(|object| object.pane != 0) {
         return Ok(Judged::default());
     }
     let side = f64::from(request.samples).sqrt() as u32;

@@ -7,6 +7,7 @@ pub mod cover;
 pub mod distinct;
 pub mod environment;
 pub mod falloff;
+pub mod frustum;
 pub mod interpolate;
 pub mod lists;
 pub mod mip;

@@ -94,8 +94,13 @@ pub struct View {
     pub one_list: u32,
     /// Camera: 1 where footprints grow with the angle at which a surface is seen, else 0.
     pub by_angle: u32,
+    /// Sun: how far from the camera its shadows end, world units; 0 for nowhere.
+    pub shadow_distance: f32,
+    /// Sun: 1 where objects whose shadows cannot be seen are left out (see
+    /// [`frustum`](crate::kernel::frustum)).
+    pub seen_only: u32,
 }
-const _: () = assert!(size_of::<View>() == 236 && offset_of!(View, depth) == 64);
+const _: () = assert!(size_of::<View>() == 244 && offset_of!(View, depth) == 64);
 const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, axis) == 192);
 
 /// The numbers of one frame. Scalars only, so that it may be a uniform block.

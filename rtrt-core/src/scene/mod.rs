@@ -46,5 +46,7 @@ pub use material::phong;
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};
 pub use motion::Motion;
 pub use setup::{Setup, SetupError};
-pub use store::{MaterialIndex, MeshIndex, Mip, ObjectIndex, Scene, SceneError, Structure, Versions};
+pub use store::{
+    MaterialIndex, MeshIndex, Mip, ObjectIndex, Occluders, Scene, SceneError, Structure, Versions,
+};
 pub use tree::{Join, MeshTree, Sequential, TreeError};

@@ -5,7 +5,7 @@ use crate::grid::{BLOCK_RAYS, Grid};
 use crate::kernel::area::hash;
 use crate::layout::{AlphaMode, Frame, Object, View, ViewKind};
 use crate::scene::floor::floored;
-use crate::scene::{Camera, Mip, Scene, Structure};
+use crate::scene::{Camera, Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
@@ -159,6 +159,11 @@ impl Setup {
         }
         for view in self.views.iter_mut().filter(|view| view.kind != ViewKind::Off as u32) {
             view.one_list = u32::from(is_one_list);
+            view.seen_only = u32::from(scene.occluders == Occluders::Seen);
+            view.shadow_distance = match scene.occluders {
+                Occluders::Near(distance) => distance.clamp(LEAST_DISTANCE, MOST_DISTANCE),
+                _ => 0.0,
+            };
         }
         let centers = self.views.iter().flat_map(|view| view.center.map(|c| c.abs() + view.disc));
         let corners = bounds.low.into_iter().chain(bounds.high);
@@ -205,6 +210,12 @@ impl Setup {
 fn key(seed: u32, light: u32) -> u32 {
     hash(hash(seed) ^ light) | 1
 }
+
+/// The least distance at which shadows end: that of 0 would mean nowhere, and its square must not
+/// be denormal.
+const LEAST_DISTANCE: f32 = 1e-12;
+/// The largest: its square is finite, and nothing is farther away.
+const MOST_DISTANCE: f32 = 1e18;
 
 /// The most blocks of all lights' views together, unless there are thousands of lights.
 const LIGHT_BLOCKS: usize = 1 << 21;

@@ -92,6 +92,20 @@ pub enum Structure {
     None,
 }
 
+/// Which objects cast shadows of suns.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Occluders {
+    /// All.
+    #[default]
+    All,
+    /// Those whose shadows may fall on what the camera sees, by the planes around the picture. No
+    /// picture depends on it.
+    Seen,
+    /// Those within this distance of the camera, world units: the paper's one list for all lights
+    /// of infinite range. Shadows of what is farther away are missing.
+    Near(f32),
+}
+
 /// Counts the changes of each part of a scene, so that a backend that keeps copies renews
 /// only what changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -140,6 +154,8 @@ pub struct Scene {
     pub mip: Mip,
     /// What keeps rays from being asked for every object.
     pub structure: Structure,
+    /// Which objects cast shadows of suns.
+    pub occluders: Occluders,
     /// Light from everywhere, linear RGB; an environment takes its place.
     pub ambient: Vec3,
     /// What a ray sees that hits nothing, linear RGB; an environment takes its place.
@@ -178,6 +194,7 @@ impl Scene {
             levels: BTreeMap::new(),
             mip: Mip::default(),
             structure: Structure::default(),
+            occluders: Occluders::default(),
             ambient: Vec3::splat(0.1),
             background: Vec3::new(0.02, 0.025, 0.035),
         }

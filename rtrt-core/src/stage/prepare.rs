@@ -1,7 +1,8 @@
 //! Prepare: which blocks of which view an object covers.
 
 use crate::kernel::cover::{Cover, cover};
-use crate::layout::{Frame, Object, View};
+use crate::kernel::frustum::{is_near, is_shadow_seen};
+use crate::layout::{Frame, Object, View, ViewKind};
 
 /// How many covers a frame has: one for each view and object.
 #[inline(always)]
@@ -17,5 +18,12 @@ pub fn prepare(frame: &Frame, views: &[View], objects: &[Object], index: u32) ->
     if view != Frame::CAMERA && object.shows((view - 1) / Frame::VIEWS_PER_LIGHT) {
         return Cover::NONE;
     }
-    cover(&views[view as usize], object, frame.magnitude)
+    let (camera, view) = (&views[Frame::CAMERA as usize], &views[view as usize]);
+    if view.kind == ViewKind::Sun as u32 {
+        let is_seen = view.seen_only == 0 || is_shadow_seen(camera, view, object.widened(frame.magnitude));
+        if !is_seen || !is_near(camera, view, object) {
+            return Cover::NONE;
+        }
+    }
+    cover(view, object, frame.magnitude)
 }

@@ -91,6 +91,7 @@ impl Job {
             console.warn(3, "nothing in the scene is animated")?;
         }
         scene.mip = common.mip;
+        scene.occluders = common.sun_shadows;
         show_lights(&mut scene, common)?;
         let mut job = Self {
             scene,

@@ -6,7 +6,7 @@ use glam::Vec3;
 use rtrt::choose::{self, Choice};
 use rtrt::debug;
 use rtrt_core::backend::{LAYERS, RenderError, Shadows};
-use rtrt_core::scene::{Light, Mip, Setup, Structure};
+use rtrt_core::scene::{Light, Mip, Occluders, Setup, Structure};
 use std::path::{Path, PathBuf};
 
 /// Options of `rtrt render`.
@@ -131,6 +131,10 @@ pub struct Common {
     /// then drawn as opaque; 1 draws everything as opaque
     #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)))]
     pub transparency_depth: u32,
+    /// Let suns have shadows of all objects, of those whose shadows may be seen (the picture is the
+    /// same), or of those within this distance of the camera
+    #[arg(long, value_name = "all|seen|DISTANCE", default_value = "all", value_parser = occluders)]
+    pub sun_shadows: Occluders,
     /// Show point and spot lights that have a radius as spheres
     #[arg(long)]
     pub show_lights: bool,
@@ -292,6 +296,17 @@ fn choice() -> impl TypedValueParser<Value = Choice> {
         "gpu" => Choice::Gpu,
         _ => Choice::Auto,
     })
+}
+
+/// `all`, `seen`, or a distance.
+fn occluders(text: &str) -> Result<Occluders, &'static str> {
+    match text {
+        "all" => Ok(Occluders::All),
+        "seen" => Ok(Occluders::Seen),
+        _ => rate(text)
+            .map(|distance| Occluders::Near(distance as f32))
+            .map_err(|_| "not all, seen or a number above 0"),
+    }
 }
 
 /// How levels of textures are chosen.

@@ -1,0 +1,137 @@
+//! Which objects may cast a shadow of a sun that is seen.
+//!
+//! The paper, on lights of infinite range: everything may be in the way of such a light, so what
+//! is asked is what is near the camera, and whether the cone from the light around an object's
+//! sphere meets the view's pyramid. The cone of a sun is a cylinder.
+
+use crate::layout::{Object, View};
+
+/// How far outside of the picture a shadow is still taken for seen, in blocks: more than the
+/// roundings of columns and rows below 2¹¹.
+const MARGIN: f32 = 1.0 / 64.0;
+/// How clearly a plane has to be left behind, as a share of its row's length: a shadow that goes
+/// along a plane may enter it far away, by rounding.
+const ALONG: f32 = 1.0 / 65536.0;
+
+/// A box in world space, as seen from a camera.
+#[derive(Clone, Copy)]
+struct Around {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+/// Whether an object is within the distance from the camera at which the sun's shadows end.
+///
+/// What counts is the nearest point of the object's bounds, and the camera's place; the corner of
+/// the picture for parallel rays. A distance of 0 is none.
+#[inline(always)]
+pub fn is_near(camera: &View, sun: &View, object: &Object) -> bool {
+    let mut squared = 0.0;
+    let mut i = 0;
+    while i < 3 {
+        let (below, above) = (object.low[i] - camera.center[i], camera.center[i] - object.high[i]);
+        let gap = if below > above { below } else { above };
+        squared += if gap > 0.0 { gap * gap } else { 0.0 };
+        i += 1;
+    }
+    sun.shadow_distance == 0.0 || squared <= sun.shadow_distance * sun.shadow_distance
+}
+
+/// Whether the shadow that an object casts of a sun may fall on what the camera sees.
+///
+/// It does not where the object is outside of one of the planes around the picture and the light
+/// goes away from that plane: nothing that moves along the light comes back. `widened` are the
+/// object's bounds with room for the roundings of tracing.
+#[inline(always)]
+pub fn is_shadow_seen(camera: &View, sun: &View, (low, high): ([f32; 3], [f32; 3])) -> bool {
+    if camera.one_list == 1 {
+        return true;
+    }
+    let (c, m) = (&camera.center, sun.margin);
+    let around = Around {
+        low: [low[0] - c[0] - m, low[1] - c[1] - m, low[2] - c[2] - m],
+        high: [high[0] - c[0] + m, high[1] - c[1] + m, high[2] - c[2] + m],
+    };
+    let light = &sun.along;
+    let (columns, rows) = (camera.width as f32 + MARGIN, camera.height as f32 + MARGIN);
+    !(leaves(&camera.depth, 0.0, &around, light)
+        || leaves(&edge(camera, &camera.x, -MARGIN, 1.0), MARGIN * camera.w_offset, &around, light)
+        || leaves(&edge(camera, &camera.x, columns, -1.0), columns * camera.w_offset, &around, light)
+        || leaves(&edge(camera, &camera.y, -MARGIN, 1.0), MARGIN * camera.w_offset, &around, light)
+        || leaves(&edge(camera, &camera.y, rows, -1.0), rows * camera.w_offset, &around, light))
+}
+
+/// The plane at a column (or row) of the picture, positive inside of it: `side · (X − place · W)`.
+#[inline(always)]
+fn edge(camera: &View, axis: &[f32; 3], place: f32, side: f32) -> [f32; 3] {
+    let w = &camera.w;
+    [side * (axis[0] - place * w[0]), side * (axis[1] - place * w[1]), side * (axis[2] - place * w[2])]
+}
+
+/// Whether the box is behind the plane `row · p + offset`, and moves away from it.
+#[inline(always)]
+fn leaves(row: &[f32; 3], offset: f32, around: &Around, along: &[f32; 3]) -> bool {
+    let (mut most, mut speed, mut length) = (offset, 0.0, 0.0);
+    let mut i = 0;
+    while i < 3 {
+        let (a, b) = (row[i] * around.low[i], row[i] * around.high[i]);
+        most += if a < b { b } else { a };
+        let step = row[i] * along[i];
+        speed += step;
+        length += if row[i] < 0.0 { -row[i] } else { row[i] };
+        i += 1;
+    }
+    most < 0.0 && speed < -ALONG * length
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::layout::ViewKind;
+    use bytemuck::Zeroable;
+
+    /// A camera at the origin that looks along −z, with a picture of 2 by 2 blocks whose edges
+    /// are at 45 degrees.
+    fn camera() -> View {
+        View {
+            kind: ViewKind::Camera as u32,
+            width: 2,
+            height: 2,
+            depth: [0.0, 0.0, -1.0],
+            w: [0.0, 0.0, -1.0],
+            x: [1.0, 0.0, -1.0],
+            y: [0.0, -1.0, -1.0],
+            ..View::zeroed()
+        }
+    }
+
+    fn is_seen(center: [f32; 3], along: [f32; 3]) -> bool {
+        let sun = View { kind: ViewKind::Sun as u32, along, ..View::zeroed() };
+        let around = (center.map(|c| c - 0.5), center.map(|c| c + 0.5));
+        is_shadow_seen(&camera(), &sun, around)
+    }
+
+    #[test]
+    fn shadows_that_cannot_be_seen_are_left_out_and_no_others() {
+        let down = [0.0, -1.0, 0.0];
+        // In the picture, above it, below it.
+        assert!(is_seen([0.0, 0.0, -5.0], down));
+        assert!(is_seen([0.0, 20.0, -5.0], down));
+        assert!(!is_seen([0.0, -20.0, -5.0], down));
+        // Beside it and behind it, with light that goes by, or toward what is seen.
+        assert!(!is_seen([20.0, 0.0, -5.0], [0.5, -1.0, 0.0]));
+        assert!(is_seen([20.0, 0.0, -5.0], [-0.5, -1.0, 0.0]));
+        assert!(!is_seen([0.0, 0.0, 5.0], [0.0, -1.0, 0.1]));
+        assert!(is_seen([0.0, 5.0, 5.0], [0.0, -0.4, -1.0]));
+        // Along the left edge of the picture: not clearly away.
+        assert!(is_seen([-20.0, 0.0, -5.0], [-1.0, 0.0, -1.0]));
+    }
+
+    #[test]
+    fn what_is_far_from_the_camera_is_not_near() {
+        let object = Object { low: [-1.0, -1.0, -9.0], high: [1.0, 1.0, -5.0], ..Object::zeroed() };
+        let near = |shadow_distance| is_near(&camera(), &View { shadow_distance, ..View::zeroed() }, &object);
+        assert_eq!([near(0.0), near(4.9), near(5.0), near(50.0)], [true, false, true, true]);
+    }
+}
