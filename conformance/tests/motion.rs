@@ -117,6 +117,47 @@ fn a_moved_scene_is_a_new_one_made_there() {
     }
 }
 
+/// Cameras, lights, sizes and scenes come and go on backends that keep what they can.
+#[test]
+fn a_frame_does_not_depend_on_the_one_before() {
+    let [mut first, second] = [0.0, 1.7].map(|time| scene(time).0);
+    let aside = Camera { eye: Vec3::new(3.0, 5.0, 8.0), ..CAMERA };
+    let far = Camera { eye: Vec3::new(0.0, 40.0, 90.0), ..CAMERA };
+    let mut variants = present(all(), requires_gpu());
+    assert_eq!(variants.failed, 0);
+    let mut seen = Vec::new();
+    let steps: [(&str, &Camera, [u32; 2], bool); 8] = [
+        ("at first", &CAMERA, [97, 55], true),
+        ("another camera", &aside, [97, 55], true),
+        ("the same again", &aside, [97, 55], true),
+        ("a camera beyond the scene", &far, [97, 55], true),
+        ("another size", &aside, [70, 81], true),
+        ("another scene", &aside, [70, 81], false),
+        ("the first scene with another light", &aside, [70, 81], true),
+        ("and again", &CAMERA, [97, 55], true),
+    ];
+    for (step, camera, size, is_first) in steps {
+        if step.ends_with("another light") {
+            first.lights_mut().remove(0);
+        }
+        let scene = if is_first { &first } else { &second };
+        let shadows = Shadows::Hard;
+        let layers = rtrt_core::backend::LAYERS;
+        let request = Request { camera, size, samples: 1, shadows, layers, deferred: true };
+        let (mut expected, mut actual) = (Picture::default(), Picture::default());
+        reference().render(scene, &request, &mut expected).unwrap();
+        for (variant, backend) in &mut variants.backends {
+            backend.render(scene, &request, &mut actual).unwrap();
+            let agrees = compare(&request, &expected, &actual);
+            agrees.unwrap_or_else(|difference| panic!("{variant}, {step}: {difference}"));
+        }
+        seen.push(expected.pixels);
+    }
+    // "The same again" is; all others differ.
+    let differ = |a: usize, b: usize| seen[a] != seen[b];
+    assert!(!differ(1, 2) && differ(0, 1) && differ(0, 7) && (3..7).all(|step| differ(step, step - 1)));
+}
+
 #[test]
 fn a_shape_with_other_triangles_is_refused() {
     let (mut scene, cloth_index) = scene(0.0);

@@ -32,6 +32,7 @@ mod wide;
 
 pub use canary::kernels;
 
+use crate::bin::Binning;
 use crate::block::{Block, Clock, Job, Records};
 use crate::level::Level;
 use bytemuck::Zeroable;
@@ -129,10 +130,11 @@ impl Memory {
         let views = &self.setup.views[..];
         let start = Instant::now();
         let objects = self.setup.objects(scene);
-        prepare::prepare(&frame, views, objects, &mut self.covers);
+        let keeps_lights = self.bins.keeps_lights(&self.setup, scene);
+        prepare::prepare(&frame, views, objects, &mut self.covers, keeps_lights);
         clock.add(0, start);
         let start = Instant::now();
-        self.bins.fill(&frame, views, objects, &self.covers);
+        self.bins.fill(&Binning { frame: &frame, views, objects, covers: &self.covers }, keeps_lights);
         clock.add(1, start);
 
         let job = Job {
