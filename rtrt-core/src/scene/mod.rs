@@ -14,7 +14,7 @@
 //! for x in [-2.0, 0.0, 2.0] {
 //!     scene.add_object(mesh, red, glam::Mat4::from_translation([x, 0.0, 0.0].into()))?;
 //! }
-//! scene.add_light(Light::Sun { direction: [0.0, -1.0, -1.0].into(), color: [1.0; 3].into() });
+//! scene.add_light(Light::Sun { direction: [0.0, -1.0, -1.0].into(), color: [1.0; 3].into(), radius: 0.0 });
 //! assert_eq!((scene.triangles(), scene.drawn_triangles()), (1, 3));
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
