@@ -40,10 +40,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{:?}", Cpu::new(Options::default())?.describe());
 
     let counts = [10, 100, 1000, 10_000, 100_000, 1_000_000];
-    let rows = counts.map(|count| (f64::from(count), frame(&balls(count, 1), SIZE, threads)));
+    let rows = counts.map(|count| (f64::from(count), frame(&balls(count, 0), SIZE, threads)));
     plot(&folder, "objects", "balls of 64 triangles, instances of one mesh", &rows)?;
 
-    let hall = balls(1000, 1);
+    let hall = balls(1000, 0);
     let sizes = [[160, 90], [320, 180], [640, 360], [1280, 720], [2560, 1440], [3840, 2160]];
     let rows = sizes.map(|size| (f64::from(size[0]) * f64::from(size[1]), frame(&hall, size, threads)));
     plot(&folder, "pixels", "pixels", &rows)?;
@@ -57,7 +57,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Balls of the same total volume, whatever their number, above a floor; a sun, or so many lamps.
+/// Balls of the same total volume, whatever their number, above a floor; so many lamps, or a sun if
+/// that is none.
 fn balls(count: u32, lights: u32) -> Scene {
     let mut random = Random(3);
     let mut build = Build::default();
@@ -68,7 +69,7 @@ fn balls(count: u32, lights: u32) -> Scene {
         build.object(ball, place);
     }
     let mut build = build.shape(Shape::floor(40.0, -9.0));
-    if lights == 1 {
+    if lights == 0 {
         return build.light(sun([0.3, -1.0, -0.4])).scene;
     }
     for _ in 0..lights {
@@ -126,10 +127,18 @@ fn plot(folder: &str, name: &str, what: &str, rows: &[Row]) -> Result<(), Box<dy
     let (first, last) = (rows[0].0, rows[rows.len() - 1].0.max(rows[0].0 * 2.0));
     let mut chart = ChartBuilder::on(&area)
         .margin(12)
+        .margin_right(36)
         .x_label_area_size(40)
         .y_label_area_size(56)
         .build_cartesian_2d((first..last).log_scale(), (0.01..most * 2.0).log_scale())?;
-    chart.configure_mesh().x_desc(what).y_desc("milliseconds a frame").draw()?;
+    let plain = |number: &f64| format!("{number}");
+    chart
+        .configure_mesh()
+        .x_desc(what)
+        .y_desc("milliseconds a frame")
+        .x_label_formatter(&plain)
+        .y_label_formatter(&plain)
+        .draw()?;
     for (line, (label, _)) in LINES.iter().enumerate() {
         let color = Palette99::pick(line).to_rgba();
         let points = rows.iter().map(|(x, times)| (*x, shown(times[line])));
