@@ -1,7 +1,7 @@
 //! Frames, lists and trees, timed. What is timed is compared with what a single thread of single
 //! lanes gives.
 //!
-//! `cargo bench -p conformance`
+//! `cargo bench -p conformance --bench frames`
 
 use conformance::shape::{Build, Random, Shape, bulb};
 use divan::Bencher;
