@@ -15,6 +15,7 @@
 //! whose buffers would be too large for the device is rendered in bands, which no pixel depends on.
 
 mod adapter;
+mod band;
 mod barriers;
 mod buffers;
 mod canary;
@@ -22,6 +23,7 @@ mod device;
 mod error;
 mod frame;
 mod pipeline;
+mod texture;
 mod timer;
 
 pub use adapter::{AdapterReport, Kind, adapters};

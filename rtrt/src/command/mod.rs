@@ -10,6 +10,7 @@ mod job;
 mod names;
 mod options;
 mod output;
+mod parse;
 mod render;
 mod report;
 mod verify;

@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::console::Console;
-use super::options::is_standard;
+use super::parse::is_standard;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use rtrt::replace::{folder, replace};

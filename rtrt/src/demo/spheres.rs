@@ -1,12 +1,13 @@
 //! `demo:spheres`: what spheres can be.
 
+use super::Stage;
 use super::paint;
 use super::shape::Shape;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded, NamedCamera};
 use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::layout::{AlphaMode, Material, Texture};
-use rtrt_core::scene::{Camera, Image, Join, Light, MaterialIndex, Projection, phong};
+use rtrt_core::scene::{Camera, Join, Light, MaterialIndex, Projection, phong};
 use std::path::Path;
 
 /// What the scene is called where a path is expected.
@@ -58,24 +59,13 @@ pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
     })
 }
 
-/// The scene in the making.
-struct Stage<'a, J> {
-    builder: Builder<'a, J>,
-}
-
 impl<J: Join> Stage<'_, J> {
-    fn texture(&mut self, image: Image) -> Result<Texture, ImportError> {
-        self.builder.add_texture("painted", Ok(image))
-    }
-    fn material(&mut self, color: [f32; 3], roughness: f32, texture: Texture) -> MaterialIndex {
-        self.builder.scene.add_material(phong(color, 0.0, roughness, texture, [0.0; 3]))
-    }
     fn glass(&mut self, color: [f32; 3], alpha: f32) -> MaterialIndex {
         let glass = phong(color, 0.0, 0.1, Texture::NONE, [0.0; 3]);
         self.builder.scene.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
     }
     /// An ellipsoid with these half axes.
-    fn add(
+    fn ball(
         &mut self,
         material: MaterialIndex,
         center: Vec3,
@@ -93,19 +83,19 @@ impl<J: Join> Stage<'_, J> {
         let tiles = self.texture(paint::tiles())?;
         let tiles = self.material([1.0; 3], 0.25, Texture { turn: [[4.0, 0.0], [0.0, 2.0]], ..tiles });
         let tilt = Quat::from_rotation_z(0.4) * Quat::from_rotation_y(0.6);
-        self.add(tiles, vec3(-1.45, 0.95, -0.6), Vec3::splat(0.95), tilt)?;
+        self.ball(tiles, vec3(-1.45, 0.95, -0.6), Vec3::splat(0.95), tilt)?;
         let gold = self.builder.scene.add_material(phong([0.9, 0.6, 0.2], 1.0, 0.3, Texture::NONE, [0.0; 3]));
         for (center, color) in
             [(vec3(0.35, 0.62, 0.9), [0.95, 0.25, 0.1]), (vec3(1.3, 0.75, 0.2), [0.1, 0.35, 0.95])]
         {
             let glass = self.glass(color, 0.3);
-            self.add(glass, center, Vec3::splat(center.y), Quat::IDENTITY)?;
-            self.add(gold, center - Vec3::Y * 0.1, Vec3::splat(0.25), Quat::IDENTITY)?;
+            self.ball(glass, center, Vec3::splat(center.y), Quat::IDENTITY)?;
+            self.ball(gold, center - Vec3::Y * 0.1, Vec3::splat(0.25), Quat::IDENTITY)?;
         }
         let jade = self.material([0.25, 0.6, 0.4], 0.3, Texture::NONE);
-        self.add(jade, vec3(0.55, 1.55, -1.9), vec3(1.1, 1.1, 0.12), Quat::from_rotation_y(-0.5))?;
+        self.ball(jade, vec3(0.55, 1.55, -1.9), vec3(1.1, 1.1, 0.12), Quat::from_rotation_y(-0.5))?;
         let egg = self.material([0.85, 0.8, 0.7], 0.6, Texture::NONE);
-        self.add(egg, vec3(-0.35, 0.42, 1.55), vec3(0.3, 0.42, 0.3), Quat::IDENTITY)
+        self.ball(egg, vec3(-0.35, 0.42, 1.55), vec3(0.3, 0.42, 0.3), Quat::IDENTITY)
     }
 
     /// A spiral of beads.
@@ -119,7 +109,7 @@ impl<J: Join> Stage<'_, J> {
             let radius = 0.03 + 0.05 * share;
             let center =
                 vec3(2.6 + 0.7 * share * cos, radius + 1.8 * (1.0 - share), -1.4 + 0.7 * share * sin);
-            self.add(beads[bead as usize % beads.len()], center, Vec3::splat(radius), Quat::IDENTITY)?;
+            self.ball(beads[bead as usize % beads.len()], center, Vec3::splat(radius), Quat::IDENTITY)?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::overlay::MARGIN;
 use super::viewer::{Settings, Viewer};
-use crate::command::options::SHADOWS;
+use crate::command::parse::SHADOWS;
 use egui::{Align2, CollapsingHeader, ComboBox, Context, DragValue, ScrollArea, Ui, Window, vec2};
 use glam::Vec3;
 use rtrt::debug::View;

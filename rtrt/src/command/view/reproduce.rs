@@ -1,7 +1,8 @@
 //! The command line that renders what is seen.
 
 use crate::command::Command;
-use crate::command::options::{Common, SHADOWS};
+use crate::command::options::Common;
+use crate::command::parse::SHADOWS;
 use crate::command::render::SAMPLES;
 use clap::CommandFactory;
 use clap::parser::ValueSource;

@@ -1,0 +1,267 @@
+//! What the words of a command line stand for.
+
+use super::options::Background;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use glam::Vec3;
+use rtrt::choose::Choice;
+use rtrt::debug;
+use rtrt_core::backend::Shadows;
+use rtrt_core::scene::{Light, Mip, Occluders, Setup, Structure};
+use std::path::{Path, PathBuf};
+
+/// One of a few numbers.
+pub fn one_of<const N: usize>(allowed: [&'static str; N]) -> impl TypedValueParser<Value = u32> {
+    PossibleValuesParser::new(allowed).try_map(|text| text.parse::<u32>())
+}
+
+/// The names of the ways to cast shadows.
+pub const SHADOWS: [(&str, Shadows); 5] = [
+    ("off", Shadows::Off),
+    ("hard", Shadows::Hard),
+    ("soft", Shadows::Soft),
+    ("area", Shadows::Area { jitter: None }),
+    ("jitter", Shadows::Area { jitter: Some(0) }),
+];
+
+/// A way to cast shadows.
+pub fn shadows() -> impl TypedValueParser<Value = Shadows> {
+    PossibleValuesParser::new(SHADOWS.map(|(name, _)| name)).map(|given| {
+        SHADOWS.iter().find(|(name, _)| *name == given).map_or(Shadows::default(), |(_, how)| *how)
+    })
+}
+
+/// A backend's name.
+pub fn choice() -> impl TypedValueParser<Value = Choice> {
+    PossibleValuesParser::new(["auto", "cpu", "gpu"]).map(|name| match &name[..] {
+        "cpu" => Choice::Cpu,
+        "gpu" => Choice::Gpu,
+        _ => Choice::Auto,
+    })
+}
+
+/// `all`, `seen`, or a distance.
+pub fn occluders(text: &str) -> Result<Occluders, &'static str> {
+    match text {
+        "all" => Ok(Occluders::All),
+        "seen" => Ok(Occluders::Seen),
+        _ => rate(text)
+            .map(|distance| Occluders::Near(distance as f32))
+            .map_err(|_| "not all, seen or a number above 0"),
+    }
+}
+
+/// How levels of textures are chosen.
+pub fn mip() -> impl TypedValueParser<Value = Mip> {
+    PossibleValuesParser::new(["distance", "angle"]).map(|name| match &name[..] {
+        "angle" => Mip::Angle,
+        _ => Mip::Distance,
+    })
+}
+
+/// What keeps rays from being asked for every object.
+pub fn structure() -> impl TypedValueParser<Value = Structure> {
+    PossibleValuesParser::new(["blocks", "none"]).map(|name| match &name[..] {
+        "none" => Structure::None,
+        _ => Structure::Blocks,
+    })
+}
+
+/// `1280x720`.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=Setup::MAX_SIDE).contains(side));
+    text.split_once(['x', 'X'])
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or(format!("not WIDTHxHEIGHT with sides of 1 to {}", Setup::MAX_SIDE))
+}
+
+/// `-12,4,0`.
+pub fn vector(text: &str) -> Result<Vec3, String> {
+    let numbers: Option<Vec<f32>> =
+        text.split(',').map(|number| number.trim().parse().ok().filter(|n: &f32| n.is_finite())).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
+        _ => Err("not three finite numbers with commas between them".into()),
+    }
+}
+
+/// `0.1,0.2,0.5`, `transparent` or `env`.
+pub fn background(text: &str) -> Result<Background, String> {
+    match text {
+        "transparent" => Ok(Background::Transparent),
+        "env" => Ok(Background::Environment),
+        color => vector(color)
+            .ok()
+            .filter(|color| color.min_element() >= 0.0)
+            .map(|color| Background::Color(color.to_array()))
+            .ok_or("not three numbers of 0 or more, transparent or env".into()),
+    }
+}
+
+/// Degrees, to radians.
+pub fn angle(text: &str) -> Result<f32, String> {
+    let radians = text.parse().map(|degrees: f64| degrees.to_radians() as f32);
+    radians
+        .ok()
+        .filter(|&radians| radians > 0.0 && radians < core::f32::consts::PI)
+        .ok_or("not a number within 0 and 180".into())
+}
+
+/// World units, above 0.
+pub fn height(text: &str) -> Result<f32, &'static str> {
+    let height = text.parse().ok().filter(|height: &f32| *height > 0.0 && height.is_finite());
+    height.ok_or("not a finite number above 0")
+}
+
+/// Seconds, 0 or more.
+pub fn seconds(text: &str) -> Result<f64, &'static str> {
+    text.parse().ok().filter(|time: &f64| time.is_finite() && *time >= 0.0).ok_or("not a number of 0 or more")
+}
+
+/// Frames a second, above 0.
+pub fn rate(text: &str) -> Result<f64, &'static str> {
+    seconds(text).ok().filter(|rate| *rate >= 1e-6).ok_or("not a number above 0")
+}
+
+/// A radius, 0 or more.
+pub fn radius(text: &str) -> Result<f32, &'static str> {
+    text.parse().ok().filter(|r: &f32| r.is_finite() && *r >= 0.0).ok_or("not a number of 0 or more")
+}
+
+/// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`, and perhaps a radius.
+pub fn light(text: &str) -> Result<Light, String> {
+    const FORMS: &str = "not point:X,Y,Z, spot:X,Y,Z:X,Y,Z:DEGREES or sun:X,Y,Z, with or without :RADIUS";
+    let parts: Vec<&str> = text.split(':').collect();
+    match parts[..] {
+        ["point", place] => point(place, "0"),
+        ["point", place, radius] => point(place, radius),
+        ["spot", place, direction, outer] => spot(place, direction, outer, "0"),
+        ["spot", place, direction, outer, radius] => spot(place, direction, outer, radius),
+        ["sun", place] => sun(place, "0"),
+        ["sun", place, radius] => sun(place, radius),
+        _ => Err(FORMS.into()),
+    }
+}
+
+/// Position and radius of a point light.
+pub fn point(position: &str, size: &str) -> Result<Light, String> {
+    let (position, radius) = (vector(position)?, radius(size)?);
+    Ok(Light::Point { position, color: Vec3::ONE, reach: None, inverse_square: false, radius })
+}
+
+/// Where the sun stands, and its radius in degrees.
+pub fn sun(place: &str, size: &str) -> Result<Light, String> {
+    let (place, radius) = (vector(place)?, radius(size)?.to_radians());
+    if place.abs().max_element() < 1e-18 {
+        return Err("the sun has no direction".into());
+    }
+    if radius >= core::f32::consts::FRAC_PI_4 {
+        return Err("the sun's radius is not below 45".into());
+    }
+    Ok(Light::Sun { direction: -place, color: Vec3::ONE, radius })
+}
+
+/// Position, direction, outer angle and radius of a spot light. It fades from the middle on, as
+/// glTF's does if nothing else is said.
+pub fn spot(position: &str, direction: &str, outer: &str, size: &str) -> Result<Light, String> {
+    let (position, direction) = (vector(position)?, vector(direction)?);
+    let (outer, radius) = (angle(outer)?, radius(size)?);
+    if direction.abs().max_element() < 1e-18 {
+        return Err("the spot light has no direction".into());
+    }
+    if outer > core::f32::consts::FRAC_PI_2 {
+        return Err("the spot light's angle is above 90".into());
+    }
+    Ok(Light::Spot {
+        position,
+        direction,
+        inner: 0.0,
+        outer,
+        color: Vec3::ONE,
+        reach: None,
+        inverse_square: false,
+        radius,
+    })
+}
+
+/// The path of a PNG or EXR file, or `-`.
+pub fn picture(path: PathBuf) -> Result<PathBuf, &'static str> {
+    let is_known = is_standard(&path) || ends_in(&path, "png") || ends_in(&path, "exr");
+    if is_known { Ok(path) } else { Err("the name must end in .png or .exr, or be -") }
+}
+
+/// The path of a PNG file.
+#[cfg(feature = "viewer")]
+pub fn png(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if ends_in(&path, "png") { Ok(path) } else { Err("the name must end in .png") }
+}
+
+/// The path of an EXR file.
+pub fn exr(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if ends_in(&path, "exr") { Ok(path) } else { Err("the name must end in .exr") }
+}
+
+/// Whether a path stands for standard output.
+pub fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Whether a path has this ending, in lower or upper case.
+pub fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|has| has.eq_ignore_ascii_case(ending))
+}
+
+/// A view's name.
+pub fn view() -> impl TypedValueParser<Value = debug::View> {
+    PossibleValuesParser::new(debug::View::ALL.map(|(name, _)| name)).try_map(|name| {
+        debug::View::ALL.iter().find(|(known, _)| *known == name).map(|(_, view)| *view).ok_or("unknown view")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_within_the_limits_are_taken() {
+        assert_eq!(size("317x179"), Ok([317, 179]));
+        for bad in ["", "0x0", "1280", "12x", "99999x99999", "-1x5", "4x4x4", "1e2x5"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_finite() {
+        assert_eq!(vector("-12,4, 0.5"), Ok(Vec3::new(-12.0, 4.0, 0.5)));
+        for bad in ["", "1,2", "1,2,3,4", "nan,0,0", "0,inf,0", "1e39,0,0", "a,b,c"] {
+            assert!(vector(bad).is_err(), "{bad}");
+        }
+        for bad in ["0", "-5", "180", "179.99999999", "nan", "inf", "1e-60", "x"] {
+            assert!(angle(bad).is_err(), "{bad}");
+        }
+        assert_eq!(angle("90"), Ok(core::f32::consts::FRAC_PI_2));
+    }
+
+    #[test]
+    fn the_sun_shines_from_where_it_stands() {
+        let Ok(Light::Sun { direction, .. }) = light("sun:1,2,2") else { panic!("no sun") };
+        assert_eq!(direction, Vec3::new(-1.0, -2.0, -2.0));
+        assert!(light("spot:0,1,0:0,-1,0:90").is_ok());
+        for bad in ["spot:0,1,0", "spot:0,1,0:0,0,0:30", "spot:0,1,0:0,-1,0:91", "spot:0,1,0:0,-1,0:30:1:1"] {
+            assert!(light(bad).is_err(), "{bad}");
+        }
+        assert_eq!(light("point:1,2,3:0.5").map(|light| light.radius()), Ok(0.5));
+        assert_eq!(light("sun:1,2,3:0.27").map(|light| light.radius()), Ok(0.27_f32.to_radians()));
+        for bad in [
+            "sun:0,0,0",
+            "sun:0,-0,1e-38",
+            "moon:1,2,3",
+            "1,2,3",
+            "point:1,2",
+            "point:",
+            "point:1,2,3:-1",
+            "sun:1,2,2:45",
+        ] {
+            assert!(light(bad).is_err(), "{bad}");
+        }
+    }
+}
