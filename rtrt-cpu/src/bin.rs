@@ -43,12 +43,12 @@ impl Bins {
         let Self { words, camera, lights, .. } = self;
         let Binning { frame, views, covers, .. } = job;
         let blocks = views.get(1).map_or(frame.blocks, |light| light.first_block);
-        let objects = covers.len().min(frame.objects as usize);
+        let seen = covers.len().min(frame.seen as usize);
         rayon::join(
-            || camera.fill(job, 0..objects, 0..blocks),
+            || camera.fill(job, 0..seen, 0..blocks),
             || {
                 if !keeps_lights {
-                    lights.fill(job, objects..covers.len(), blocks..frame.blocks);
+                    lights.fill(job, seen..covers.len(), blocks..frame.blocks);
                 }
             },
         );

@@ -73,6 +73,8 @@ pub(crate) struct Buffers {
     slots: [Option<wgpu::Buffer>; Slot::COUNT],
     /// The scene whose arrays are there, as it was.
     resident: Option<(u32, Versions)>,
+    /// What the objects in the buffer are followed by; see [`Setup::part_triangles`].
+    parts: Option<u32>,
 }
 
 impl Buffers {
@@ -122,9 +124,10 @@ impl Buffers {
         if changed(|v| v.materials) {
             self.upload(device, Slot::Materials, scene.materials())?;
         }
-        if changed(|v| v.objects) || setup.has_levels() {
+        if changed(|v| v.objects) || setup.has_levels() || self.parts != setup.part_triangles() {
             self.upload(device, Slot::Objects, setup.objects(scene))?;
         }
+        self.parts = setup.part_triangles();
         self.resident = Some((scene.id(), versions));
         Ok(())
     }

@@ -160,12 +160,12 @@ pub struct Frame {
     /// The most rays that a penumbra reaches aside (see [`penumbra`](crate::stage::penumbra));
     /// 0 for a frame without soft shadows.
     pub window: u32,
+    /// How many objects, or parts of objects, the camera's lists choose from.
+    pub seen: u32,
+    /// The first of them: 0, or, of parts, the number of objects, which they follow.
+    pub first_seen: u32,
     /// Unused: a uniform block is a multiple of 16 bytes.
-    pub unused_0: u32,
-    /// Unused.
-    pub unused_1: u32,
-    /// Unused.
-    pub unused_2: u32,
+    pub unused: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 112 && offset_of!(Frame, ambient_r) == 48);
 
@@ -202,6 +202,16 @@ impl Frame {
     #[inline(always)]
     pub fn is_tinted(&self) -> bool {
         self.layers != 0 || self.window != 0
+    }
+    /// The view and the object, or part of one, of the cover with this index: those of the camera
+    /// first, then, view after view, those of lights.
+    #[inline(always)]
+    pub fn of_cover(&self, index: u32) -> [u32; 2] {
+        if index < self.seen {
+            return [Self::CAMERA, self.first_seen + index];
+        }
+        let index = index - self.seen;
+        [1 + index / self.objects, index % self.objects]
     }
     /// The first view of a light.
     #[inline(always)]

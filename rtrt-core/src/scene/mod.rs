@@ -32,6 +32,7 @@ mod light;
 mod material;
 mod mesh;
 mod motion;
+mod parts;
 mod place;
 mod setup;
 mod store;

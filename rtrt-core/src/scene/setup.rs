@@ -5,6 +5,7 @@ use crate::grid::{BLOCK_RAYS, Grid};
 use crate::kernel::area::hash;
 use crate::layout::{AlphaMode, Frame, Object, View, ViewKind};
 use crate::scene::floor::floored;
+use crate::scene::parts::{self, Parts};
 use crate::scene::{Camera, Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
@@ -52,6 +53,14 @@ pub enum SetupError {
         /// Layers a ray.
         layers: u32,
     },
+    /// More parts of objects than block lists can hold; see [`Structure::Parts`].
+    #[error("the objects have more than {limit} parts of {triangles} triangles")]
+    Parts {
+        /// What a part has at most.
+        triangles: u32,
+        /// The most parts there may be.
+        limit: usize,
+    },
     /// More lights than block lists can number.
     #[error("{lights} lights are more than a scene may have ({limit})")]
     Lights {
@@ -72,11 +81,20 @@ pub struct Setup {
     pub views: Vec<View>,
     /// The objects with the levels of detail of this frame, where there are any.
     chosen: Option<Vec<Object>>,
+    parts: Parts,
+    /// The triangles that a part has at most, where the camera's lists hold parts.
+    part_triangles: Option<u32>,
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { frame: Frame::zeroed(), views: Vec::new(), chosen: None }
+        Self {
+            frame: Frame::zeroed(),
+            views: Vec::new(),
+            chosen: None,
+            parts: Parts::default(),
+            part_triangles: None,
+        }
     }
 }
 
@@ -91,12 +109,21 @@ impl Setup {
     /// penumbra is.
     pub const WINDOW: u32 = 24;
 
-    /// The objects of the frame: the scene's, with the levels of detail that the camera sees.
+    /// The objects of the frame: the scene's, with the levels of detail that the camera sees; then
+    /// their parts, where the camera's lists hold those.
     pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
-        self.chosen.as_deref().unwrap_or(scene.objects())
+        match self.part_triangles {
+            Some(_) => self.parts.objects(),
+            None => self.chosen.as_deref().unwrap_or(scene.objects()),
+        }
     }
 
-    /// Whether [`Setup::objects`] are others than the scene's.
+    /// The triangles that a part of an object has at most; none where lists hold whole objects.
+    pub fn part_triangles(&self) -> Option<u32> {
+        self.part_triangles
+    }
+
+    /// Whether the objects are chosen anew for each frame.
     pub fn has_levels(&self) -> bool {
         self.chosen.is_some()
     }
@@ -139,6 +166,17 @@ impl Setup {
         let (chosen, bounds) = scene.seen_from(camera.eye).unzip();
         self.chosen = chosen;
         let bounds = bounds.filter(|bounds| !bounds.is_empty()).unwrap_or(*scene.bounds());
+        let all = self.chosen.as_deref().unwrap_or(scene.objects());
+        let objects = all.len();
+        self.part_triangles = match scene.structure {
+            Structure::Blocks => parts::triangles(all),
+            Structure::Parts(triangles) => Some(triangles.max(1)),
+            Structure::Objects | Structure::None => None,
+        };
+        if let Some(triangles) = self.part_triangles {
+            let made = self.parts.prepare(scene, all, self.chosen.is_some(), triangles);
+            made.map_err(|()| SetupError::Parts { triangles, limit: parts::MOST })?;
+        }
         let is_one_list = scene.structure == Structure::None;
         let by_angle = u32::from(scene.mip == Mip::Angle);
         self.views.clear();
@@ -189,6 +227,9 @@ impl Setup {
             background_g,
             background_b,
             magnitude,
+            seen: (self.objects(scene).len() - if self.part_triangles.is_some() { objects } else { 0 })
+                as u32,
+            first_seen: if self.part_triangles.is_some() { objects as u32 } else { 0 },
             details: u32::from(scene.has_details()),
             sky_first: scene.sky().first,
             sky_side: scene.sky().side,

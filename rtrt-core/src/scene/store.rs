@@ -86,9 +86,16 @@ pub enum Mip {
 /// What keeps rays from being asked for every object. No picture depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Structure {
-    /// Each block of each view has a list of the objects that its rays may meet.
+    /// Each block of each view has a list of what its rays may meet: of the camera's views, parts
+    /// of objects while there are few objects with many triangles, or else objects.
     #[default]
     Blocks,
+    /// Each block of each view has a list of the objects that its rays may meet.
+    Objects,
+    /// The lists of the camera's blocks hold parts of objects: of their meshes' trees the largest
+    /// nodes that have at most so many triangles; with 1 (or 0), all leaves. Lights have lists of
+    /// objects.
+    Parts(u32),
     /// Nothing: all blocks of a view share one list of all objects, in their order. To show what
     /// blocks are worth.
     None,

@@ -92,6 +92,7 @@ impl Job {
         }
         scene.mip = common.mip;
         scene.occluders = common.sun_shadows;
+        scene.structure = common.structure;
         show_lights(&mut scene, common)?;
         let mut job = Self {
             scene,

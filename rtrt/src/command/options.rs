@@ -79,10 +79,6 @@ pub struct Bench {
     /// Frames to measure, after two that are not counted
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
-    /// What keeps rays from being asked for every object: lists of blocks, or nothing, to see what
-    /// these are worth. That the picture is the same is checked
-    #[arg(long, default_value = "blocks", value_parser = structure())]
-    pub structure: Structure,
     #[command(flatten)]
     pub common: Common,
 }
@@ -137,6 +133,11 @@ pub struct Common {
     /// then drawn as opaque; 1 draws everything as opaque
     #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)))]
     pub transparency_depth: u32,
+    /// What keeps rays from being asked for every object: lists of objects for each block of each
+    /// view; lists of parts with at most so many triangles, for the camera's blocks; whichever of
+    /// these suits the scene (blocks); or nothing. The picture is the same
+    #[arg(long, value_name = "blocks|objects|TRIANGLES|none", default_value = "blocks", value_parser = structure)]
+    pub structure: Structure,
     /// Let suns have shadows of all objects, of those whose shadows may be seen (the picture is the
     /// same), or of those within this distance of the camera
     #[arg(long, value_name = "all|seen|DISTANCE", default_value = "all", value_parser = occluders)]

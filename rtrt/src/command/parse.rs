@@ -58,12 +58,19 @@ pub fn mip() -> impl TypedValueParser<Value = Mip> {
     })
 }
 
-/// What keeps rays from being asked for every object.
-pub fn structure() -> impl TypedValueParser<Value = Structure> {
-    PossibleValuesParser::new(["blocks", "none"]).map(|name| match &name[..] {
-        "none" => Structure::None,
-        _ => Structure::Blocks,
-    })
+/// `blocks`, `objects`, `none`, or how many triangles a part of an object has at most.
+pub fn structure(text: &str) -> Result<Structure, String> {
+    match text {
+        "blocks" => Ok(Structure::Blocks),
+        "objects" => Ok(Structure::Objects),
+        "none" => Ok(Structure::None),
+        _ => {
+            let triangles = text.parse().ok().filter(|&triangles| triangles > 0);
+            triangles
+                .map(Structure::Parts)
+                .ok_or("not blocks, objects, none, or a number of triangles above 0".into())
+        }
+    }
 }
 
 /// `1280x720`.
