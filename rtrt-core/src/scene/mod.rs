@@ -24,6 +24,7 @@
 //! what is built here.
 
 mod camera;
+mod cube;
 mod environment;
 mod floor;
 mod image;
@@ -39,6 +40,7 @@ mod tangent;
 mod tree;
 
 pub use camera::{Camera, Projection};
+pub use cube::{Cube, CubeError};
 pub use environment::{Panorama, PanoramaError};
 pub use image::{Content, Image, ImageError};
 pub use light::Light;

@@ -11,7 +11,8 @@ use crate::scene::levels::Level;
 use crate::scene::place::{Stored, place, sphere};
 use crate::scene::tree::Bounds;
 use crate::scene::{
-    Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential, phong,
+    Content, Cube, CubeError, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential,
+    phong,
 };
 use alloc::collections::BTreeMap;
 use alloc::vec;
@@ -69,6 +70,9 @@ pub enum SceneError {
     /// The environment was refused.
     #[error(transparent)]
     Panorama(#[from] PanoramaError),
+    /// The environment was refused.
+    #[error(transparent)]
+    Cube(#[from] CubeError),
 }
 
 /// How the levels of textures are chosen.
@@ -234,11 +238,26 @@ impl Scene {
     /// # Errors
     /// The panorama is not usable, or the scene is full.
     pub fn set_environment(&mut self, panorama: &Panorama) -> Result<(), SceneError> {
+        self.surround(|texels| Ok(panorama.append(texels)?))
+    }
+
+    /// [`Scene::set_environment`] with a cube.
+    ///
+    /// # Errors
+    /// The cube is not usable, or the scene is full.
+    pub fn set_cube(&mut self, cube: &Cube) -> Result<(), SceneError> {
+        self.surround(|texels| Ok(cube.append(texels)?))
+    }
+
+    fn surround(
+        &mut self,
+        append: impl FnOnce(&mut Vec<u32>) -> Result<Sky, SceneError>,
+    ) -> Result<(), SceneError> {
         // A square of at most 1024 texels a side, and less than as many again for the others.
         if self.texels.len() + (1 << 21) > u32::MAX as usize {
             return Err(SceneError::TooLarge { what: "texels" });
         }
-        self.sky = panorama.append(&mut self.texels)?;
+        self.sky = append(&mut self.texels)?;
         self.versions.texels += 1;
         Ok(())
     }

@@ -155,9 +155,12 @@ pub struct Common {
     /// a sun in degrees: shadows are then soft
     #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]
     pub lights: Vec<Light>,
-    /// Surround the scene with this panorama, a Radiance .hdr file: it is the background, is
-    /// mirrored, and lights in place of the ambient light. A scene without lights gets none
-    #[arg(long, value_name = "FILE")]
+    /// Surround the scene with this environment: it is the background, is mirrored, and lights in
+    /// place of the ambient light. A scene without lights gets none. A picture (Radiance .hdr, PNG
+    /// or JPEG) is a panorama, or, by its shape, a cube: px, nx, py, ny, pz, nz in a row (6:1) or a
+    /// column (1:6), or unfolded to a cross (4:3, 3:4). A folder is a cube, of pictures named px,
+    /// nx, py, ny, pz and nz. pz is in front, which is -z
+    #[arg(long, value_name = "FILE|DIR")]
     pub environment: Option<PathBuf>,
     /// Play the file's first animation until this time, seconds after its start. If not given, the
     /// file is shown at rest. A file without a camera is framed so that the whole animation is in
