@@ -1,11 +1,11 @@
 //! What is chosen for a frame: levels of detail, levels of textures, and the structure.
 
-use conformance::shape::{Build, Random, Shape, bulb, sun};
+use conformance::shape::{Build, PLAIN, Random, Shape, bulb, sun};
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{cases, compare, reference};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::scene::{Camera, Mip, Occluders, Projection, Scene, Structure};
+use rtrt_core::scene::{Camera, Mip, Occluders, Projection, Scene, Structure, phong};
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 3.0, 6.0),
@@ -32,6 +32,10 @@ const STEPS: [(f32, u32); 3] = [(0.0, 8), (7.0, 4), (12.0, 2)];
 fn balls(eye: Option<Vec3>) -> (Scene, [u32; 3]) {
     let mut build = Build::default().shape(Shape::floor(40.0, -1.0));
     let meshes = STEPS.map(|(_, steps)| build.mesh(Shape::ball(steps)));
+    // The coarsest ones have a color of their own.
+    let blue = phong([0.2, 0.3, 0.9], 0.0, 0.6, PLAIN, [0.0; 3]);
+    let blue = build.scene.add_material(blue).unwrap();
+    let materials = [build.gray, build.gray, blue];
     let mut random = Random(4);
     let mut counts = [0; 3];
     for _ in 0..60 {
@@ -40,14 +44,15 @@ fn balls(eye: Option<Vec3>) -> (Scene, [u32; 3]) {
         match eye {
             None => {
                 let ball = build.object(meshes[0], place);
-                build.scene.set_levels(ball, &[(STEPS[2].0, meshes[2]), (STEPS[1].0, meshes[1])]).unwrap();
+                let levels = [2, 1].map(|level| (STEPS[level].0, meshes[level], materials[level]));
+                build.scene.set_levels_with(ball, &levels).unwrap();
             }
             Some(eye) => {
                 // To the nearest point of the box around the ball.
                 let away = ((eye - center).abs() - size).max(Vec3::ZERO).length();
                 let level = STEPS.iter().rposition(|(from, _)| away >= *from).unwrap();
                 counts[level] += 1;
-                build.object(meshes[level], place);
+                build.scene.add_object(meshes[level], materials[level], place).unwrap();
             }
         }
     }

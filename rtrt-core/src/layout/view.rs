@@ -103,6 +103,19 @@ pub struct View {
 const _: () = assert!(size_of::<View>() == 244 && offset_of!(View, depth) == 64);
 const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, axis) == 192);
 
+/// What is behind everything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum Backdrop {
+    /// The environment, or the background's color where there is none.
+    #[default]
+    Environment = 0,
+    /// The background's color, whatever surfaces mirror.
+    Color = 1,
+    /// Nothing: pixels have an alpha, which is how much of them surfaces cover.
+    Nothing = 2,
+}
+
 /// The numbers of one frame. Scalars only, so that it may be a uniform block.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -164,8 +177,8 @@ pub struct Frame {
     pub seen: u32,
     /// The first of them: 0, or, of parts, the number of objects, which they follow.
     pub first_seen: u32,
-    /// Unused: a uniform block is a multiple of 16 bytes.
-    pub unused: u32,
+    /// [`Backdrop`].
+    pub backdrop: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 112 && offset_of!(Frame, ambient_r) == 48);
 

@@ -121,7 +121,7 @@ mod tests {
         let indices = (0..200).flat_map(|i| [i, i + 1, i + 2]).collect();
         let mesh = Mesh::new((0..202).map(corner).collect(), alloc::vec![attribute; 202], indices).unwrap();
         let mut scene = Scene::new();
-        let gray = scene.add_material(phong([0.5; 3], 0.0, 0.5, Texture::NONE, [0.0; 3]));
+        let gray = scene.add_material(phong([0.5; 3], 0.0, 0.5, Texture::NONE, [0.0; 3])).unwrap();
         let strip = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
         for i in 0..count {
             let place = Mat4::from_rotation_y(i as f32) * Mat4::from_scale(Vec3::new(1.0, 2.0, 0.5));

@@ -167,7 +167,7 @@ mod tests {
         let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(corners, vec![Attribute::zeroed(); 3], vec![0, 1, 2]).unwrap();
         let mut scene = Scene::new();
-        let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]));
+        let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3])).unwrap();
         let stored = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
         scene.add_object(stored, white, glam::Mat4::IDENTITY).unwrap();
         let geometry = Geometry {

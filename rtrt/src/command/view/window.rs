@@ -69,6 +69,7 @@ impl App {
         // The keys for it are the viewer's.
         context.options_mut(|options| options.zoom_with_keyboard = false);
         Ok(Self {
+            watch: options.watch.then(|| Watch::new(&scene, viewer.job.files())),
             viewer,
             screen: None,
             context,
@@ -82,7 +83,6 @@ impl App {
             is_idle: true,
             replay,
             record: record.transpose()?,
-            watch: options.watch.then(|| Watch::new(&scene)),
             wake: None,
             result: Ok(()),
             scene,
@@ -127,7 +127,9 @@ impl App {
         if self.scene != self.viewer.scene() {
             self.scene = self.viewer.scene().to_owned();
             screen.window.set_title(&title(&self.scene));
-            self.watch = self.watch.as_ref().map(|_| Watch::new(&self.scene));
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.follow(&self.scene, self.viewer.job.files());
         }
         let shown = screen.show(&self.context, over, self.size);
         shown.map_err(|why| Error::Window { scene: self.scene.clone(), why })?;
