@@ -5,6 +5,8 @@ use crate::grid::{BLOCK_RAYS, Grid};
 use crate::kernel::area::hash;
 use crate::layout::{AlphaMode, Frame, Object, View, ViewKind};
 use crate::scene::floor::floored;
+use crate::scene::levels::Chosen;
+use crate::scene::tree::Bounds;
 use crate::scene::{Camera, Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
@@ -70,13 +72,28 @@ pub struct Setup {
     pub frame: Frame,
     /// The camera, then six views a light.
     pub views: Vec<View>,
+    /// What the views of lights were made of.
+    lights: Option<Lights>,
     /// The objects with the levels of detail of this frame, where there are any.
-    chosen: Option<Vec<Object>>,
+    chosen: Chosen,
+}
+
+/// What the views of lights are made of.
+#[derive(Debug, Clone, PartialEq)]
+struct Lights {
+    scene: u32,
+    changes: u32,
+    /// The bits of the scene's lower and upper corner.
+    bounds: [[u32; 3]; 2],
+    cells: u32,
+    shadows: Shadows,
+    structure: Structure,
+    occluders: Occluders,
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { frame: Frame::zeroed(), views: Vec::new(), chosen: None }
+        Self { frame: Frame::zeroed(), views: Vec::new(), lights: None, chosen: Chosen::default() }
     }
 }
 
@@ -93,12 +110,13 @@ impl Setup {
 
     /// The objects of the frame: the scene's, with the levels of detail that the camera sees.
     pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
-        self.chosen.as_deref().unwrap_or(scene.objects())
+        if self.chosen.is_needed { &self.chosen.objects } else { scene.objects() }
     }
 
-    /// Whether [`Setup::objects`] are others than the scene's.
-    pub fn has_levels(&self) -> bool {
-        self.chosen.is_some()
+    /// Another number whenever [`Setup::objects`] are others for the same scene, because other
+    /// levels of detail are seen; 0 where they are the scene's own.
+    pub fn chosen(&self) -> u32 {
+        if self.chosen.is_needed { self.chosen.changes } else { 0 }
     }
 
     /// Sets up a frame of `width` × `height` pixels with 1, 4 or 16 `samples` each, whose rays
@@ -136,35 +154,20 @@ impl Setup {
         if rays > 1 << 31 {
             return Err(SetupError::Rays { rays });
         }
-        let (chosen, bounds) = scene.seen_from(camera.eye).unzip();
-        self.chosen = chosen;
-        let bounds = bounds.filter(|bounds| !bounds.is_empty()).unwrap_or(*scene.bounds());
+        self.chosen.choose(scene, camera.eye);
+        let has_bounds = self.chosen.is_needed && !self.chosen.bounds.is_empty();
+        let bounds = if has_bounds { self.chosen.bounds } else { *scene.bounds() };
         let is_one_list = scene.structure == Structure::None;
         let by_angle = u32::from(scene.mip == Mip::Angle);
-        self.views.clear();
-        self.views.push(View { by_angle, ..camera.view(grid)? });
+        let eye = View { by_angle, ..camera.view(grid)? };
+        let light_blocks = self.light_views(scene, &bounds, shadows, eye)?;
+        let camera = &mut self.views[Frame::CAMERA as usize];
         if is_one_list {
-            [self.views[0].width, self.views[0].height] = [1, 1];
+            [camera.width, camera.height] = [1, 1];
         }
-        let cells = if is_one_list { 1 } else { light_cells(scene.objects().len(), lights.len()) };
-        let mut blocks = self.views[0].width * self.views[0].height;
-        for (number, light) in (0..).zip(lights) {
-            let jitter = match shadows {
-                Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
-                _ => None,
-            };
-            let views = light.views(&bounds, cells, blocks, jitter)?;
-            blocks += views.iter().map(|v| v.width * v.height).sum::<u32>();
-            self.views.extend(views);
-        }
-        for view in self.views.iter_mut().filter(|view| view.kind != ViewKind::Off as u32) {
-            view.one_list = u32::from(is_one_list);
-            view.seen_only = u32::from(scene.occluders == Occluders::Seen);
-            view.shadow_distance = match scene.occluders {
-                Occluders::Near(distance) => distance.clamp(LEAST_DISTANCE, MOST_DISTANCE),
-                _ => 0.0,
-            };
-        }
+        camera.first_block = light_blocks;
+        mark(scene, camera);
+        let blocks = light_blocks + camera.width * camera.height;
         let centers = self.views.iter().flat_map(|view| view.center.map(|c| c.abs() + view.disc));
         let corners = bounds.low.into_iter().chain(bounds.high);
         let magnitude = centers.chain(corners).fold(0.0_f32, |most, c| most.max(c.abs()));
@@ -204,6 +207,60 @@ impl Setup {
         };
         Ok(())
     }
+
+    /// Makes the views: `camera`, and those of lights, if they are not still the same. Gives the
+    /// number of blocks of lights, which come before the camera's: their lists may be kept while a
+    /// camera moves.
+    fn light_views(
+        &mut self,
+        scene: &Scene,
+        bounds: &Bounds,
+        shadows: Shadows,
+        camera: View,
+    ) -> Result<u32, SetupError> {
+        let (lights, structure) = (scene.lights(), scene.structure);
+        let is_one_list = structure == Structure::None;
+        let source = Lights {
+            scene: scene.id(),
+            changes: scene.light_changes(),
+            bounds: [bounds.low, bounds.high].map(|corner| corner.map(f32::to_bits)),
+            cells: if is_one_list { 1 } else { light_cells(scene.objects().len(), lights.len()) },
+            shadows,
+            structure,
+            occluders: scene.occluders,
+        };
+        let blocks = |views: &[View]| views.iter().map(|v| v.width * v.height).sum::<u32>();
+        if self.lights.as_ref() == Some(&source) {
+            self.views[Frame::CAMERA as usize] = camera;
+            return Ok(blocks(&self.views[1..]));
+        }
+        self.lights = None;
+        self.views.clear();
+        self.views.push(camera);
+        let mut first_block = 0;
+        for (number, light) in (0..).zip(lights) {
+            let jitter = match shadows {
+                Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
+                _ => None,
+            };
+            let mut views = light.views(bounds, source.cells, first_block, jitter)?;
+            views.iter_mut().filter(|v| v.kind != ViewKind::Off as u32).for_each(|view| mark(scene, view));
+            first_block += blocks(&views);
+            self.views.extend(views);
+        }
+        self.lights = Some(source);
+        Ok(first_block)
+    }
+}
+
+/// Says in a view how objects keep rays away from others, and which cast shadows.
+fn mark(scene: &Scene, view: &mut View) {
+    view.one_list = u32::from(scene.structure == Structure::None);
+    view.seen_only = u32::from(scene.occluders == Occluders::Seen);
+    view.shadow_distance = match scene.occluders {
+        Occluders::Near(distance) => distance.clamp(LEAST_DISTANCE, MOST_DISTANCE),
+        _ => 0.0,
+    };
 }
 
 /// What the numbers of rays are mixed with to jitter the points of a light; not 0.

@@ -4,7 +4,7 @@ use crate::kernel::cover::{Cover, cover};
 use crate::kernel::frustum::{is_near, is_shadow_seen};
 use crate::layout::{Frame, Object, View, ViewKind};
 
-/// How many covers a frame has: one for each view and object.
+/// How many covers a frame makes: one for each view and object.
 #[inline(always)]
 pub fn count(frame: &Frame) -> u32 {
     frame.views * frame.objects
