@@ -8,7 +8,8 @@ use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{
-    Camera, Light, Mesh, MeshIndex, MeshTree, Motion, ObjectIndex, Projection, Scene, Sequential,
+    Camera, Light, Mesh, MeshIndex, MeshTree, Motion, ObjectIndex, Occluders, Projection, Scene, Sequential,
+    Structure,
 };
 
 const CAMERA: Camera = Camera {
@@ -156,6 +157,57 @@ fn a_frame_does_not_depend_on_the_one_before() {
     // "The same again" is; all others differ.
     let differ = |a: usize, b: usize| seen[a] != seen[b];
     assert!(!differ(1, 2) && differ(0, 1) && differ(0, 7) && (3..7).all(|step| differ(step, step - 1)));
+}
+
+/// What lists depend on changes, one thing after another.
+#[test]
+fn lists_are_kept_only_while_they_would_be_the_same() {
+    let (mut scene, cloth) = scene(0.0);
+    let mut variants = present(all(), requires_gpu());
+    assert_eq!(variants.failed, 0);
+    let aside = Camera { eye: Vec3::new(3.0, 5.0, 8.0), ..CAMERA };
+    let near = Camera { eye: Vec3::new(0.0, 0.5, 1.5), look_at: Vec3::new(2.0, 0.5, 0.0), ..CAMERA };
+    type Change<'a> = &'a dyn Fn(&mut Scene);
+    let place = Mat4::from_translation(Vec3::new(1.0, 2.0, -1.0));
+    let levels = [(6.0, cloth)];
+    let steps: [(&str, Change<'_>, &Camera); 12] = [
+        ("at first", &|_| (), &CAMERA),
+        ("the same again", &|_| (), &CAMERA),
+        ("a camera that has moved", &|_| (), &aside),
+        ("an object that has moved", &|scene| scene.set_transform(ObjectIndex(3), place).unwrap(), &aside),
+        ("a light that is gone", &|scene| _ = scene.lights_mut().pop(), &aside),
+        ("one list", &|scene| scene.structure = Structure::None, &aside),
+        ("blocks again", &|scene| scene.structure = Structure::Blocks, &near),
+        ("shadows that are seen", &|scene| scene.occluders = Occluders::Seen, &near),
+        ("those that are seen from elsewhere", &|_| (), &CAMERA),
+        ("those that are near", &|scene| scene.occluders = Occluders::Near(5.0), &CAMERA),
+        (
+            "an object that is another one far away",
+            &|scene| {
+                scene.occluders = Occluders::All;
+                scene.set_levels(ObjectIndex(1), &levels).unwrap();
+            },
+            &CAMERA,
+        ),
+        ("which is itself from close by", &|_| (), &near),
+    ];
+    let mut before = Vec::new();
+    for (step, change, camera) in steps {
+        change(&mut scene);
+        let shadows = Shadows::Hard;
+        let layers = rtrt_core::backend::LAYERS;
+        let request = Request { camera, size: [97, 55], samples: 1, shadows, layers, deferred: true };
+        let (mut expected, mut actual) = (Picture::default(), Picture::default());
+        reference().render(&scene, &request, &mut expected).unwrap();
+        for (variant, backend) in &mut variants.backends {
+            backend.render(&scene, &request, &mut actual).unwrap();
+            let agrees = compare(&request, &expected, &actual);
+            agrees.unwrap_or_else(|difference| panic!("{variant}, {step}: {difference}"));
+        }
+        let lists = expected.deferred.unwrap().lists;
+        assert_eq!(lists == before, step == "the same again", "{step}: the lists show nothing");
+        before = lists;
+    }
 }
 
 #[test]

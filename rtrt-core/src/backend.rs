@@ -100,6 +100,9 @@ pub struct Picture {
     pub deferred: Option<Deferred>,
     /// Milliseconds in each of [`STAGES`].
     pub stages_ms: [f64; STAGES.len()],
+    /// Milliseconds in which the host worked for a frame of another device, without those in which
+    /// it waited for it; none where the host itself renders.
+    pub host_ms: Option<f64>,
 }
 
 impl Picture {

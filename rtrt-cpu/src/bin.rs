@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use rtrt_core::kernel::cover::Cover;
 use rtrt_core::kernel::lists::{Entry, Lists, scan_starts, sort, store};
 use rtrt_core::layout::{Frame, Object, View};
-use rtrt_core::scene::{Occluders, Scene, Setup, Versions};
+use rtrt_core::scene::{Kept, Scene, Setup, Source};
 use rtrt_core::stage::bin::each_block;
 use std::ops::Range;
 
@@ -26,48 +26,31 @@ impl Bins {
     /// Whether the lists of lights are those of the frame before: the covers of lights are not
     /// looked at then.
     pub fn keeps_lights(&mut self, setup: &Setup, scene: &Scene) -> bool {
-        let depends_on_camera = setup.has_levels() || scene.occluders != Occluders::All;
-        let source = (!depends_on_camera).then(|| (scene.id(), scene.versions(), setup.frame.magnitude));
-        let views = setup.views.get(1..).unwrap_or_default();
-        let is_same = source.is_some() && self.source.scene == source && self.source.views == views;
-        if !is_same {
-            self.source.scene = source;
-            self.source.views.clear();
-            self.source.views.extend_from_slice(views);
-        }
-        is_same
+        self.source.kept(setup, scene) != Kept::Nothing
     }
 
     /// Rebuilds the lists, those of lights unless they are kept.
     pub fn fill(&mut self, job: &Binning<'_>, keeps_lights: bool) {
         let Self { words, camera, lights, .. } = self;
         let Binning { frame, views, covers, .. } = job;
-        let blocks = views.get(1).map_or(frame.blocks, |light| light.first_block);
+        let blocks = views[Frame::CAMERA as usize].first_block;
         let seen = covers.len().min(frame.seen as usize);
         rayon::join(
-            || camera.fill(job, 0..seen, 0..blocks),
+            || camera.fill(job, 0..seen, blocks..frame.blocks),
             || {
                 if !keeps_lights {
-                    lights.fill(job, seen..covers.len(), blocks..frame.blocks);
+                    lights.fill(job, seen..covers.len(), 0..blocks);
                 }
             },
         );
-        let (starts, entries) = camera.words.split_at(blocks as usize);
-        let (light_starts, light_entries) = lights.words.split_at((frame.blocks - blocks) as usize + 1);
+        let (light_starts, light_entries) = lights.words.split_at(blocks as usize);
+        let (starts, entries) = camera.words.split_at((frame.blocks - blocks) as usize + 1);
         words.clear();
-        words.extend_from_slice(starts);
-        words.extend(light_starts.iter().map(|start| entries[0] + start));
-        words.extend_from_slice(&entries[1..]);
-        words.extend_from_slice(light_entries);
+        words.extend_from_slice(light_starts);
+        words.extend(starts.iter().map(|start| light_entries[0] + start));
+        words.extend_from_slice(&light_entries[1..]);
+        words.extend_from_slice(entries);
     }
-}
-
-/// What the lists of lights were made of.
-#[derive(Debug, Default)]
-struct Source {
-    /// The scene, its versions, and the frame's magnitude; none if they depend on the camera.
-    scene: Option<(u32, Versions, f32)>,
-    views: Vec<View>,
 }
 
 /// What lists are made of.

@@ -267,6 +267,7 @@ impl Backend for Cpu {
         picture.deferred = deferred;
         [picture.width, picture.height] = request.size;
         picture.stages_ms = clock.milliseconds();
+        picture.host_ms = None;
         Ok(())
     }
 }

@@ -29,10 +29,6 @@ pub struct Band {
 }
 
 impl Band {
-    /// With so much room in the lists.
-    pub fn with_room(self, capacity: u32) -> Self {
-        Self { frame: Frame { capacity, ..self.frame }, ..self }
-    }
     /// Where the rays that are kept are, in a buffer of so many elements a ray.
     pub fn kept(&self, elements: u32) -> Range<usize> {
         let first = self.first - self.frame.first_ray;

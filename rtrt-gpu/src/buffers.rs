@@ -3,7 +3,10 @@
 
 use crate::Error;
 use crate::device::Device;
+use crate::group::Groups;
+use crate::pipeline::Pipeline;
 use bytemuck::Pod;
+use rtrt_core::layout::Frame;
 use rtrt_core::scene::{Scene, Setup, Versions};
 use wgpu::BufferUsages;
 
@@ -71,16 +74,31 @@ impl Slot {
 #[derive(Default)]
 pub(crate) struct Buffers {
     slots: [Option<wgpu::Buffer>; Slot::COUNT],
-    /// The scene whose arrays are there, as it was.
-    resident: Option<(u32, Versions)>,
-    /// What the objects in the buffer are followed by; see [`Setup::part_triangles`].
-    parts: Option<u32>,
+    /// What dispatches bind of them.
+    groups: Groups,
+    /// The scene whose arrays are there, as it was, with the levels of detail and the
+    /// parts that were chosen.
+    resident: Option<(u32, Versions, (u32, Option<u32>))>,
+    /// What [`Buffers::renew`] has copied.
+    copied: [Vec<u8>; Slot::COUNT],
 }
 
 impl Buffers {
     /// The buffer, if it was ever asked for.
     pub fn get(&self, slot: Slot) -> Option<&wgpu::Buffer> {
         self.slots[slot as usize].as_ref()
+    }
+
+    /// What a row of the table of dispatches binds, for one of the layers that it is repeated for.
+    pub fn group(&self, row: usize, layer: usize) -> Option<&wgpu::BindGroup> {
+        self.groups.get(row, layer)
+    }
+
+    /// Makes what the dispatches of a frame bind, where that is not there yet. `layers` are what
+    /// layers get for the numbers of the frame.
+    pub fn bind(&mut self, device: &Device, frame: &Frame, pipelines: &[Pipeline], layers: &[wgpu::Buffer]) {
+        let Self { slots, groups, .. } = self;
+        groups.make(&device.device, frame, pipelines, layers, |slot| slots[slot as usize].as_ref());
     }
 
     /// Makes room for `count` elements, and for one where there are none: entry points bind no
@@ -90,7 +108,9 @@ impl Buffers {
         if self.get(slot).is_none_or(|buffer| buffer.size() < bytes) {
             let bound = if slot == Slot::Frame { BufferUsages::UNIFORM } else { BufferUsages::STORAGE };
             let usage = bound | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-            // The old one goes first: there may not be memory for both.
+            // The old one goes first, and what holds on to it: there may not be memory for both.
+            self.groups.clear();
+            self.copied[slot as usize].clear();
             self.slots[slot as usize] = None;
             self.slots[slot as usize] = Some(device.buffer(slot.name(), bytes, usage)?);
         }
@@ -106,12 +126,35 @@ impl Buffers {
         Ok(())
     }
 
-    /// Uploads what has changed in the scene since the last call, and the objects wherever they
-    /// have levels of detail.
+    /// Copies into the buffer what differs from what was copied last: from the first element that
+    /// does to the last. Gives whether there are any.
+    pub fn renew<T: Pod>(&mut self, device: &Device, slot: Slot, elements: &[T]) -> Result<bool, Error> {
+        self.reserve::<T>(device, slot, elements.len() as u64)?;
+        let bytes = bytemuck::cast_slice::<T, u8>(elements);
+        let copied = &mut self.copied[slot as usize];
+        let place = |element: usize| element * size_of::<T>()..(element + 1) * size_of::<T>();
+        let differs = |element: &usize| copied.get(place(*element)) != bytes.get(place(*element));
+        let mut all = 0..elements.len();
+        let (Some(first), Some(buffer)) = (all.find(differs), &self.slots[slot as usize]) else {
+            return Ok(false);
+        };
+        let last = all.rfind(differs).unwrap_or(first);
+        let changed = place(first).start..place(last).end;
+        device.queue.write_buffer(buffer, changed.start as u64, &bytes[changed.clone()]);
+        copied.resize(bytes.len(), 0);
+        copied[changed.clone()].copy_from_slice(&bytes[changed]);
+        Ok(true)
+    }
+
+    /// Uploads what has changed in the scene since the last call, and its objects if other levels of
+    /// detail are seen.
     pub fn upload_scene(&mut self, device: &Device, scene: &Scene, setup: &Setup) -> Result<(), Error> {
         let versions = scene.versions();
-        let known = self.resident.take().filter(|(id, _)| *id == scene.id()).map(|(_, versions)| versions);
-        let changed = |part: fn(&Versions) -> u32| known.as_ref().map(part) != Some(part(&versions));
+        let known = self.resident.take().filter(|(id, ..)| *id == scene.id());
+        let known_version =
+            |part: fn(&Versions) -> u32| known.as_ref().map(|(_, versions, _)| part(versions));
+        let changed = |part: fn(&Versions) -> u32| known_version(part) != Some(part(&versions));
+        let chosen = (setup.chosen(), setup.part_triangles());
         if changed(|v| v.geometry) {
             self.upload(device, Slot::Nodes, scene.nodes())?;
             self.upload(device, Slot::Words, scene.words())?;
@@ -124,11 +167,10 @@ impl Buffers {
         if changed(|v| v.materials) {
             self.upload(device, Slot::Materials, scene.materials())?;
         }
-        if changed(|v| v.objects) || setup.has_levels() || self.parts != setup.part_triangles() {
+        if changed(|v| v.objects) || known.is_some_and(|(.., known)| known != chosen) {
             self.upload(device, Slot::Objects, setup.objects(scene))?;
         }
-        self.parts = setup.part_triangles();
-        self.resident = Some((scene.id(), versions));
+        self.resident = Some((scene.id(), versions, chosen));
         Ok(())
     }
 }

@@ -119,7 +119,7 @@ fn run(
     let mut commands = device.device.create_command_encoder(&Default::default());
     {
         let mut pass = commands.begin_compute_pass(&Default::default());
-        pipeline.dispatch(&device.device, &mut pass, buffers.iter(), groups);
+        pipeline.dispatch(&mut pass, &pipeline.group(&device.device, buffers.iter()), groups);
     }
     device.queue.submit([commands.finish()]);
     device.fetch(&buffers[inputs.len()], output_bytes)

@@ -6,7 +6,7 @@ use crate::pipeline::{Access, PASSES, Pipeline, bind_group_layout};
 use crate::{Error, Route};
 use rtrt_core::layout::{Material, View};
 use std::borrow::Cow;
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A device, ready to compile entry points.
 pub(crate) struct Device {
@@ -108,23 +108,14 @@ impl Device {
         Ok(buffer)
     }
 
-    /// Hands the commands to the device, waits until they are done, and calls `read` with
-    /// the first bytes of `buffer`.
-    pub fn finish(
-        &self,
-        commands: wgpu::CommandEncoder,
-        buffer: &wgpu::Buffer,
-        bytes: u64,
-        read: impl FnOnce(&[u8]),
-    ) -> Result<(), Error> {
-        self.queue.submit([commands.finish()]);
-        let (send, receive) = mpsc::channel();
-        // The receiver is only gone when this function has failed already.
-        buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| drop(send.send(result)));
+    /// Waits until the device has done what it was handed, and calls `read` with the first bytes
+    /// of `buffer`.
+    pub fn read(&self, buffer: &wgpu::Buffer, bytes: u64, read: impl FnOnce(&[u8])) -> Result<(), Error> {
+        // What fails here has no range either.
+        buffer.map_async(wgpu::MapMode::Read, ..bytes, |_| ());
         let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
         self.check()?;
         polled.map_err(Error::read_back)?;
-        receive.recv().map_err(Error::read_back)?.map_err(Error::read_back)?;
         read(&buffer.get_mapped_range(..bytes).map_err(Error::read_back)?);
         buffer.unmap();
         Ok(())
@@ -137,7 +128,8 @@ impl Device {
         let mut commands = self.device.create_command_encoder(&Default::default());
         commands.copy_buffer_to_buffer(buffer, 0, &copy, 0, bytes);
         let mut fetched = Vec::new();
-        self.finish(commands, &copy, bytes, |mapped| fetched.extend_from_slice(mapped))?;
+        self.queue.submit([commands.finish()]);
+        self.read(&copy, bytes, |mapped| fetched.extend_from_slice(mapped))?;
         Ok(fetched)
     }
 }

@@ -1,4 +1,4 @@
-//! One frame on a device: bin, then band after band of rays.
+//! One frame on a device: bin, unless the lists are still the same, then band after band of rays.
 
 use crate::Error;
 use crate::band::{Band, bands, shadow_words};
@@ -6,14 +6,14 @@ use crate::buffers::{Buffers, Slot};
 use crate::device::{Device, watched};
 use crate::pipeline::{FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, groups};
 use crate::texture::{check, copy};
-use crate::timer::Timer;
+use crate::timer::{HostClock, Timer};
 use bytemuck::Pod;
 use rtrt_core::backend::{Deferred, Picture, STAGES};
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::cover::Cover;
 use rtrt_core::kernel::lists::{Entry, Lists};
 use rtrt_core::layout::{Frame, Hit, Lit, Surface, View};
-use rtrt_core::scene::{Scene, Setup};
+use rtrt_core::scene::{Kept, Scene, Setup, Source};
 use rtrt_core::stage;
 use std::ops::Range;
 use wgpu::BufferUsages;
@@ -36,6 +36,9 @@ pub(crate) struct Renderer {
     read_back: Option<wgpu::Buffer>,
     timer: Timer,
     capacity: u32,
+    /// What the lists were made of that are there, the blocks that they have, and their room.
+    source: Source,
+    listed: Option<[u32; 2]>,
     /// The most bytes that a buffer of a band may have.
     band_bytes: u64,
 }
@@ -53,6 +56,8 @@ impl Renderer {
             read_back: None,
             timer,
             capacity: FIRST_CAPACITY,
+            source: Source::default(),
+            listed: None,
         })
     }
 
@@ -63,14 +68,17 @@ impl Renderer {
         scene: &Scene,
         setup: &Setup,
         deferred: bool,
+        mut clock: HostClock,
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
         let device = self.device.device.clone();
-        let result = watched(&device, || self.frame(scene, setup, deferred, texture, picture));
+        let result = watched(&device, || self.frame(scene, setup, deferred, &mut clock, texture, picture));
+        picture.host_ms = Some(clock.ms);
         if result.is_err() {
             // Whatever is there now is not to be relied on.
             self.buffers = Buffers::default();
+            self.listed = None;
             self.read_back = None;
         }
         result
@@ -81,6 +89,7 @@ impl Renderer {
         scene: &Scene,
         setup: &Setup,
         deferred: bool,
+        clock: &mut HostClock,
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
@@ -101,26 +110,41 @@ impl Renderer {
         };
         picture.stages_ms = [0.0; STAGES.len()];
         self.buffers.upload_scene(&self.device, scene, setup)?;
-        self.buffers.upload::<View>(&self.device, Slot::Views, &setup.views)?;
+        self.buffers.renew::<View>(&self.device, Slot::Views, &setup.views)?;
         let covers = u64::from(stage::prepare::count(&frame));
         self.buffers.reserve::<Cover>(&self.device, Slot::Covers, covers)?;
         self.buffers.reserve::<u32>(&self.device, Slot::Counts, u64::from(frame.blocks))?;
 
-        let mut bands = bands(&frame, self.band_bytes);
-        let Some(first) = bands.next() else { return Ok(()) };
+        let mut kept = self.source.kept(setup, scene);
+        if self.listed.take() != Some([frame.blocks, self.capacity]) {
+            kept = Kept::Nothing;
+        }
         let entries = loop {
             picture.deferred = empty();
-            let entries = self.band(first.with_room(self.capacity), 0, texture, picture)?;
+            let (frame, first_stage) = match kept {
+                Kept::Nothing => (frame, 0),
+                Kept::Lights => {
+                    let first_block = setup.views[Frame::CAMERA as usize].first_block;
+                    (Frame { views: 1, first_block, ..frame }, 0)
+                }
+                Kept::All => (frame, FIRST_OF_BAND),
+            };
+            let frame = Frame { capacity: self.capacity, ..frame };
+            let mut bands = bands(&frame, self.band_bytes);
+            let Some(first) = bands.next() else { return Ok(()) };
+            let entries = self.band(first, first_stage, clock, texture, picture)?;
             if entries <= self.capacity {
+                for band in bands {
+                    self.band(band, FIRST_OF_BAND, clock, texture, picture)?;
+                }
                 break entries;
             }
             // Nothing is lost because a list was full: the frame begins again with room.
             self.capacity = entries.saturating_add(entries / 4);
+            kept = Kept::Nothing;
             picture.stages_ms = [0.0; STAGES.len()];
         };
-        for band in bands {
-            self.band(band.with_room(self.capacity), FIRST_OF_BAND, texture, picture)?;
-        }
+        self.listed = Some([frame.blocks, self.capacity]);
         if let Some(deferred) = &mut picture.deferred {
             let words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(entries);
             self.fetch(Slot::Lists, 0..words as usize, &mut deferred.lists)?;
@@ -134,6 +158,7 @@ impl Renderer {
         &mut self,
         band: Band,
         first_stage: usize,
+        clock: &mut HostClock,
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<u32, Error> {
@@ -146,13 +171,14 @@ impl Renderer {
         let behind = frame.layers.max(1) - 1;
         let kept = if picture.deferred.is_some() { u64::from(behind) } else { 0 };
         let [shadows, tints] = shadow_words(frame);
-        self.buffers.upload(device, Slot::Frame, &[*frame])?;
         while self.layers.len() < behind as usize {
             let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
             self.layers.push(device.buffer("frame of a layer", size_of::<Frame>() as u64, usage)?);
         }
-        for (layers, buffer) in (1..frame.layers).rev().zip(&self.layers) {
-            device.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&Frame { layers, ..*frame }));
+        if self.buffers.renew(device, Slot::Frame, &[*frame])? {
+            for (layers, buffer) in (1..frame.layers).rev().zip(&self.layers) {
+                device.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&Frame { layers, ..*frame }));
+            }
         }
         self.buffers.reserve::<Entry>(device, Slot::Placed, u64::from(frame.capacity))?;
         self.buffers.reserve::<u32>(device, Slot::Lists, list_words)?;
@@ -171,6 +197,7 @@ impl Renderer {
             self.read_back = Some(device.buffer("read back", bytes, usage)?);
         }
 
+        self.buffers.bind(device, frame, &self.pipelines, &self.layers);
         let mut commands = device.device.create_command_encoder(&Default::default());
         for stage in first_stage..STAGES.len() {
             if stage == LAYERS && picture.deferred.is_some() {
@@ -180,7 +207,7 @@ impl Renderer {
                 self.fetch_first_layer(&band, &mut picture.deferred)?;
             }
             self.encode(&mut commands, frame, stage, kept > 0);
-            self.timer.end_stage(device, &mut commands, stage, &mut picture.stages_ms)?;
+            self.timer.end_stage(device, &mut commands, clock, stage, &mut picture.stages_ms)?;
         }
         let (Some(read_back), Some(lists), Some(made)) =
             (&self.read_back, self.buffers.get(Slot::Lists), self.buffers.get(Slot::Pixels))
@@ -197,7 +224,9 @@ impl Renderer {
         self.timer.copy(&mut commands, read_back, TIMES);
         let mut entries = 0;
         let timer = &self.timer;
-        device.finish(commands, read_back, bytes, |mapped| {
+        device.queue.submit([commands.finish()]);
+        clock.pause();
+        device.read(read_back, bytes, |mapped| {
             entries = bytemuck::pod_read_unaligned(&mapped[..4]);
             timer.add(&mapped[TIMES as usize..PIXELS as usize], first_stage, &mut picture.stages_ms);
             if texture.is_none() {
@@ -208,6 +237,7 @@ impl Renderer {
             }
         })?;
         self.fetch_colors(&band, &mut picture.deferred)?;
+        clock.resume();
         Ok(entries)
     }
 
@@ -220,7 +250,7 @@ impl Renderer {
             }
         }
         if stage != LAYERS {
-            return self.encode_pass(commands, frame, stage, None, self.timer.writes(stage));
+            return self.encode_pass(commands, frame, stage, 0, self.timer.writes(stage));
         }
         let Some(last) = (frame.layers.max(1) as usize - 1).checked_sub(1) else {
             // Nothing but its time.
@@ -231,9 +261,9 @@ impl Renderer {
             return;
         };
         let bytes = u64::from(frame.rays) * size_of::<Hit>() as u64;
-        for (number, uniform) in self.layers[..=last].iter().enumerate() {
+        for number in 0..=last {
             let writes = self.timer.writes_of(stage, number == 0, number == last);
-            self.encode_pass(commands, frame, stage, Some(uniform), writes);
+            self.encode_pass(commands, frame, stage, number, writes);
             if let (true, Some(hits), Some(layers)) =
                 (keep, self.buffers.get(Slot::Hits), self.buffers.get(Slot::Layers))
             {
@@ -242,28 +272,23 @@ impl Renderer {
         }
     }
 
-    /// Appends the dispatches of a stage once; `uniform` is what they get for the numbers of
-    /// the frame, if not those.
+    /// Appends the dispatches of a stage once; of the one that is repeated, those for a layer.
     fn encode_pass(
         &self,
         commands: &mut wgpu::CommandEncoder,
         frame: &Frame,
         stage: usize,
-        uniform: Option<&wgpu::Buffer>,
+        layer: usize,
         timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
         let label = Some(STAGES[stage]);
         let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-        for (row, pipeline) in PASSES.iter().zip(&self.pipelines).filter(|(row, _)| row.stage == stage) {
-            let groups = groups((row.work)(frame));
-            if groups.contains(&0) {
-                continue;
+        for (row, (of, pipeline)) in PASSES.iter().zip(&self.pipelines).enumerate() {
+            let groups = groups((of.work)(frame));
+            let group = self.buffers.group(row, layer).filter(|_| of.stage == stage && !groups.contains(&0));
+            if let Some(group) = group {
+                pipeline.dispatch(&mut pass, group, groups);
             }
-            let buffers = row.slots().filter_map(|slot| match (slot, uniform) {
-                (Slot::Frame, Some(uniform)) => Some(uniform),
-                _ => self.buffers.get(slot),
-            });
-            pipeline.dispatch(&self.device.device, &mut pass, buffers, groups);
         }
     }
 

@@ -22,6 +22,7 @@ mod canary;
 mod device;
 mod error;
 mod frame;
+mod group;
 mod pipeline;
 mod texture;
 mod timer;
@@ -39,6 +40,7 @@ use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request, ST
 use rtrt_core::kernel::canary::OUTPUTS;
 use rtrt_core::layout::PROBES;
 use rtrt_core::scene::{Scene, Setup};
+use timer::HostClock;
 
 /// How the compiled module gets to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -128,10 +130,11 @@ impl Gpu {
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), RenderError> {
+        let clock = HostClock::start();
         let &Request { camera, size, samples, shadows, layers, deferred } = request;
         self.setup.prepare(scene, camera, size, samples, shadows, layers)?;
         self.renderer
-            .render(scene, &self.setup, deferred, texture, picture)
+            .render(scene, &self.setup, deferred, clock, texture, picture)
             .map_err(|source| RenderError::Backend { backend: "gpu", source: Box::new(source) })
     }
 

@@ -225,26 +225,28 @@ impl Pipeline {
         Self { pipeline, layout, zero: zero.map(|zero| zero.group.clone()) }
     }
 
-    /// Dispatches it with these buffers, bound from 0 on.
-    pub fn dispatch<'a>(
+    /// What binds these buffers, from 0 on.
+    pub fn group<'a>(
         &self,
         device: &wgpu::Device,
-        pass: &mut wgpu::ComputePass<'_>,
         buffers: impl Iterator<Item = &'a wgpu::Buffer>,
-        [x, y, z]: [u32; 3],
-    ) {
+    ) -> wgpu::BindGroup {
         let entry = |(binding, buffer): (usize, &'a wgpu::Buffer)| wgpu::BindGroupEntry {
             binding: binding as u32,
             resource: buffer.as_entire_binding(),
         };
         let entries: Vec<_> = buffers.enumerate().map(entry).collect();
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &self.layout,
             entries: &entries,
-        });
+        })
+    }
+
+    /// Dispatches it with what [`Pipeline::group`] has made.
+    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, [x, y, z]: [u32; 3]) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(0, group, &[]);
         if let Some(zero) = &self.zero {
             pass.set_bind_group(ZERO_GROUP, zero, &[]);
         }

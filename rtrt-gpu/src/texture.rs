@@ -67,8 +67,9 @@ mod tests {
         let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
         commands.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
         let mut rows = vec![];
+        device.queue.submit([commands.finish()]);
         device
-            .finish(commands, &buffer, bytes, |mapped| {
+            .read(&buffer, bytes, |mapped| {
                 let row = 4 * texture.width() as usize;
                 mapped.chunks(padded as usize).for_each(|padded| rows.extend_from_slice(&padded[..row]));
             })

@@ -1,4 +1,4 @@
-//! How long each stage takes.
+//! How long each stage takes, and how long the host works for a frame.
 
 use crate::Error;
 use crate::device::Device;
@@ -70,6 +70,7 @@ impl Timer {
         &self,
         device: &Device,
         commands: &mut wgpu::CommandEncoder,
+        clock: &mut HostClock,
         stage: usize,
         stages_ms: &mut [f64],
     ) -> Result<(), Error> {
@@ -77,7 +78,9 @@ impl Timer {
             let next = device.device.create_command_encoder(&Default::default());
             let start = Instant::now();
             device.queue.submit([std::mem::replace(commands, next).finish()]);
+            clock.pause();
             device.device.poll(wgpu::PollType::wait_indefinitely()).map_err(Error::read_back)?;
+            clock.resume();
             stages_ms[stage] += start.elapsed().as_secs_f64() * 1e3;
         }
         Ok(())
@@ -99,5 +102,29 @@ impl Timer {
             // A clock that steps back is no clock.
             *ms += time(2 * stage + 1).saturating_sub(time(2 * stage)) as f64 * unit_ms;
         }
+    }
+}
+
+/// Takes the time in which the host works for a frame.
+pub(crate) struct HostClock {
+    since: Instant,
+    /// Milliseconds up to the last pause.
+    pub ms: f64,
+}
+
+impl HostClock {
+    /// It works from now on.
+    pub fn start() -> Self {
+        Self { since: Instant::now(), ms: 0.0 }
+    }
+
+    /// It waits from now on.
+    pub fn pause(&mut self) {
+        self.ms += self.since.elapsed().as_secs_f64() * 1e3;
+    }
+
+    /// It works again.
+    pub fn resume(&mut self) {
+        self.since = Instant::now();
     }
 }

@@ -194,6 +194,9 @@ fn lists_longer_than_their_room_are_made_again() {
     let scene = heaps(700, 1);
     let long = request([320, 180], 1);
     agree(&mut gpu, "long lists", &scene, &long);
+    agree(&mut gpu, "the same again", &scene, &long);
+    let aside = Camera { eye: Vec3::new(-3.0, 2.5, 5.0), ..CAMERA };
+    agree(&mut gpu, "another camera", &scene, &Request { camera: &aside, ..long });
     let entries = rendered(&mut gpu, &scene, &long).deferred.unwrap().lists.len() / 2;
     assert!(entries > 1 << 16, "{entries} entries fit at once: the test shows nothing");
 }

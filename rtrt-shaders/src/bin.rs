@@ -37,7 +37,8 @@ pub fn count(
     }
 }
 
-/// Where each block's entries start: one workgroup, whose invocations share the blocks.
+/// Where each block's entries start: one workgroup, whose invocations share the blocks. Lists that
+/// are kept stay where they are, before those that are made.
 #[spirv(compute(threads(256), entry_point_name = "scan"))]
 pub fn scan(
     #[spirv(local_invocation_id)] id: UVec3,
@@ -46,12 +47,16 @@ pub fn scan(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] counts: &mut [u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] lists: &mut [u32],
 ) {
-    let share = scan_share(frame.blocks, 256);
-    let first = (id.x * share).min(frame.blocks);
+    let kept = frame.first_block;
+    let share = scan_share(frame.blocks - kept, 256);
+    let first = (kept + id.x * share).min(frame.blocks);
     let last = (first + share).min(frame.blocks);
+    let mut start = 0;
+    if kept > 0 {
+        start = lists[kept as usize];
+    }
     totals[id.x as usize] = scan_total(counts, first, last);
     workgroup_memory_barrier_with_group_sync();
-    let mut start = 0;
     let mut before = 0;
     while before < id.x {
         start += totals[before as usize];
@@ -92,7 +97,8 @@ pub fn scatter(
     }
 }
 
-/// Copies the entries to their lists, each block's in order: one invocation an entry.
+/// Copies the entries to their lists, each block's in order: one invocation an entry of lists that
+/// are made.
 #[spirv(compute(threads(64), entry_point_name = "rank"))]
 pub fn rank(
     #[spirv(global_invocation_id)] id: UVec3,
@@ -100,7 +106,7 @@ pub fn rank(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] placed: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] lists: &mut [u32],
 ) {
-    let entry = index(id);
+    let entry = lists[frame.first_block as usize] + index(id);
     let entries = lists[frame.blocks as usize];
     if entry < entries && entries <= frame.capacity {
         rank_entry(placed, lists, frame.blocks, entry);

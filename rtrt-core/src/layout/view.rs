@@ -126,7 +126,8 @@ pub struct Frame {
     pub height: u32,
     /// Sub-rays along one side of a pixel.
     pub side: u32,
-    /// Views: the camera, then [`Frame::VIEWS_PER_LIGHT`] a light.
+    /// Views whose lists are made: the camera, then [`Frame::VIEWS_PER_LIGHT`] a light, if those
+    /// of lights are not kept.
     pub views: u32,
     /// Objects in the scene.
     pub objects: u32,
@@ -179,8 +180,16 @@ pub struct Frame {
     pub first_seen: u32,
     /// [`Backdrop`].
     pub backdrop: u32,
+    /// The first block whose list is made: those of lights come first, and may be kept.
+    pub first_block: u32,
+    /// Unused: a uniform block is a multiple of 16 bytes.
+    pub unused_0: u32,
+    /// Unused.
+    pub unused_1: u32,
+    /// Unused.
+    pub unused_2: u32,
 }
-const _: () = assert!(size_of::<Frame>() == 112 && offset_of!(Frame, ambient_r) == 48);
+const _: () = assert!(size_of::<Frame>() == 128 && offset_of!(Frame, ambient_r) == 48);
 
 impl View {
     /// The camera's list for a block of the frame.

@@ -3,7 +3,7 @@
 use crate::layout::Object;
 use crate::scene::place::{Stored, place};
 use crate::scene::tree::Bounds;
-use crate::scene::{MaterialIndex, MeshIndex, ObjectIndex, Scene, SceneError};
+use crate::scene::{MaterialIndex, MeshIndex, ObjectIndex, Scene, SceneError, Versions};
 use alloc::vec::Vec;
 use glam::{DVec3, Mat4, Vec3};
 
@@ -106,24 +106,74 @@ impl Scene {
         }
     }
 
-    /// The objects as a camera at `eye` sees them, and their bounds; none where no object has
-    /// levels, and the scene's own are those.
-    pub(super) fn seen_from(&self, eye: Vec3) -> Option<(Vec<Object>, Bounds)> {
-        if self.levels.is_empty() {
-            return None;
-        }
-        let mut objects = self.objects().to_vec();
-        for (&index, levels) in &self.levels {
-            let object = &mut objects[index as usize];
-            let distance = distance(eye, object);
+    /// The level that a camera at `eye` sees of each object that has any; none for its own mesh.
+    fn seen_levels(&self, eye: Vec3) -> impl Iterator<Item = (usize, Option<&Level>)> {
+        self.levels.iter().map(move |(&index, levels)| {
+            let index = index as usize;
+            let distance = distance(eye, &self.objects()[index]);
             let far = levels.iter().rev().find(|level| distance >= f64::from(level.from));
-            if let Some(level) = far.filter(|_| self.is_seen(index as usize)) {
-                *object = level.placed;
+            (index, far.filter(|_| self.is_seen(index)))
+        })
+    }
+}
+
+/// The objects of a frame of a scene where some have levels.
+#[derive(Debug, Clone)]
+pub(super) struct Chosen {
+    /// Whether some have.
+    pub is_needed: bool,
+    scene: u32,
+    versions: Versions,
+    /// The distances from which on the levels are seen that were chosen; 0 for an object's own mesh.
+    from: Vec<f32>,
+    pub objects: Vec<Object>,
+    pub bounds: Bounds,
+    /// Another number whenever other objects were chosen.
+    pub changes: u32,
+}
+
+impl Default for Chosen {
+    fn default() -> Self {
+        Self {
+            is_needed: false,
+            scene: 0,
+            versions: Versions::default(),
+            from: Vec::new(),
+            objects: Vec::new(),
+            bounds: Bounds::EMPTY,
+            changes: 0,
+        }
+    }
+}
+
+impl Chosen {
+    /// Chooses what a camera at `eye` sees. Nothing is done where that is what was chosen last.
+    pub fn choose(&mut self, scene: &Scene, eye: Vec3) {
+        self.is_needed = !scene.levels.is_empty();
+        if !self.is_needed {
+            return;
+        }
+        let from = |level: Option<&Level>| level.map_or(0.0, |level| level.from);
+        let source = (scene.id(), scene.versions());
+        let is_same = self.changes > 0
+            && source == (self.scene, self.versions)
+            && scene.seen_levels(eye).map(|(_, level)| from(level)).eq(self.from.iter().copied());
+        if is_same {
+            return;
+        }
+        (self.scene, self.versions) = source;
+        self.changes += 1;
+        self.from.clear();
+        self.objects.clear();
+        self.objects.extend_from_slice(scene.objects());
+        for (index, level) in scene.seen_levels(eye) {
+            self.from.push(from(level));
+            if let Some(level) = level {
+                self.objects[index] = level.placed;
             }
         }
-        let seen = objects.iter().enumerate().filter(|(index, _)| self.is_seen(*index));
-        let bounds = seen.fold(Bounds::EMPTY, |all, (_, o)| all.union(&Bounds { low: o.low, high: o.high }));
-        Some((objects, bounds))
+        let seen = self.objects.iter().enumerate().filter(|(index, _)| scene.is_seen(*index));
+        self.bounds = seen.fold(Bounds::EMPTY, |all, (_, o)| all.union(&Bounds { low: o.low, high: o.high }));
     }
 }
 

@@ -10,9 +10,9 @@ use alloc::vec::Vec;
 /// Objects, then their parts: kept while nothing changes that they depend on.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
-    /// The scene, its versions, and the triangles that a part has at most; none where objects are
-    /// chosen anew for each frame.
-    source: Option<(u32, Versions, u32)>,
+    /// The scene, its versions, which levels of detail were chosen, and the triangles that a part
+    /// has at most; none where there are no parts.
+    source: Option<(u32, Versions, u32, u32)>,
     objects: Vec<Object>,
     /// Nodes that may have to be divided.
     waiting: Vec<u32>,
@@ -45,16 +45,17 @@ impl Parts {
     }
 
     /// Makes the parts of a frame's objects, unless those at hand are the same; they are more than
-    /// [`MOST`] in the error's case. `is_chosen` says that the objects are not the scene's own.
+    /// [`MOST`] in the error's case. `chosen` is another number wherever objects are others for the
+    /// same scene.
     pub fn prepare(
         &mut self,
         scene: &Scene,
         objects: &[Object],
-        is_chosen: bool,
+        chosen: u32,
         triangles: u32,
     ) -> Result<(), ()> {
-        let source = (!is_chosen).then(|| (scene.id(), scene.versions(), triangles));
-        if source.is_some() && self.source == source {
+        let source = Some((scene.id(), scene.versions(), chosen, triangles));
+        if self.source == source {
             return Ok(());
         }
         self.source = None;
@@ -135,7 +136,7 @@ mod tests {
         let scene = strips(2);
         for most in [1, 5, 64, 1000] {
             let mut parts = Parts::default();
-            parts.prepare(&scene, scene.objects(), false, most).unwrap();
+            parts.prepare(&scene, scene.objects(), 0, most).unwrap();
             let mut seen = alloc::vec![0; 400];
             for part in &parts.objects()[2..] {
                 let (whole, node) =

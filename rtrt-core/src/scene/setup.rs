@@ -5,8 +5,10 @@ use crate::grid::{BLOCK_RAYS, Grid};
 use crate::kernel::area::hash;
 use crate::layout::{AlphaMode, Backdrop, Frame, Object, View, ViewKind};
 use crate::scene::floor::floored;
+use crate::scene::levels::Chosen;
 use crate::scene::light::is_color;
 use crate::scene::parts::{self, Parts};
+use crate::scene::tree::Bounds;
 use crate::scene::{Camera, Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
@@ -95,11 +97,26 @@ pub struct Setup {
     pub frame: Frame,
     /// The camera, then six views a light.
     pub views: Vec<View>,
+    /// What the views of lights were made of.
+    lights: Option<Lights>,
     /// The objects with the levels of detail of this frame, where there are any.
-    chosen: Option<Vec<Object>>,
+    chosen: Chosen,
     parts: Parts,
     /// The triangles that a part has at most, where the camera's lists hold parts.
     part_triangles: Option<u32>,
+}
+
+/// What the views of lights are made of.
+#[derive(Debug, Clone, PartialEq)]
+struct Lights {
+    scene: u32,
+    changes: u32,
+    /// The bits of the scene's lower and upper corner.
+    bounds: [[u32; 3]; 2],
+    cells: u32,
+    shadows: Shadows,
+    structure: Structure,
+    occluders: Occluders,
 }
 
 impl Default for Setup {
@@ -107,7 +124,8 @@ impl Default for Setup {
         Self {
             frame: Frame::zeroed(),
             views: Vec::new(),
-            chosen: None,
+            lights: None,
+            chosen: Chosen::default(),
             parts: Parts::default(),
             part_triangles: None,
         }
@@ -130,8 +148,13 @@ impl Setup {
     pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
         match self.part_triangles {
             Some(_) => self.parts.objects(),
-            None => self.chosen.as_deref().unwrap_or(scene.objects()),
+            None => self.whole(scene),
         }
+    }
+
+    /// Those that are whole.
+    fn whole<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
+        if self.chosen.is_needed { &self.chosen.objects } else { scene.objects() }
     }
 
     /// The triangles that a part of an object has at most; none where lists hold whole objects.
@@ -139,9 +162,11 @@ impl Setup {
         self.part_triangles
     }
 
-    /// Whether the objects are chosen anew for each frame.
-    pub fn has_levels(&self) -> bool {
-        self.chosen.is_some()
+    /// Another number whenever other levels of detail are seen of the same scene; 0 where it has
+    /// none. [`Setup::objects`] are the same while this, [`Setup::part_triangles`] and the scene
+    /// are.
+    pub fn chosen(&self) -> u32 {
+        if self.chosen.is_needed { self.chosen.changes } else { 0 }
     }
 
     /// Sets up a frame of `width` × `height` pixels with 1, 4 or 16 `samples` each, whose rays
@@ -189,46 +214,34 @@ impl Setup {
         if rays > 1 << 31 {
             return Err(SetupError::Rays { rays });
         }
-        let (chosen, bounds) = scene.seen_from(camera.eye).unzip();
-        self.chosen = chosen;
-        let bounds = bounds.filter(|bounds| !bounds.is_empty()).unwrap_or(*scene.bounds());
-        let all = self.chosen.as_deref().unwrap_or(scene.objects());
-        let objects = all.len();
+        self.chosen.choose(scene, camera.eye);
+        let has_bounds = self.chosen.is_needed && !self.chosen.bounds.is_empty();
+        let bounds = if has_bounds { self.chosen.bounds } else { *scene.bounds() };
         self.part_triangles = match scene.structure {
-            Structure::Blocks => parts::triangles(all),
+            Structure::Blocks => parts::triangles(self.whole(scene)),
             Structure::Parts(triangles) => Some(triangles.max(1)),
             Structure::Objects | Structure::None => None,
         };
+        let objects = self.whole(scene).len() as u32;
+        let mut seen = [0, objects];
         if let Some(triangles) = self.part_triangles {
-            let made = self.parts.prepare(scene, all, self.chosen.is_some(), triangles);
+            let mut parts = core::mem::take(&mut self.parts);
+            let made = parts.prepare(scene, self.whole(scene), self.chosen(), triangles);
+            self.parts = parts;
             made.map_err(|()| SetupError::Parts { triangles, limit: parts::MOST })?;
+            seen = [objects, self.parts.objects().len() as u32 - objects];
         }
         let is_one_list = scene.structure == Structure::None;
         let by_angle = u32::from(scene.mip == Mip::Angle);
-        self.views.clear();
-        self.views.push(View { by_angle, ..camera.view(grid)? });
+        let eye = View { by_angle, ..camera.view(grid)? };
+        let light_blocks = self.light_views(scene, &bounds, shadows, eye)?;
+        let camera = &mut self.views[Frame::CAMERA as usize];
         if is_one_list {
-            [self.views[0].width, self.views[0].height] = [1, 1];
+            [camera.width, camera.height] = [1, 1];
         }
-        let cells = if is_one_list { 1 } else { light_cells(scene.objects().len(), lights.len()) };
-        let mut blocks = self.views[0].width * self.views[0].height;
-        for (number, light) in (0..).zip(lights) {
-            let jitter = match shadows {
-                Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
-                _ => None,
-            };
-            let views = light.views(&bounds, cells, blocks, jitter)?;
-            blocks += views.iter().map(|v| v.width * v.height).sum::<u32>();
-            self.views.extend(views);
-        }
-        for view in self.views.iter_mut().filter(|view| view.kind != ViewKind::Off as u32) {
-            view.one_list = u32::from(is_one_list);
-            view.seen_only = u32::from(scene.occluders == Occluders::Seen);
-            view.shadow_distance = match scene.occluders {
-                Occluders::Near(distance) => distance.clamp(LEAST_DISTANCE, MOST_DISTANCE),
-                _ => 0.0,
-            };
-        }
+        camera.first_block = light_blocks;
+        mark(scene, camera);
+        let blocks = light_blocks + camera.width * camera.height;
         let centers = self.views.iter().flat_map(|view| view.center.map(|c| c.abs() + view.disc));
         let corners = bounds.low.into_iter().chain(bounds.high);
         let magnitude = centers.chain(corners).fold(0.0_f32, |most, c| most.max(c.abs()));
@@ -254,9 +267,8 @@ impl Setup {
             background_g,
             background_b,
             magnitude,
-            seen: (self.objects(scene).len() - if self.part_triangles.is_some() { objects } else { 0 })
-                as u32,
-            first_seen: if self.part_triangles.is_some() { objects as u32 } else { 0 },
+            first_seen: seen[0],
+            seen: seen[1],
             details: u32::from(scene.has_details()),
             sky_first: scene.sky().first,
             sky_side: scene.sky().side,
@@ -273,6 +285,60 @@ impl Setup {
         };
         Ok(())
     }
+
+    /// Makes the views: `camera`, and those of lights, if they are not still the same. Gives the
+    /// number of blocks of lights, which come before the camera's: their lists may be kept while a
+    /// camera moves.
+    fn light_views(
+        &mut self,
+        scene: &Scene,
+        bounds: &Bounds,
+        shadows: Shadows,
+        camera: View,
+    ) -> Result<u32, SetupError> {
+        let (lights, structure) = (scene.lights(), scene.structure);
+        let is_one_list = structure == Structure::None;
+        let source = Lights {
+            scene: scene.id(),
+            changes: scene.light_changes(),
+            bounds: [bounds.low, bounds.high].map(|corner| corner.map(f32::to_bits)),
+            cells: if is_one_list { 1 } else { light_cells(scene.objects().len(), lights.len()) },
+            shadows,
+            structure,
+            occluders: scene.occluders,
+        };
+        let blocks = |views: &[View]| views.iter().map(|v| v.width * v.height).sum::<u32>();
+        if self.lights.as_ref() == Some(&source) {
+            self.views[Frame::CAMERA as usize] = camera;
+            return Ok(blocks(&self.views[1..]));
+        }
+        self.lights = None;
+        self.views.clear();
+        self.views.push(camera);
+        let mut first_block = 0;
+        for (number, light) in (0..).zip(lights) {
+            let jitter = match shadows {
+                Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
+                _ => None,
+            };
+            let mut views = light.views(bounds, source.cells, first_block, jitter)?;
+            views.iter_mut().filter(|v| v.kind != ViewKind::Off as u32).for_each(|view| mark(scene, view));
+            first_block += blocks(&views);
+            self.views.extend(views);
+        }
+        self.lights = Some(source);
+        Ok(first_block)
+    }
+}
+
+/// Says in a view how objects keep rays away from others, and which cast shadows.
+fn mark(scene: &Scene, view: &mut View) {
+    view.one_list = u32::from(scene.structure == Structure::None);
+    view.seen_only = u32::from(scene.occluders == Occluders::Seen);
+    view.shadow_distance = match scene.occluders {
+        Occluders::Near(distance) => distance.clamp(LEAST_DISTANCE, MOST_DISTANCE),
+        _ => 0.0,
+    };
 }
 
 /// What the numbers of rays are mixed with to jitter the points of a light; not 0.

@@ -172,6 +172,8 @@ pub struct Scene {
     /// By number, the objects that show lights.
     shown: BTreeMap<u32, u32>,
     lights: Vec<Light>,
+    /// Counts what may have changed the lights.
+    light_changes: u32,
     sky: Sky,
     see_through: AlphaMode,
     bounds: Bounds,
@@ -218,6 +220,7 @@ impl Scene {
             sphere: None,
             shown: BTreeMap::new(),
             lights: vec![],
+            light_changes: 0,
             sky: Sky::default(),
             see_through: AlphaMode::Opaque,
             bounds: Bounds::EMPTY,
@@ -483,7 +486,7 @@ impl Scene {
 
     /// Adds a light.
     pub fn add_light(&mut self, light: Light) {
-        self.lights.push(light);
+        self.lights_mut().push(light);
     }
     /// The lights.
     pub fn lights(&self) -> &[Light] {
@@ -491,7 +494,13 @@ impl Scene {
     }
     /// The lights, to be changed.
     pub fn lights_mut(&mut self) -> &mut Vec<Light> {
+        self.light_changes += 1;
         &mut self.lights
+    }
+
+    /// Another number whenever the lights may have changed.
+    pub(super) fn light_changes(&self) -> u32 {
+        self.light_changes
     }
 
     /// A number that no other scene of this process has.

@@ -4,7 +4,7 @@ use crate::kernel::cover::{Cover, cover};
 use crate::kernel::frustum::{is_near, is_shadow_seen};
 use crate::layout::{Frame, Object, View, ViewKind};
 
-/// How many covers a frame has: one for each object of each view; the camera's may be parts of
+/// How many covers a frame makes: one for each object of each view; the camera's may be parts of
 /// objects.
 #[inline(always)]
 pub fn count(frame: &Frame) -> u32 {

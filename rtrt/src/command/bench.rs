@@ -38,6 +38,9 @@ struct Report {
     primary_and_shadow_rays_per_second: f64,
     /// Median wall clock of a frame.
     frame_ms: f64,
+    /// What the host takes to set up a frame and hand it to a GPU, which it then waits for; null
+    /// where the host itself renders.
+    host_ms: Option<Times>,
     tree_build_ms: f64,
     /// Everything that rays are traced and shaded with, but for texels.
     scene_bytes: usize,
@@ -70,7 +73,7 @@ pub fn run(options: &Bench) -> Result<(), Error> {
     let (mut backend, machine) = open(&options.common.backend, &console)?;
     let mut picture = Picture::default();
     let mut frames: Vec<[f64; STAGES.len()]> = Vec::new();
-    let mut frame_ms = Vec::new();
+    let (mut frame_ms, mut host_ms) = (Vec::new(), Vec::new());
     for frame in 0..WARM_UP + options.frames {
         console.step(format_args!("frame {}", frame + 1));
         let start = Instant::now();
@@ -78,6 +81,7 @@ pub fn run(options: &Bench) -> Result<(), Error> {
         if frame >= WARM_UP {
             frame_ms.push(start.elapsed().as_secs_f64() * 1e3);
             frames.push(picture.stages_ms);
+            host_ms.extend(picture.host_ms);
         }
     }
     let peak_rss_bytes = peak_rss_bytes();
@@ -106,6 +110,7 @@ pub fn run(options: &Bench) -> Result<(), Error> {
         primary_and_shadow_rays_per_second: (job.rays + shadow_rays) as f64 / seconds(&stages[..LIT]),
         stages_ms: PerStage(stages),
         frame_ms: times(frame_ms).median,
+        host_ms: (!host_ms.is_empty()).then(|| times(host_ms)),
         tree_build_ms: job.tree_build_ms,
         scene_bytes: scene.bytes() - size_of_val(scene.texels()),
         source_bytes: scene.source_bytes(),
@@ -157,6 +162,9 @@ impl fmt::Display for Report {
             writeln!(f, "{name:>12} {median:9.3} ms (min {min:.3})")?;
         }
         writeln!(f, "{:>12} {:9.3} ms", "frame", self.frame_ms)?;
+        if let Some(Times { median, min }) = self.host_ms {
+            writeln!(f, "{:>12} {median:9.3} ms (min {min:.3})", "of it, host")?;
+        }
         writeln!(f, "{:>12} {:9.3} ms", "tree build", self.tree_build_ms)?;
         writeln!(f, "primary rays: {:.2} million a second", self.primary_rays_per_second * MEGA)?;
         let both = self.primary_and_shadow_rays_per_second * MEGA;

@@ -94,6 +94,7 @@ fn bench_prints_the_documented_keys() {
         "drawn_triangles",
         "frame_ms",
         "hash",
+        "host_ms",
         "lanes",
         "objects",
         "peak_rss_bytes",
@@ -120,6 +121,7 @@ fn bench_prints_the_documented_keys() {
     let seconds = (median("prepare") + median("bin") + median("visibility")) * 1e-3;
     let rays = number("primary_rays_per_second") * seconds;
     assert!((rays - 64.0 * 36.0).abs() < 1e-3, "{rays}");
+    assert!(report["host_ms"].is_null());
     assert!(number("frame_ms") > 0.0 && number("scene_bytes") > number("source_bytes"));
     let rendered = json(&folder.run(&format!("render --json {line}")));
     assert_eq!(report["hash"], rendered["hash"]);

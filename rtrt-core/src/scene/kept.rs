@@ -1,0 +1,60 @@
+//! Which lists of a frame are those of the frame before.
+
+use crate::layout::{Frame, View};
+use crate::scene::{Occluders, Scene, Setup, Versions};
+use alloc::vec::Vec;
+
+/// Lists that need not be made, because they would be the same again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kept {
+    /// None.
+    Nothing,
+    /// Those of all lights.
+    Lights,
+    /// All.
+    All,
+}
+
+/// What the lists of a frame were made of. A backend that keeps lists has one.
+#[derive(Debug, Default)]
+pub struct Source {
+    /// The scene, its versions, the levels of detail that were chosen, and the bits of the
+    /// frame's magnitude.
+    scene: Option<(u32, Versions, u32, u32)>,
+    /// What the camera's lists hold; see [`Setup::part_triangles`].
+    parts: Option<u32>,
+    views: Vec<View>,
+}
+
+impl Source {
+    /// Which lists of this frame are those of the frame that was asked about before, if they
+    /// were all made. Lists of lights depend on the camera where only what it sees, or what is
+    /// near it, casts shadows.
+    pub fn kept(&mut self, setup: &Setup, scene: &Scene) -> Kept {
+        let source = Some((scene.id(), scene.versions(), setup.chosen(), setup.frame.magnitude.to_bits()));
+        let is_same_scene = self.scene == source;
+        let first_light = Frame::CAMERA as usize + 1;
+        let is_same_camera =
+            is_same(&self.views, &setup.views, 0..first_light) && self.parts == setup.part_triangles();
+        let are_same_lights = self.views.len() == setup.views.len()
+            && is_same(&self.views, &setup.views, first_light..setup.views.len());
+        self.scene = source;
+        self.parts = setup.part_triangles();
+        if are_same_lights {
+            self.views[..first_light].copy_from_slice(&setup.views[..first_light]);
+        } else {
+            self.views.clone_from(&setup.views);
+        }
+        match (is_same_scene && are_same_lights, is_same_camera) {
+            (true, true) => Kept::All,
+            (true, false) if scene.occluders == Occluders::All => Kept::Lights,
+            _ => Kept::Nothing,
+        }
+    }
+}
+
+/// Whether some views are the same, bit for bit.
+fn is_same(a: &[View], b: &[View], range: core::ops::Range<usize>) -> bool {
+    let [a, b] = [a, b].map(|views| views.get(range.clone()).map(bytemuck::cast_slice::<View, u8>));
+    a == b
+}
