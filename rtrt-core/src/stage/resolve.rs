@@ -1,7 +1,7 @@
 //! Resolve: the sub-rays of a pixel become its color.
 
 use crate::grid::{Grid, RayIndex};
-use crate::lane::{Lane, Select};
+use crate::lane::{Lane, Mask, Select};
 use crate::num::{floor, recip, srgb_encode, to_integer};
 
 /// A group of pixels: the average of each one's sub-rays' linear colors, summed row by
@@ -21,8 +21,12 @@ pub fn resolve<L: Lane>(
         |lane| average(grid, pixel(lane), &color),
     );
     let is_partial = a.like(0.0).less_than(a) & a.less_than(a.like(1.0));
-    let scale = is_partial.select(recip(a), a.like(1.0));
-    let [r, g, b] = [r * scale, g * scale, b * scale];
+    let [r, g, b] = if is_partial.any() {
+        let scale = is_partial.select(recip(a), a.like(1.0));
+        [r * scale, g * scale, b * scale]
+    } else {
+        [r, g, b]
+    };
     byte(srgb_encode(r)) | byte(srgb_encode(g)) << 8 | byte(srgb_encode(b)) << 16 | byte(a) << 24
 }
 
