@@ -28,7 +28,7 @@ const LINES: [(&str, &[&str]); 5] = [
     ("prepare, bin", &["prepare", "bin"]),
     ("visibility", &["visibility"]),
     ("occlusion", &["occlusion"]),
-    ("others", &["surface", "light", "shade", "layers", "resolve"]),
+    ("others", &["surface", "detail", "light", "shade", "layers", "resolve"]),
 ];
 
 /// What a frame took: its x, and milliseconds for each of [`LINES`].

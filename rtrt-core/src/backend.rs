@@ -7,8 +7,8 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 /// The stages of a frame, in order. [`Picture::stages_ms`] is indexed alike.
-pub const STAGES: [&str; 9] =
-    ["prepare", "bin", "visibility", "surface", "occlusion", "light", "shade", "layers", "resolve"];
+pub const STAGES: [&str; 10] =
+    ["prepare", "bin", "visibility", "surface", "detail", "occlusion", "light", "shade", "layers", "resolve"];
 
 /// The usual number of layers of surfaces that a ray looks at.
 pub const LAYERS: u32 = 8;

@@ -98,7 +98,7 @@ impl Work for Block<'_> {
         }
         let mut start = Instant::now();
         resolved::<L>(token, job, index, &colors, tile);
-        clock.lap(8, &mut start);
+        clock.lap(9, &mut start);
         clock
     }
 }
@@ -164,9 +164,9 @@ impl Job<'_> {
         rays: &[Ray<L>; G],
         best: &[Best<L>; G],
     ) -> [Surfaces<L>; G] {
-        let Job { views, geometry, attributes, materials, texels, .. } = self;
+        let Job { views, geometry, attributes, .. } = self;
         let camera = &views[Frame::CAMERA as usize];
-        let mut surfaces: [Surfaces<L>; G] = L::apart(
+        L::apart(
             token,
             #[inline(always)]
             || {
@@ -175,7 +175,18 @@ impl Job<'_> {
                     |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
                 )
             },
-        );
+        )
+    }
+
+    /// The same surfaces, with what normal maps and second texture coordinates tell of them.
+    #[inline(always)]
+    pub fn detailed<L: Wide, const G: usize>(
+        &self,
+        token: L::Token,
+        best: &[Best<L>; G],
+        mut surfaces: [Surfaces<L>; G],
+    ) -> [Surfaces<L>; G] {
+        let Job { geometry, attributes, materials, texels, .. } = self;
         if self.frame.details != 0 {
             let maps = Maps { materials, texels };
             let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
@@ -320,12 +331,14 @@ fn packet_colors<L: Wide, const G: usize>(
         let rays = rays::<L, G>(token, &frame, camera, ray);
         let surfaces = job.surfaces(token, &rays, &best);
         clock.lap(stage(3), &mut start);
-        let shadows = Shadows::<L, G>::new(token, &frame, job, ray, &surfaces);
+        let surfaces = job.detailed(token, &best, surfaces);
         clock.lap(stage(4), &mut start);
-        let arriving = job.arriving(token, &frame, ray, &rays, &surfaces, &shadows);
+        let shadows = Shadows::<L, G>::new(token, &frame, job, ray, &surfaces);
         clock.lap(stage(5), &mut start);
-        job.shade(token, &frame, &rays, &surfaces, &arriving, &mut sums);
+        let arriving = job.arriving(token, &frame, ray, &rays, &surfaces, &shadows);
         clock.lap(stage(6), &mut start);
+        job.shade(token, &frame, &rays, &surfaces, &arriving, &mut sums);
+        clock.lap(stage(7), &mut start);
         if let Some(records) = &mut records {
             records.keep(job.frame, number, first, &best, &surfaces, &shadows, &arriving);
         }
@@ -349,7 +362,7 @@ fn packet_colors<L: Wide, const G: usize>(
         let range = first..first + G * L::WIDTH;
         records.colors[range.clone()].copy_from_slice(&colors[range]);
     }
-    clock.lap(6, &mut start);
+    clock.lap(7, &mut start);
 }
 
 /// Writes colors lane after lane.

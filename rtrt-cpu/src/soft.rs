@@ -87,7 +87,7 @@ impl Soft {
                     let start = Instant::now();
                     blur(&frame, job, surfaces, shadows, &edges, index, tints);
                     let mut clock = Clock::default();
-                    clock.add(shared.stage(4), start);
+                    clock.add(shared.stage(5), start);
                     let (lit, is_done) =
                         level.run(Lighten { shared, index, hits, tints, colors, records: records.as_mut() });
                     (clock.plus(lit), is_done)
@@ -182,6 +182,8 @@ impl Work for Find<'_> {
             clock.lap(shared.stage(2), &mut start);
             let rays = rays::<L, G>(token, frame, camera, ray);
             let surfaces = job.surfaces(token, &rays, &best);
+            clock.lap(shared.stage(3), &mut start);
+            let surfaces = job.detailed(token, &best, surfaces);
             for g in 0..G {
                 let at = first + g * L::WIDTH;
                 let (found, rows) = (best[g].rows(), surfaces[g].rows());
@@ -190,7 +192,7 @@ impl Work for Find<'_> {
                     kept[at + lane] = rows.lane(lane);
                 }
             }
-            clock.lap(shared.stage(3), &mut start);
+            clock.lap(shared.stage(4), &mut start);
             let origins = groups(
                 #[inline(always)]
                 |g| surfaces[g].origin,
@@ -216,7 +218,7 @@ impl Work for Find<'_> {
                     }
                 }
             }
-            clock.lap(shared.stage(4), &mut start);
+            clock.lap(shared.stage(5), &mut start);
         }
         clock
     }
@@ -307,6 +309,8 @@ impl Work for Lighten<'_, '_> {
             let rays = rays::<L, G>(token, frame, camera, ray);
             let surfaces = job.surfaces(token, &rays, &best);
             clock.lap(shared.stage(3), &mut start);
+            let surfaces = job.detailed(token, &best, surfaces);
+            clock.lap(shared.stage(4), &mut start);
             let mut colored = Vec::with_capacity(lights);
             for light in 0..lights {
                 let group: [L::Bits; G] = groups(
@@ -323,7 +327,7 @@ impl Work for Lighten<'_, '_> {
             }
             let shadows = Shadows::of(frame, surfaces[0].material.like(0), colored);
             let arriving = job.arriving(token, frame, ray, &rays, &surfaces, &shadows);
-            clock.lap(shared.stage(5), &mut start);
+            clock.lap(shared.stage(6), &mut start);
             let mut sums: [[L; 4]; G] = groups(
                 #[inline(always)]
                 |g| {
@@ -345,7 +349,7 @@ impl Work for Lighten<'_, '_> {
                 }
                 is_done &= hits[at] == Hit::MISS;
             }
-            clock.lap(shared.stage(6), &mut start);
+            clock.lap(shared.stage(7), &mut start);
         }
         (clock, is_done)
     }
@@ -368,7 +372,7 @@ impl Work for Encode<'_> {
         let start = Instant::now();
         resolved::<L>(token, job, index, colors, tile);
         let mut clock = Clock::default();
-        clock.add(8, start);
+        clock.add(9, start);
         clock
     }
 }

@@ -66,7 +66,7 @@ impl Pass {
 pub(crate) const FIRST_OF_BAND: usize = 2;
 
 /// The stage that is repeated for every layer of surfaces behind the first.
-pub(crate) const LAYERS: usize = 7;
+pub(crate) const LAYERS: usize = 8;
 
 /// What entry points read that are in the table twice.
 const LAYER: &[Slot] = &[
@@ -108,16 +108,16 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions], writes: &[Hits], work: opaque },
         Pass { stage: 2, entry: "layer", reads: LAYER, writes: &[Hits], work: see_through },
         Pass { stage: 3, entry: "surface", reads: SURFACE, writes: &[Surfaces], work: rays },
-        Pass { stage: 3, entry: "detail", reads: DETAIL, writes: &[Surfaces], work: details },
-        Pass { stage: 4, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: lights },
-        Pass { stage: 4, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Tints], work: colored_lights },
-        Pass { stage: 4, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
-        Pass { stage: 4, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
-        Pass { stage: 4, entry: "near", reads: TINT, writes: &[Shadows], work: soft_lights },
-        Pass { stage: 4, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows], writes: &[Tints], work: soft_lights },
-        Pass { stage: 4, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: tinted },
-        Pass { stage: 5, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
-        Pass { stage: 6, entry: "shade", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
+        Pass { stage: 4, entry: "detail", reads: DETAIL, writes: &[Surfaces], work: details },
+        Pass { stage: 5, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: lights },
+        Pass { stage: 5, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Tints], work: colored_lights },
+        Pass { stage: 5, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
+        Pass { stage: 5, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
+        Pass { stage: 5, entry: "near", reads: TINT, writes: &[Shadows], work: soft_lights },
+        Pass { stage: 5, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows], writes: &[Tints], work: soft_lights },
+        Pass { stage: 5, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: tinted },
+        Pass { stage: 6, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
+        Pass { stage: 7, entry: "shade", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
         Pass { stage: LAYERS, entry: "end", reads: &[Frame, Colors], writes: &[Hits], work: rays },
         Pass { stage: LAYERS, entry: "layer", reads: LAYER, writes: &[Hits], work: rays },
         Pass { stage: LAYERS, entry: "surface", reads: SURFACE, writes: &[Surfaces], work: rays },
@@ -130,7 +130,7 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: LAYERS, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: rays },
         Pass { stage: LAYERS, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
         Pass { stage: LAYERS, entry: "blend", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
-        Pass { stage: 8, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
+        Pass { stage: 9, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
     ]
 };
 

@@ -17,9 +17,12 @@ const SAMPLES: u32 = 1;
 /// Frames that are not counted: memory is allocated, scenes are uploaded.
 const WARM_UP: u32 = 2;
 /// Stages that find what the camera sees: prepare, bin, visibility.
-const PRIMARY: usize = 3;
-/// Stages up to and including Lambert shading: and surface, occlusion, light.
-const LIT: usize = 6;
+const PRIMARY: [usize; 3] = [0, 1, 2];
+/// Stages that trace rays: those, and occlusion.
+const TRACED: [usize; 4] = [0, 1, 2, 5];
+/// Stages up to the light that arrives: those, surface and light, but not detail, which reads
+/// normal maps.
+const LIT: [usize; 6] = [0, 1, 2, 3, 5, 6];
 
 /// What is reported; `--json` prints it.
 #[derive(serde::Serialize)]
@@ -32,9 +35,11 @@ struct Report {
     stages_ms: PerStage<Times>,
     /// Rays from the camera over the medians of prepare, bin and visibility.
     primary_rays_per_second: f64,
-    /// Rays from the camera and to lights over the medians of all stages up to and
-    /// including light. A ray to a light is counted where the light is in reach of a
-    /// surface that faces it; without shadows none is.
+    /// Rays from the camera and to lights over the medians of prepare, bin, visibility and
+    /// occlusion. A ray to a light is counted where the light is in reach of a surface that faces
+    /// it; without shadows none is.
+    traced_rays_per_second: f64,
+    /// The same rays over the medians of those stages, surface and light.
     primary_and_shadow_rays_per_second: f64,
     /// Median wall clock of a frame.
     frame_ms: f64,
@@ -100,14 +105,16 @@ pub fn run(options: &Bench) -> Result<(), Error> {
 
     let stages: [Times; STAGES.len()] =
         core::array::from_fn(|stage| times(frames.iter().map(|frame| frame[stage]).collect()));
-    let seconds = |stages: &[Times]| stages.iter().map(|times| times.median).sum::<f64>() * 1e-3;
+    let seconds = |of: &[usize]| of.iter().map(|&stage| stages[stage].median).sum::<f64>() * 1e-3;
+    let rays = (job.rays + shadow_rays) as f64;
     let scene = &job.scene;
     let report = Report {
         machine,
         size: job.size,
         samples: job.samples,
-        primary_rays_per_second: job.rays as f64 / seconds(&stages[..PRIMARY]),
-        primary_and_shadow_rays_per_second: (job.rays + shadow_rays) as f64 / seconds(&stages[..LIT]),
+        primary_rays_per_second: job.rays as f64 / seconds(&PRIMARY),
+        traced_rays_per_second: rays / seconds(&TRACED),
+        primary_and_shadow_rays_per_second: rays / seconds(&LIT),
         stages_ms: PerStage(stages),
         frame_ms: times(frame_ms).median,
         host_ms: (!host_ms.is_empty()).then(|| times(host_ms)),
@@ -167,8 +174,12 @@ impl fmt::Display for Report {
         }
         writeln!(f, "{:>12} {:9.3} ms", "tree build", self.tree_build_ms)?;
         writeln!(f, "primary rays: {:.2} million a second", self.primary_rays_per_second * MEGA)?;
-        let both = self.primary_and_shadow_rays_per_second * MEGA;
-        writeln!(f, "primary and shadow rays: {both:.2} million a second")?;
+        let [traced, both] =
+            [self.traced_rays_per_second, self.primary_and_shadow_rays_per_second].map(|rays| rays * MEGA);
+        writeln!(
+            f,
+            "primary and shadow rays: {traced:.2} million a second, {both:.2} with surfaces and light"
+        )?;
         let [scene, source] = [self.scene_bytes, self.source_bytes].map(|bytes| bytes as f64 * MEGA);
         writeln!(f, "memory: scene {scene:.1} MB, of which {source:.1} MB were imported")?;
         if let Some(peak) = self.peak_rss_bytes {
@@ -184,8 +195,10 @@ mod tests {
 
     #[test]
     fn rates_are_over_the_stages_they_name() {
-        assert_eq!(STAGES[..PRIMARY], ["prepare", "bin", "visibility"]);
-        assert_eq!(STAGES[PRIMARY..LIT], ["surface", "occlusion", "light"]);
+        assert_eq!(PRIMARY.map(|stage| STAGES[stage]), ["prepare", "bin", "visibility"]);
+        assert_eq!(TRACED.map(|stage| STAGES[stage]), ["prepare", "bin", "visibility", "occlusion"]);
+        let lit = ["prepare", "bin", "visibility", "surface", "occlusion", "light"];
+        assert_eq!(LIT.map(|stage| STAGES[stage]), lit);
     }
 
     #[test]

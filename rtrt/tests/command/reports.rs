@@ -98,6 +98,7 @@ fn bench_prints_the_documented_keys() {
         "lanes",
         "objects",
         "peak_rss_bytes",
+        "traced_rays_per_second",
         "primary_and_shadow_rays_per_second",
         "primary_rays_per_second",
         "samples",
