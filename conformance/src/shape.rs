@@ -199,7 +199,7 @@ pub struct Build {
 impl Default for Build {
     fn default() -> Self {
         let mut scene = Scene::new();
-        let gray = scene.add_material(phong([0.6; 3], 0.0, 0.7, PLAIN, [0.0; 3]));
+        let gray = scene.add_material(phong([0.6; 3], 0.0, 0.7, PLAIN, [0.0; 3])).expect("a case's material");
         Self { scene, gray }
     }
 }
@@ -227,7 +227,7 @@ impl Build {
     }
     /// The same in a material of its own.
     pub fn shape_of(mut self, shape: Shape, material: Material) -> Self {
-        let material = self.scene.add_material(material);
+        let material = self.scene.add_material(material).expect("a case's material");
         let mesh = self.mesh(shape);
         self.scene.add_object(mesh, material, Mat4::IDENTITY).expect("a case's object");
         self

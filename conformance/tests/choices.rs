@@ -1,11 +1,11 @@
 //! What is chosen for a frame: levels of detail, levels of textures, and the structure.
 
-use conformance::shape::{Build, Random, Shape, bulb, sun};
+use conformance::shape::{Build, PLAIN, Random, Shape, bulb, sun};
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{cases, compare, reference};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::scene::{Camera, Mip, Occluders, Projection, Scene, Structure};
+use rtrt_core::scene::{Camera, Mip, Occluders, Projection, Scene, Structure, phong};
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 3.0, 6.0),
@@ -32,6 +32,10 @@ const STEPS: [(f32, u32); 3] = [(0.0, 8), (7.0, 4), (12.0, 2)];
 fn balls(eye: Option<Vec3>) -> (Scene, [u32; 3]) {
     let mut build = Build::default().shape(Shape::floor(40.0, -1.0));
     let meshes = STEPS.map(|(_, steps)| build.mesh(Shape::ball(steps)));
+    // The coarsest ones have a color of their own.
+    let blue = phong([0.2, 0.3, 0.9], 0.0, 0.6, PLAIN, [0.0; 3]);
+    let blue = build.scene.add_material(blue).unwrap();
+    let materials = [build.gray, build.gray, blue];
     let mut random = Random(4);
     let mut counts = [0; 3];
     for _ in 0..60 {
@@ -40,14 +44,15 @@ fn balls(eye: Option<Vec3>) -> (Scene, [u32; 3]) {
         match eye {
             None => {
                 let ball = build.object(meshes[0], place);
-                build.scene.set_levels(ball, &[(STEPS[2].0, meshes[2]), (STEPS[1].0, meshes[1])]).unwrap();
+                let levels = [2, 1].map(|level| (STEPS[level].0, meshes[level], materials[level]));
+                build.scene.set_levels_with(ball, &levels).unwrap();
             }
             Some(eye) => {
                 // To the nearest point of the box around the ball.
                 let away = ((eye - center).abs() - size).max(Vec3::ZERO).length();
                 let level = STEPS.iter().rposition(|(from, _)| away >= *from).unwrap();
                 counts[level] += 1;
-                build.object(meshes[level], place);
+                build.scene.add_object(meshes[level], materials[level], place).unwrap();
             }
         }
     }
@@ -100,28 +105,61 @@ fn levels_that_make_no_sense_are_refused() {
 #[test]
 fn no_picture_depends_on_the_structure() {
     let mut reference = reference();
-    let (mut with, mut without) = (Picture::default(), Picture::default());
-    let mut seen = 0;
+    let (mut expected, mut actual) = (Picture::default(), Picture::default());
+    let mut differ = 0;
     for case in cases::all() {
         let mut scene = (case.scene)();
         // Whole lists for each ray of the largest take minutes.
         if scene.objects().len() > 1500 {
             continue;
         }
-        scene.structure = Structure::Blocks;
-        reference.render(&scene, &case.request(), &mut with).unwrap();
-        scene.structure = Structure::None;
-        reference.render(&scene, &case.request(), &mut without).unwrap();
-        let [with, without] = [&mut with, &mut without].map(|picture| picture.deferred.as_mut().unwrap());
-        if scene.objects().len() > 1 && !scene.lights().is_empty() {
-            assert_ne!(with.lists, without.lists, "{}", case.name);
-            seen += 1;
+        scene.structure = Structure::Objects;
+        reference.render(&scene, &case.request(), &mut expected).unwrap();
+        let expected = expected.deferred.as_mut().unwrap();
+        let lists = core::mem::take(&mut expected.lists);
+        for structure in [Structure::Blocks, Structure::Parts(16), Structure::Parts(1), Structure::None] {
+            scene.structure = structure;
+            reference.render(&scene, &case.request(), &mut actual).unwrap();
+            let actual = actual.deferred.as_mut().unwrap();
+            differ += usize::from(actual.lists != lists);
+            actual.lists.clear();
+            assert_eq!(expected, actual, "{} {structure:?}", case.name);
         }
-        with.lists.clear();
-        without.lists.clear();
-        assert_eq!(with, without, "{}", case.name);
     }
-    assert!(seen > 50, "{seen}");
+    assert!(differ > 200, "{differ}");
+}
+
+#[test]
+fn parts_follow_what_they_are_parts_of() {
+    let mut variants = present(all(), requires_gpu());
+    assert_eq!(variants.failed, 0);
+    let mut build = Build::default().shape(Shape::floor(8.0, -1.0)).light(bulb([2.0, 6.0, 3.0]));
+    let ball = build.mesh(Shape::ball(8));
+    let balls = [-1.4, 0.0, 1.4].map(|x| build.object(ball, Mat4::from_translation(Vec3::new(x, 0.0, 1.0))));
+    let mut scene = build.scene;
+    let (mut expected, mut actual) = (Picture::default(), Picture::default());
+    let mut pictures = Vec::new();
+    for step in 0..7 {
+        match step {
+            1 => scene.structure = Structure::Parts(4),
+            2 => scene.set_transform(balls[1], Mat4::from_scale(Vec3::new(1.0, 0.5, 1.5))).unwrap(),
+            3 => scene.reshape(ball, &Shape::ball(8).at([0.0; 3], 0.7).mesh()).unwrap(),
+            4 => scene.structure = Structure::Objects,
+            5 => scene.structure = Structure::Parts(20),
+            6 => scene.hide(balls[2]).unwrap(),
+            _ => {}
+        }
+        // One that knows nothing of what the scene was before.
+        reference().render(&scene, &request(&CAMERA), &mut expected).unwrap();
+        pictures.push(expected.pixels.clone());
+        for (name, backend) in &mut variants.backends {
+            backend.render(&scene, &request(&CAMERA), &mut actual).unwrap();
+            let compared = compare(&request(&CAMERA), &expected, &actual);
+            compared.unwrap_or_else(|why| panic!("{name}, step {step}: {why}"));
+        }
+    }
+    let changes: Vec<_> = pictures.windows(2).map(|pair| pair[0] != pair[1]).collect();
+    assert_eq!(changes, [false, true, true, false, false, true]);
 }
 
 #[test]

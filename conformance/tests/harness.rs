@@ -167,7 +167,7 @@ fn nudged(scene: &Scene) -> Scene {
     let indices = scene.words()[..3 * object.triangles as usize].to_vec();
     let mesh = Mesh::new(positions, scene.attributes().to_vec(), indices).unwrap();
     let mut other = Scene::new();
-    let material = other.add_material(scene.materials()[0]);
+    let material = other.add_material(scene.materials()[0]).unwrap();
     let index = other.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
     other.add_object(index, material, glam::Mat4::IDENTITY).unwrap();
     scene.lights().iter().for_each(|&light| other.add_light(light));

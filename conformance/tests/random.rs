@@ -106,7 +106,7 @@ fn see_through(random: &mut Random, build: &mut Build) -> MaterialIndex {
         let map = build.scene.add_texture(&Image { width: 7, height: 5, rgba }, [wrap; 2]).expect("room");
         material.textures[Material::COLOR] = map;
     }
-    build.scene.add_material(material)
+    build.scene.add_material(material).expect("a case's material")
 }
 
 fn scene(random: &mut Random) -> Scene {

@@ -4,8 +4,8 @@ use conformance::reference;
 use conformance::shape::{Build, PLAIN, Shape, sun};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
-use rtrt_core::layout::{AlphaMode, Material, NONE, Wrap};
-use rtrt_core::scene::{Camera, Image, Projection, Scene, phong};
+use rtrt_core::layout::{AlphaMode, Backdrop, Material, NONE, Wrap};
+use rtrt_core::scene::{Camera, Image, Panorama, Projection, Scene, phong};
 
 /// A material that blends and shows its color whatever the light.
 fn glass(base: [f32; 3], alpha: f32) -> Material {
@@ -147,4 +147,34 @@ fn shadows_are_as_dark_as_the_alphas_together() {
     // Half is left: √½ of 1023.
     let half = 723 * (1 | 1 << 10 | 1 << 20);
     assert!(tint(&quarter[..2]).iter().all(|&word| word == half));
+}
+
+#[test]
+fn what_is_behind_everything_is_behind_panes() {
+    let pane = || Build::default().shape_of(square(1.0), glass([0.0, 0.0, 1.0], 0.5)).scene;
+    let around = |mut scene: Scene| {
+        let rgb = vec![[0.25, 1.0, 0.5]; 8];
+        scene.set_environment(&Panorama { width: 4, height: 2, rgb }).unwrap();
+        scene
+    };
+    let red = |backdrop| {
+        let mut scene = around(pane());
+        (scene.background, scene.backdrop) = (Vec3::X, backdrop);
+        scene
+    };
+    near(color(&red(Backdrop::Environment), 8), [0.125, 0.5, 0.75]);
+    near(color(&red(Backdrop::Color), 8), [0.5, 0.0, 0.5]);
+    let mut plain = pane();
+    plain.background = Vec3::X;
+    near(color(&plain, 8), [0.5, 0.0, 0.5]);
+    // Before nothing, a pane covers as much as its alpha says, and has its own color.
+    let (picture, deferred) = render(&red(Backdrop::Nothing), Vec3::Z * 4.0, Vec3::ZERO, 8);
+    assert_eq!((deferred.colors[0], picture.pixels[0]), ([0.0, 0.0, 0.5, 0.5], 0x80ff_0000));
+    let (picture, deferred) = render(&red(Backdrop::Nothing), Vec3::Z * -4.0, Vec3::Z * -5.0, 8);
+    assert_eq!((deferred.colors[0], picture.pixels[0]), ([0.0; 4], 0));
+    // The last layer of all counts as opaque; nothing does not.
+    let (picture, _) = render(&red(Backdrop::Nothing), Vec3::Z * 4.0, Vec3::ZERO, 1);
+    assert_eq!(picture.pixels[0], 0xffff_0000);
+    let (picture, _) = render(&red(Backdrop::Nothing), Vec3::Z * -4.0, Vec3::Z * -5.0, 1);
+    assert_eq!(picture.pixels[0], 0);
 }

@@ -25,7 +25,7 @@ use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new();
-    let material = scene.add_material(phong([0.5; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]));
+    let material = scene.add_material(phong([0.5; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]))?;
     let cube = cube()?;
     let cube = scene.add_mesh(&cube, &MeshTree::build(&cube, &Sequential))?;
     let mut place = |x: f32| scene.add_object(cube, material, Mat4::from_translation(Vec3::X * x));

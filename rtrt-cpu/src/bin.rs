@@ -34,12 +34,12 @@ impl Bins {
         let Self { words, camera, lights, .. } = self;
         let Binning { frame, views, covers, .. } = job;
         let blocks = views[Frame::CAMERA as usize].first_block;
-        let objects = covers.len().min(frame.objects as usize);
+        let seen = covers.len().min(frame.seen as usize);
         rayon::join(
-            || camera.fill(job, 0..objects, blocks..frame.blocks),
+            || camera.fill(job, 0..seen, blocks..frame.blocks),
             || {
                 if !keeps_lights {
-                    lights.fill(job, objects..covers.len(), 0..blocks);
+                    lights.fill(job, seen..covers.len(), 0..blocks);
                 }
             },
         );

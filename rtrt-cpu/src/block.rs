@@ -107,19 +107,22 @@ impl Work for Block<'_> {
 #[inline(always)]
 pub fn resolved<L: Wide>(token: L::Token, job: &Job<'_>, index: u32, colors: &[[f32; 4]], tile: &mut [u32]) {
     let grid = job.frame.grid();
+    // A power of two.
     let side = grid.block_pixels();
+    let (across, down) = (side - 1, side.trailing_zeros());
     let [left, top] = grid.ray(RayIndex(index * BLOCK_RAYS)).map(|ray| ray / grid.side);
     for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_mut(L::WIDTH)) {
         let bits = resolve::<L>(
             token,
             grid,
             #[inline(always)]
-            |lane| [left + (first + lane as u32) % side, top + (first + lane as u32) / side],
+            |lane| [left + (first + lane as u32 & across), top + (first + lane as u32 >> down)],
             #[inline(always)]
             |ray| colors[(ray.0 % BLOCK_RAYS) as usize],
         );
+        let bits = bits.row();
         for (lane, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = bits.lane(lane);
+            *pixel = bits.at(lane);
         }
     }
 }

@@ -14,7 +14,7 @@ pub fn prepare(
     keeps_lights: bool,
 ) {
     covers.resize(prepare::count(frame) as usize, Cover::NONE);
-    let wanted = if keeps_lights { frame.objects as usize } else { covers.len() };
+    let wanted = if keeps_lights { frame.seen as usize } else { covers.len() };
     covers[..wanted]
         .par_iter_mut()
         .with_min_len(256)

@@ -86,8 +86,8 @@ async fn open() -> Option<(wgpu::Device, wgpu::Queue)> {
 /// A triangle over a floor, in the light of a lamp.
 fn scene() -> Result<Scene, Box<dyn Error>> {
     let mut scene = Scene::new();
-    let red = scene.add_material(phong([0.8, 0.2, 0.1], 0.0, 0.6, Texture::NONE, [0.0; 3]));
-    let gray = scene.add_material(phong([0.5; 3], 0.0, 0.9, Texture::NONE, [0.0; 3]));
+    let red = scene.add_material(phong([0.8, 0.2, 0.1], 0.0, 0.6, Texture::NONE, [0.0; 3]))?;
+    let gray = scene.add_material(phong([0.5; 3], 0.0, 0.9, Texture::NONE, [0.0; 3]))?;
     let floor = [[-3.0, -1.0, 3.0], [3.0, -1.0, 3.0], [0.0, -1.0, -5.0]];
     for (corners, material) in [([[-1.0, -0.6, 0.0], [1.0, -0.6, 0.3], [0.0, 1.0, -0.2]], red), (floor, gray)]
     {

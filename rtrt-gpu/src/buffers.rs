@@ -76,8 +76,9 @@ pub(crate) struct Buffers {
     slots: [Option<wgpu::Buffer>; Slot::COUNT],
     /// What dispatches bind of them.
     groups: Groups,
-    /// The scene whose arrays are there, as it was, with the levels of detail that were chosen.
-    resident: Option<(u32, Versions, u32)>,
+    /// The scene whose arrays are there, as it was, with the levels of detail and the
+    /// parts that were chosen.
+    resident: Option<(u32, Versions, (u32, Option<u32>))>,
     /// What [`Buffers::renew`] has copied.
     copied: [Vec<u8>; Slot::COUNT],
 }
@@ -159,7 +160,7 @@ impl Buffers {
         let known_version =
             |part: fn(&Versions) -> u32| known.as_ref().map(|(_, versions, _)| part(versions));
         let changed = |part: fn(&Versions) -> u32| known_version(part) != Some(part(&versions));
-        let chosen = setup.chosen();
+        let chosen = (setup.chosen(), setup.part_triangles());
         if changed(|v| v.geometry) {
             self.upload(device, Slot::Nodes, scene.nodes())?;
             self.upload(device, Slot::Words, scene.words())?;

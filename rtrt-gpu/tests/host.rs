@@ -36,7 +36,7 @@ fn scene(objects: u32) -> Scene {
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2]).unwrap();
     let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
-    let paint = scene.add_material(phong([0.8, 0.5, 0.3], 0.0, 0.7, Texture::NONE, [0.0; 3]));
+    let paint = scene.add_material(phong([0.8, 0.5, 0.3], 0.0, 0.7, Texture::NONE, [0.0; 3])).unwrap();
     let place =
         |n: u32| Vec3::new((n * 37 % 101) as f32, (n * 59 % 103) as f32, (n * 71 % 107) as f32) - 50.0;
     for object in 0..objects {

@@ -99,8 +99,8 @@ fn placed(at: Vec3) -> Mat4 {
 /// Balls (octahedra, really) over a floor, a lamp above them.
 fn start() -> Result<(Scene, Vec<Ball>), Box<dyn Error>> {
     let mut scene = Scene::new();
-    let blue = scene.add_material(phong([0.2, 0.4, 0.8], 0.0, 0.4, Texture::NONE, [0.0; 3]));
-    let white = scene.add_material(phong([0.8; 3], 0.0, 0.9, Texture::NONE, [0.0; 3]));
+    let blue = scene.add_material(phong([0.2, 0.4, 0.8], 0.0, 0.4, Texture::NONE, [0.0; 3]))?;
+    let white = scene.add_material(phong([0.8; 3], 0.0, 0.9, Texture::NONE, [0.0; 3]))?;
     let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis.to_array());
     let tips = vec![x, y, z, (-Vec3::X).to_array(), (-Vec3::Y).to_array(), (-Vec3::Z).to_array()];
     let sides = vec![0, 1, 2, 1, 3, 2, 3, 4, 2, 4, 0, 2, 1, 0, 5, 3, 1, 5, 4, 3, 5, 0, 4, 5];

@@ -44,9 +44,13 @@ pub struct Options {
     /// Threads of the CPU backend; see [`rtrt_cpu::Options`].
     pub threads: Option<usize>,
     /// Is told why, when a GPU that [`Choice::Auto`] took fails at a frame. The CPU renders that frame
-    /// and the following ones. A GPU that was asked for by kind or name has no such substitute.
-    pub tell: Option<fn(&RenderError)>,
+    /// and the following ones, unless it refuses. A GPU that was asked for by kind or name has no such
+    /// substitute.
+    pub tell: Option<Tell>,
 }
+
+/// Is told why a GPU failed, and says whether the CPU may take its place.
+pub type Tell = fn(&RenderError) -> bool;
 
 impl Options {
     fn cpu(&self) -> rtrt_cpu::Options {

@@ -76,6 +76,7 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
         lit_by_default: false,
         animation: None,
         warnings: Vec::new(),
+        files: Vec::new(),
         tree_build_ms: stage.builder.tree_build_ms,
     })
 }
@@ -90,10 +91,15 @@ impl<J: Join> Stage<'_, J> {
         self.builder.add_texture("painted", Ok(image))
     }
     /// A material with this color, roughness and texture.
-    fn material(&mut self, color: [f32; 3], roughness: f32, texture: Texture) -> MaterialIndex {
-        self.builder.scene.add_material(phong(color, 0.0, roughness, texture, [0.0; 3]))
+    fn material(
+        &mut self,
+        color: [f32; 3],
+        roughness: f32,
+        texture: Texture,
+    ) -> Result<MaterialIndex, ImportError> {
+        self.builder.add_material(phong(color, 0.0, roughness, texture, [0.0; 3]))
     }
-    fn painted(&mut self, color: [f32; 3], roughness: f32) -> MaterialIndex {
+    fn painted(&mut self, color: [f32; 3], roughness: f32) -> Result<MaterialIndex, ImportError> {
         self.material(color, roughness, Texture::NONE)
     }
     fn mesh(&mut self, shape: Shape) -> Result<MeshIndex, ImportError> {
@@ -114,11 +120,11 @@ impl<J: Join> Stage<'_, J> {
         let size = high - low;
         let (x, y, z) = (Vec3::X * size.x, Vec3::Y, Vec3::Z * size.z);
         let texture = self.texture(paint::planks())?;
-        let floor = self.material([0.95; 3], 0.45, texture);
+        let floor = self.material([0.95; 3], 0.45, texture)?;
         self.add(Shape::default().tiled(low, x, z, 2.4), floor)?;
 
         let texture = self.texture(paint::plaster())?;
-        let plaster = self.material([1.0; 3], 0.95, texture);
+        let plaster = self.material([1.0; 3], 0.95, texture)?;
         let upper = high.y - RAIL;
         let corner = |x: f32, z: f32| vec3(x, high.y, z);
         let [open_low, open_high] = WINDOW;
@@ -136,7 +142,7 @@ impl<J: Join> Stage<'_, J> {
         self.add(walls, plaster)?;
 
         let texture = self.texture(paint::tiles())?;
-        let tiles = self.material([1.0; 3], 0.25, texture);
+        let tiles = self.material([1.0; 3], 0.25, texture)?;
         let corner = |x: f32, z: f32| vec3(x, RAIL, z);
         let dado = Shape::default()
             .tiled(corner(low.x, low.z), x, y * -RAIL, 1.52)
@@ -145,7 +151,7 @@ impl<J: Join> Stage<'_, J> {
             .tiled(corner(high.x, low.z), z, y * -RAIL, 1.52);
         self.add(dado, tiles)?;
 
-        let wood = self.painted([0.20, 0.10, 0.05], 0.35);
+        let wood = self.painted([0.20, 0.10, 0.05], 0.35)?;
         let mut trim = Shape::default();
         for (bottom, height, depth) in [(RAIL - 0.03, 0.07, 0.06), (0.0, 0.12, 0.04)] {
             let (bottom, top) = (Vec3::Y * bottom, Vec3::Y * (bottom + height));
@@ -157,8 +163,8 @@ impl<J: Join> Stage<'_, J> {
         self.add(trim, wood)?;
 
         let texture = self.texture(paint::landscape())?;
-        let canvas = self.material([1.0; 3], 0.8, texture);
-        let frame = self.painted([0.45, 0.28, 0.08], 0.3);
+        let canvas = self.material([1.0; 3], 0.8, texture)?;
+        let frame = self.painted([0.45, 0.28, 0.08], 0.3)?;
         let (corner, wide, tall) = (vec3(-1.95, 2.75, low.z + 0.05), Vec3::X * 1.5, Vec3::Y * -1.0);
         self.add(Shape::default().quad(corner, wide, tall, [[0.0; 2], [1.0; 2]]), canvas)?;
         let bar = |from: Vec3, to: Vec3| (from - vec3(0.07, 0.07, 0.05), to + vec3(0.07, 0.07, 0.04));
@@ -175,7 +181,7 @@ impl<J: Join> Stage<'_, J> {
 
     /// The frame of the window and its sill.
     fn window(&mut self) -> Result<(), ImportError> {
-        let white = self.painted([0.80, 0.78, 0.74], 0.4);
+        let white = self.painted([0.80, 0.78, 0.74], 0.4)?;
         let [low, high] = WINDOW;
         let (middle, thin) = ((low + high) * 0.5, 0.035);
         let upright =
@@ -200,10 +206,10 @@ impl<J: Join> Stage<'_, J> {
 
     /// A bulb under a shade, on a cord.
     fn lamp(&mut self) -> Result<(), ImportError> {
-        let enamel = self.painted([0.05, 0.16, 0.13], 0.2);
-        let lining = self.painted([0.9, 0.88, 0.8], 0.6);
+        let enamel = self.painted([0.05, 0.16, 0.13], 0.2)?;
+        let lining = self.painted([0.9, 0.88, 0.8], 0.6)?;
         let glow = phong([0.0; 3], 0.0, 1.0, Texture::NONE, [1.0, 0.86, 0.6]);
-        let glow = self.builder.scene.add_material(glow);
+        let glow = self.builder.add_material(glow)?;
         let outside = [[0.02, 0.32], [0.1, 0.28], [0.16, 0.18], [0.42, -0.06]];
         let inside = outside.map(|[radius, height]| [radius - 0.008, height - 0.008]);
         let normals = [[0.3, 1.0], [0.6, 0.8], [0.8, 0.6], [0.7, 0.7]];
@@ -228,7 +234,7 @@ impl<J: Join> Stage<'_, J> {
         let whole = [[0.0; 2], [1.0; 2]];
 
         let texture = self.texture(paint::label())?;
-        let label = self.material([1.0; 3], 0.5, texture);
+        let label = self.material([1.0; 3], 0.5, texture)?;
         let lids = Shape::default().quad(-x + y - z, x * 2.0, z * 2.0, whole).quad(
             -x - y + z,
             x * 2.0,
@@ -238,7 +244,7 @@ impl<J: Join> Stage<'_, J> {
         let lids = self.mesh(lids)?;
         self.place(lids, label, at)?;
         let texture = self.texture(paint::striker())?;
-        let striker = self.material([1.0; 3], 0.7, texture);
+        let striker = self.material([1.0; 3], 0.7, texture)?;
         let strips = [[0.0; 2], [2.0, 0.5]];
         let sides = Shape::default().quad(-x + y + z, x * 2.0, y * -2.0, strips).quad(
             -x + y - z,
@@ -251,7 +257,7 @@ impl<J: Join> Stage<'_, J> {
 
         // The tray's floor and four walls, with room in the sleeve.
         let texture = self.texture(paint::board())?;
-        let board = self.material([1.0; 3], 0.9, texture);
+        let board = self.material([1.0; 3], 0.9, texture)?;
         let (half, wall) = (HALF - 0.03, 0.02);
         let side = |low: Vec3, high: Vec3| (low.max(-half), high.min(half));
         let far = Vec3::splat(9.0);
@@ -272,8 +278,8 @@ impl<J: Join> Stage<'_, J> {
         let stick =
             self.mesh(Shape::default().cuboid(vec3(-0.62, -0.03, -0.03), vec3(0.6, 0.03, 0.03), 1.0))?;
         let head = self.mesh(Shape::default().ellipsoid(Vec3::ZERO, 0.05, 0.085))?;
-        let wood = self.painted([0.72, 0.53, 0.30], 0.8);
-        let red = self.painted([0.55, 0.04, 0.03], 0.45);
+        let wood = self.painted([0.72, 0.53, 0.30], 0.8)?;
+        let red = self.painted([0.55, 0.04, 0.03], 0.45)?;
         let on_end = Mat4::from_translation(vec3(0.6, 0.0, 0.0)) * turned(Vec3::Z, 90.0);
         let mut matches = Vec::new();
         for number in 0..27_u32 {

@@ -1,6 +1,5 @@
 //! The deferred buffers of a frame as layers of pixels, for compositing and for looking at.
 
-use crate::backdrop::straight;
 use rtrt_core::backend::{Deferred, Picture};
 use rtrt_core::grid::Grid;
 use rtrt_core::kernel::texture::Maps;
@@ -111,4 +110,9 @@ fn reached(deferred: &Deferred, ray: usize) -> f32 {
     }
     let words = deferred.mask_words as usize;
     deferred.masks[ray * words..][..words].iter().map(|word| word.count_ones()).sum::<u32>() as f32
+}
+
+/// A color that was multiplied by its alpha, as it was before.
+fn straight([r, g, b, a]: [f32; 4]) -> [f32; 4] {
+    if a > 0.0 && a < 1.0 { [r / a, g / a, b / a, a] } else { [r, g, b, a] }
 }

@@ -24,7 +24,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod backdrop;
 pub mod cache;
 pub mod choose;
 pub mod debug;

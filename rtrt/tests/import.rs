@@ -2,8 +2,9 @@
 //! repository; without them the tests that need them say that they are skipped.
 
 use rtrt::import::{ImportError, Loaded, framing, load};
+use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{AlphaMode, Material};
-use rtrt_core::scene::{Light, MeshError, Projection, Sequential};
+use rtrt_core::scene::{Camera, Light, MeshError, Projection, Sequential, Setup};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -18,11 +19,15 @@ fn scenes() -> Option<PathBuf> {
     None
 }
 
+/// Where [`written`] writes.
+fn written_to() -> PathBuf {
+    std::env::temp_dir().join(format!("rtrt-import-{}", std::process::id()))
+}
+
 /// A scene written for one test.
 fn written(name: &str, text: &str) -> Result<Loaded, ImportError> {
-    let folder = std::env::temp_dir().join(format!("rtrt-import-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(name);
+    std::fs::create_dir_all(written_to()).unwrap();
+    let path = written_to().join(name);
     std::fs::write(&path, text).unwrap();
     load(&path, &Sequential)
 }
@@ -372,4 +377,66 @@ fn spot_lights_have_their_cones() {
         cones.len() == 2 && cones.iter().all(|(inner, outer)| inner <= outer && *outer < 1.6),
         "{cones:?}"
     );
+}
+
+/// A file with a node of three levels of detail, each a triangle of another size and material. `extras` are
+/// the first one's, `last` what else there is to say of the last one.
+fn levels(extras: &str, last: &str) -> Result<Loaded, ImportError> {
+    let corners = [4.0_f32, 2.0, 1.0].map(|size| [[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]]);
+    let bytes: Vec<u8> = corners.as_flattened().as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
+    std::fs::create_dir_all(written_to()).unwrap();
+    std::fs::write(written_to().join("levels.bin"), bytes).unwrap();
+    let each = |of: &dyn Fn(u32) -> String| [of(0), of(1), of(2)].join(",");
+    let meshes =
+        each(&|i| format!(r#"{{"primitives":[{{"attributes":{{"POSITION":{i}}},"material":{i}}}]}}"#));
+    let accessors = each(&|i| {
+        format!(r#"{{"bufferView":0,"byteOffset":{},"componentType":5126,"type":"VEC3","count":3}}"#, 36 * i)
+    });
+    let text = format!(
+        r#"{{"asset":{{"version":"2.0"}},"extensionsUsed":["MSFT_lod"],
+        "nodes":[{{"mesh":0,"extensions":{{"MSFT_lod":{{"ids":[1,2]}}}}{extras}}},{{"mesh":1}},{{"mesh":2{last}}}],
+        "materials":[{{}},{{}},{{"extensions":{{"MSFT_lod":{{"ids":[1]}}}}}}],"meshes":[{meshes}],
+        "accessors":[{accessors}],"bufferViews":[{{"buffer":0,"byteLength":108}}],
+        "buffers":[{{"byteLength":108,"uri":"levels.bin"}}]}}"#
+    );
+    written(&format!("levels-{}.gltf", extras.len() + last.len()), &text)
+}
+
+#[test]
+fn levels_of_detail_are_chosen_by_what_they_cover() {
+    let loaded = levels(r#","extras":{"MSFT_screencoverage":[0.5,0.1,0.001]}"#, "").unwrap();
+    assert_eq!(loaded.warnings, ["not drawn: levels of detail of materials"]);
+    assert_eq!((loaded.scene.objects().len(), loaded.scene.triangles()), (1, 3));
+    // The ball around the triangle has its middle at 2, 2, 0 and this radius.
+    let radius = 8.0_f64.sqrt();
+    let seen = |scene: &rtrt_core::scene::Scene, share: f64| {
+        let tangent = (std::f64::consts::PI / 8.0).tan();
+        let away = radius / tangent * (std::f64::consts::PI / (4.0 * 16.0 / 9.0 * share)).sqrt();
+        // Straight before the middle, where the bounds are flat: nearer than the ball by its radius.
+        let eye = glam::Vec3::new(2.0, 2.0, (away - radius) as f32);
+        let camera = Camera { eye, look_at: eye - glam::Vec3::Z, ..loaded.camera };
+        let mut setup = Setup::default();
+        setup.prepare(scene, &camera, [16, 9], 1, Shadows::Off, 1).unwrap();
+        let object = setup.objects(scene)[0];
+        (object.high[0], object.material, object.triangles)
+    };
+    for (share, size, material) in
+        [(0.9, 4.0, 0), (0.51, 4.0, 0), (0.49, 2.0, 1), (0.11, 2.0, 1), (0.09, 1.0, 2), (0.0011, 1.0, 2)]
+    {
+        assert_eq!(seen(&loaded.scene, share), (size, material, 1), "{share}");
+    }
+    assert_eq!(seen(&loaded.scene, 0.0009).2, 0);
+    // Without numbers, each begins at a quarter of the one before, and the last goes on for ever.
+    let loaded = levels("", "").unwrap();
+    for (share, size) in [(0.26, 4.0), (0.24, 2.0), (0.07, 2.0), (0.06, 1.0), (1e-6, 1.0)] {
+        assert_eq!(seen(&loaded.scene, share).0, size, "{share}");
+    }
+    // What cannot take the place of the node is left out.
+    let loaded = levels("", r#","translation":[0,0,1]"#).unwrap();
+    assert!(
+        loaded.warnings[0].ends_with("of node 0 is left out: it is placed elsewhere"),
+        "{:?}",
+        loaded.warnings
+    );
+    assert_eq!(seen(&loaded.scene, 1e-6).0, 2.0);
 }

@@ -281,7 +281,7 @@ fn damaged_trees_are_built_anew_or_lose_no_triangle() {
     let picture = |cache: &Cache| {
         let tree = cache.tree(&mesh, &Sequential).unwrap();
         let mut scene = Scene::new();
-        let material = scene.add_material(phong([0.7; 3], 0.0, 0.5, Texture::NONE, [0.0; 3]));
+        let material = scene.add_material(phong([0.7; 3], 0.0, 0.5, Texture::NONE, [0.0; 3])).unwrap();
         let index = scene.add_mesh(&mesh, &tree).unwrap();
         scene.add_object(index, material, glam::Mat4::IDENTITY).unwrap();
         scene.add_light(Light::Sun {

@@ -27,6 +27,18 @@ pub(super) const CASES: &[Case] = &[
         ..Case::USUAL
     },
     Case {
+        name: "bin/parts",
+        claim: "Lists of parts, down to leaves, hold every triangle of every object.",
+        scene: || {
+            let mut scene = spread();
+            scene.structure = Structure::Parts(2);
+            scene
+        },
+        camera: look([0.0, 6.0, 9.0], [0.0; 3]),
+        size: [53, 35],
+        ..Case::USUAL
+    },
+    Case {
         name: "bin/shadows_that_are_seen",
         claim: "Suns lose no shadow to leaving out what casts none that is seen.",
         scene: || scattered(Occluders::Seen),

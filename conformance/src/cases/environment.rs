@@ -4,7 +4,7 @@ use crate::case::{Case, look, parallel};
 use crate::shape::{Build, PLAIN, Random, Shape, bulb};
 use glam::Vec3;
 use rtrt_core::layout::{Material, Wrap};
-use rtrt_core::scene::{Image, Panorama, Scene, phong};
+use rtrt_core::scene::{Cube, Image, Panorama, Scene, phong};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -55,6 +55,22 @@ pub(super) const CASES: &[Case] = &[
                 .shape_of(Shape::ball(6).at([0.9, 0.0, 0.0], 0.8), unlit);
             around(build, 64, 32)
         },
+        ..Case::USUAL
+    },
+    Case {
+        name: "environment/cube",
+        claim: "A cube is looked up alike on all of its sides.",
+        scene: || {
+            let mut scene = Build::default().shape(Shape::ball(6)).scene;
+            let mut random = Random(12);
+            let faces = core::array::from_fn(|_| {
+                let tone = random.vector(0.5) + 0.5;
+                (0..9 * 9).map(|_| (tone + random.vector(0.2)).to_array()).collect()
+            });
+            scene.set_cube(&Cube { side: 9, faces }).expect("a cube");
+            scene
+        },
+        camera: look([0.0, 0.4, 1.1], [1.0, -0.7, 0.0]),
         ..Case::USUAL
     },
     Case {

@@ -4,6 +4,7 @@ use crate::case::{Case, look};
 use crate::shape::{Build, PLAIN, Random, Shape, bulb, lamp, spot, sun};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
+use rtrt_core::layout::{COLOR_LIMIT, LIGHT_LIMIT};
 use rtrt_core::scene::{Light, Scene, phong};
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.5, 0.0]), ..Case::USUAL };
@@ -34,6 +35,28 @@ pub(super) const CASES: &[Case] = &[
         // From between the two.
         camera: look([0.0, -0.996, 0.003], [0.0, -1.0, 0.0]),
         ..Case::USUAL
+    },
+    Case {
+        name: "light/as_bright_as_may_be",
+        claim: "The brightest lights at the brightest surfaces, touching them, give numbers.",
+        scene: || {
+            let mut dazzling = phong([COLOR_LIMIT; 3], 0.5, 0.0, PLAIN, [LIGHT_LIMIT; 3]);
+            dazzling.specular = [COLOR_LIMIT, 0.0, -COLOR_LIMIT];
+            let mut build = Build::default().shape_of(Shape::floor(2.0, -0.5), dazzling);
+            let dull = phong([1.0, 0.5, 0.0], 0.0, 1.0, PLAIN, [0.0; 3]);
+            build = build.shape_of(Shape::ball(6).at([0.5, 0.0, 0.0], 0.4), dull);
+            for (x, height) in [(-0.4, 0.0), (-0.2, 1e-9), (0.0, 1e-6), (0.2, 1e-3), (0.4, 1.0)] {
+                build = build.light(Light::Point {
+                    position: Vec3::new(x, height - 0.5, 0.3),
+                    color: Vec3::new(LIGHT_LIMIT, 1e-3, -LIGHT_LIMIT),
+                    reach: None,
+                    inverse_square: true,
+                    radius: 0.0,
+                });
+            }
+            build.light(sun([0.2, -1.0, -0.3])).scene
+        },
+        ..FROM_ABOVE
     },
     Case {
         name: "light/inverse_square",

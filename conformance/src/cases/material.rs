@@ -176,7 +176,8 @@ fn relief(scale: f32, places: &[Mat4]) -> Scene {
     let mut build = Build::default();
     let map = numbers(&mut build, 12, bump_texel);
     let material = Material { bump: scale, ..painted([0.8, 0.75, 0.7]) };
-    let material = build.scene.add_material(with(material, Material::NORMAL, map));
+    let material =
+        build.scene.add_material(with(material, Material::NORMAL, map)).expect("a case's material");
     // The tile's texture is mirrored, the ball's is not.
     let tile =
         Shape::quad([-1.2, -0.8, -0.9], [2.4, 0.0, 0.0], [0.0, 1.6, 0.3]).textured([-2.0, 2.0], [0.0, 0.0]);
@@ -201,7 +202,7 @@ fn second_set() -> Scene {
     let mut material = Material { emission: [1.0; 3], ..painted([1.0; 3]) };
     material.textures =
         [color, Texture { set: 1, ..relief }, Texture::NONE, Texture::NONE, Texture { set: 1, ..glow }];
-    let material = build.scene.add_material(material);
+    let material = build.scene.add_material(material).expect("a case's material");
     let wall =
         Shape::quad([-2.0, -1.2, -0.3], [4.0, 0.0, 0.0], [0.0, 2.4, 0.4]).textured([5.0, 3.0], [0.2, 0.1]);
     let mesh = build.mesh_of(wall, |mesh| {
@@ -237,7 +238,7 @@ fn many() -> Scene {
         material.emission = [0.2 * random.within(0.0, 1.0); 3];
         material.unlit = u32::from(maps.is_multiple_of(7));
         material.metallic = random.within(0.0, 1.0);
-        let material: MaterialIndex = build.scene.add_material(material);
+        let material: MaterialIndex = build.scene.add_material(material).expect("a case's material");
         let at = Vec3::new((i % 10) as f32 * 0.22 - 1.1, (i / 10) as f32 * 0.22 - 1.1, 0.0);
         build.scene.add_object(tile, material, Mat4::from_translation(at)).expect("a case's object");
     }

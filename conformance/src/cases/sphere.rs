@@ -79,7 +79,10 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default();
             for color in [[0.9, 0.1, 0.1], [0.1, 0.9, 0.1], [0.1, 0.1, 0.9]] {
-                let material = build.scene.add_material(phong(color, 0.0, 0.5, PLAIN, [0.0; 3]));
+                let material = build
+                    .scene
+                    .add_material(phong(color, 0.0, 0.5, PLAIN, [0.0; 3]))
+                    .expect("a case's material");
                 build.scene.add_sphere(material, ball([0.1, 0.0, 0.0], 0.9)).expect("a case's sphere");
             }
             build.light(sun([-0.3, -0.4, -1.0])).scene
@@ -160,7 +163,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
             for (color, place) in [([0.9, 0.2, 0.1], [-0.5, 0.0, 0.0]), ([0.1, 0.3, 0.9], [0.5, 0.0, 0.4])] {
-                let glass = build.scene.add_material(glass(color, 0.3));
+                let glass = build.scene.add_material(glass(color, 0.3)).expect("a case's material");
                 build.scene.add_sphere(glass, ball(place, 0.8)).expect("a case's sphere");
             }
             add(&mut build, ball([0.0, -0.3, -0.2], 0.3));
@@ -225,7 +228,7 @@ pub(super) const CASES: &[Case] = &[
         claim: "The same where their shadows are soft, and panes are between.",
         scene: || {
             let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
-            let glass = build.scene.add_material(glass([0.9, 0.3, 0.1], 0.4));
+            let glass = build.scene.add_material(glass([0.9, 0.3, 0.1], 0.4)).expect("a case's material");
             build.scene.add_sphere(glass, ball([0.0, -0.4, 0.0], 0.5)).expect("a case's sphere");
             let mut build =
                 build.light(sized(bulb([-0.7, 0.6, 0.3]), 0.2)).light(sized(bulb([0.8, 0.9, 0.0]), 0.1));
@@ -279,5 +282,5 @@ fn textured(build: &mut Build, cutoff: f32) -> MaterialIndex {
     if cutoff > 0.0 {
         (material.cutoff, material.alpha_mode) = (cutoff, AlphaMode::Mask as u32);
     }
-    build.scene.add_material(material)
+    build.scene.add_material(material).expect("a case's material")
 }

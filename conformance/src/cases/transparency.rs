@@ -4,8 +4,8 @@ use crate::case::{Case, look, parallel};
 use crate::shape::{Build, PLAIN, Random, Shape, bulb, sun};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
-use rtrt_core::layout::{AlphaMode, Material, Texture, Wrap};
-use rtrt_core::scene::{Image, Scene, phong};
+use rtrt_core::layout::{AlphaMode, Backdrop, Material, Texture, Wrap};
+use rtrt_core::scene::{Image, Panorama, Scene, phong};
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.4, 0.0]), ..Case::USUAL };
 
@@ -45,6 +45,27 @@ pub(super) const CASES: &[Case] = &[
         ..Case::USUAL
     },
     Case {
+        name: "transparency/before_a_color_in_an_environment",
+        claim: "Panes and gaps show the background's color, and mirrors the environment.",
+        scene: || in_the_open(Backdrop::Color),
+        samples: 4,
+        ..Case::USUAL
+    },
+    Case {
+        name: "transparency/before_nothing",
+        claim: "Before nothing, alpha is what panes cover, and colors are not multiplied by it.",
+        scene: || in_the_open(Backdrop::Nothing),
+        samples: 4,
+        ..Case::USUAL
+    },
+    Case {
+        name: "transparency/limit_before_nothing",
+        claim: "The last layer counts as opaque, but nothing does not.",
+        scene: || in_the_open(Backdrop::Nothing),
+        layers: 1,
+        ..Case::USUAL
+    },
+    Case {
         name: "transparency/limit_of_one",
         claim: "With one layer everything is opaque to the eye, and shadows keep their colors.",
         scene: || stack(3, 0.4),
@@ -57,7 +78,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default();
             let soup = Shape::soup(&mut Random(8), 400, 1.2);
-            let veil = build.scene.add_material(glass([1.0; 3], 0.05));
+            let veil = build.scene.add_material(glass([1.0; 3], 0.05)).expect("a case's material");
             let mesh = build.mesh(soup);
             build.scene.add_object(mesh, veil, Mat4::IDENTITY).expect("a case's object");
             build.light(bulb([1.0, 2.0, 3.0])).scene
@@ -250,6 +271,20 @@ fn stack(count: u32, alpha: f32) -> Scene {
     build.scene
 }
 
+/// Panes and a ball with an environment and much nothing around them.
+fn in_the_open(backdrop: Backdrop) -> Scene {
+    let build = Build::default()
+        .shape_of(pane(0.5, 1.2), glass([0.2, 0.9, 0.3], 0.4))
+        .shape_of(pane(0.2, 1.0), glass([0.3, 0.2, 0.9], 0.3))
+        .shape_of(Shape::ball(6).at([0.9, 0.2, 0.0], 0.5), phong([0.9; 3], 1.0, 0.1, PLAIN, [0.0; 3]))
+        .light(bulb([1.0, 2.0, 3.0]));
+    let mut scene = build.scene;
+    (scene.backdrop, scene.background) = (backdrop, Vec3::new(0.9, 0.2, 0.1));
+    let rgb = (0..16 * 8).map(|i| [i as f32 / 128.0, 0.4, 0.6]).collect();
+    scene.set_environment(&Panorama { width: 16, height: 8, rgb }).expect("a panorama");
+    scene
+}
+
 /// Shapes that pass through one another, opaque ones among them.
 fn overlapping() -> Scene {
     let soup = Shape::soup(&mut Random(5), 40, 0.8);
@@ -259,7 +294,7 @@ fn overlapping() -> Scene {
         .shape_of(soup, glass([0.9; 3], 0.5))
         .shape(Shape::cube().at([-0.6, -0.3, 0.1], 0.35));
     let turned = build.mesh(Shape::cube());
-    let blue = build.scene.add_material(glass([0.2, 0.3, 0.9], 0.3));
+    let blue = build.scene.add_material(glass([0.2, 0.3, 0.9], 0.3)).expect("a case's material");
     let place = Mat4::from_rotation_y(0.7) * Mat4::from_scale(Vec3::new(1.3, 0.4, 0.5));
     build.scene.add_object(turned, blue, place).expect("a case's object");
     build.light(bulb([1.0, 2.0, 3.0])).light(sun([-1.0, -1.0, -0.4])).scene
@@ -271,7 +306,8 @@ fn masked(cutoff: f32) -> Scene {
     let map = noise(&mut build, 8);
     let mask = Material { cutoff, alpha_mode: AlphaMode::Mask as u32, ..glass([0.8, 0.9, 0.7], 1.0) };
     let flat = with_color(mask, Texture { turn: [[3.0, 0.4], [-0.4, 2.0]], ..map });
-    let second = build.scene.add_material(with_color(mask, Texture { set: 1, ..map }));
+    let second =
+        build.scene.add_material(with_color(mask, Texture { set: 1, ..map })).expect("a case's material");
     let ball = Shape::ball(5).at([0.9, 0.0, 0.4], 0.5);
     let uv: Vec<[f32; 2]> = (0..66).map(|i| [(i % 11) as f32 * 0.3, (i / 11) as f32 * 0.4]).collect();
     let mesh = build.mesh_of(ball, |mesh| mesh.with_second_uv(uv.clone()).expect("as many as vertices"));
@@ -289,8 +325,8 @@ fn leaves() -> Scene {
     let mut build = Build::default();
     let map = noise(&mut build, 6);
     let leaf = Material { alpha_mode: AlphaMode::Mask as u32, ..glass([0.3, 0.8, 0.2], 1.0) };
-    let leaf = build.scene.add_material(with_color(leaf, map));
-    let veil = build.scene.add_material(glass([0.9, 0.7, 0.3], 0.3));
+    let leaf = build.scene.add_material(with_color(leaf, map)).expect("a case's material");
+    let veil = build.scene.add_material(glass([0.9, 0.7, 0.3], 0.3)).expect("a case's material");
     let square = build.mesh(pane(0.0, 0.5));
     let mut random = Random(31);
     for i in 0..300 {

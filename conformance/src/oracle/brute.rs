@@ -87,7 +87,7 @@ impl<'a> Brute<'a> {
     /// The geometry of the scene.
     fn geometry(&self) -> Geometry<'_> {
         Geometry {
-            objects: self.setup.objects(self.scene),
+            objects: &self.setup.objects(self.scene)[..self.scene.objects().len()],
             nodes: self.scene.nodes(),
             words: self.scene.words(),
             positions: self.scene.positions(),

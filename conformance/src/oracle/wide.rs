@@ -81,7 +81,7 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
     let mut setup = Setup::default();
     let Request { camera, size, samples, shadows, layers, .. } = *request;
     setup.prepare(scene, camera, size, samples, shadows, layers).expect("a frame that has been rendered");
-    let objects = setup.objects(scene);
+    let objects = &setup.objects(scene)[..scene.objects().len()];
     let is_wide = !matches!(request.shadows, Shadows::Off | Shadows::Hard)
         && scene.lights().iter().any(|light| light.radius() > 0.0);
     let is_short = matches!(scene.occluders, Occluders::Near(_));

@@ -63,17 +63,22 @@ impl<L: Lane> Distinct<L> {
         all
     }
 
-    /// [`Distinct::gather`] of one word.
+    /// [`Distinct::gather`] of words.
     #[inline(always)]
-    pub fn bits(&self, record: impl Fn(usize) -> u32) -> L::Bits {
+    pub fn bits(&self, record: impl Fn(usize) -> [u32; 4]) -> [L::Bits; 4] {
         if L::WIDTH == 1 || self.count > MOST {
-            return L::bits_from_fn(self.token, record);
+            return L::gather_bits(self.token, record);
         }
         let zero = L::splat(self.token, 0.0);
-        let mut all = zero.bits_like(0);
+        let mut all = [zero.bits_like(0); 4];
         let mut i = 0;
         while i < self.count {
-            all = self.masks[i].select(zero.bits_like(record(self.lanes[i])), all);
+            let words = record(self.lanes[i]);
+            let mut n = 0;
+            while n < 4 {
+                all[n] = self.masks[i].select(zero.bits_like(words[n]), all[n]);
+                n += 1;
+            }
             i += 1;
         }
         all

@@ -4,11 +4,15 @@ use crate::lane::{Lane, Select};
 use crate::layout::View;
 use crate::num::recip;
 
+/// The square of the distance from which on a light that fades by it grows no more (2⁻²⁰): sums of
+/// the brightest lights stay finite (see [`LIGHT_LIMIT`](crate::layout::LIGHT_LIMIT)).
+const NEAREST: f32 = 1.0 / 1_099_511_627_776.0;
+
 /// The share of the light left at `distance`.
 ///
 /// ```text
 /// linear            1 − distance / reach
-/// inverse square    (1 − (distance / reach)²)² / distance²
+/// inverse square    (1 − (distance / reach)²)² / distance², at most 2⁴⁰
 /// ```
 ///
 /// Linear is the paper's; it is not inverse-square, whatever the prototype called it. The
@@ -21,7 +25,7 @@ pub fn falloff<L: Lane>(light: &View, distance: L) -> L {
     let (zero, one) = (spent.like(0.0), spent.like(1.0));
     let left = if light.inverse_square == 1.0 {
         let window = one - spent * spent;
-        window * window * recip(distance * distance)
+        window * window * recip((distance * distance).max(distance.like(NEAREST)))
     } else {
         one - spent
     };

@@ -22,7 +22,7 @@ pub struct Entry {
     /// Bits of a depth (not negative) that no hit on the object is in front of; 0 where
     /// the order does not matter.
     pub key: u32,
-    /// The object.
+    /// The object, or the part of one.
     pub object: u32,
 }
 

@@ -182,7 +182,7 @@ impl<L: Lane> Search<L> for Any {
     }
 }
 
-/// Meets the tiles of a packet whose bits are set in `among` with one object, and keeps in
+/// Meets the tiles of a packet whose bits are set in `among` with one object, or a part of one, and keeps in
 /// `best`, for each ray, what its group's search keeps of the object's hits. `limits` are those
 /// of the tiles.
 ///
@@ -207,6 +207,7 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: us
     best: &mut [Best<L>; G],
 ) {
     let object = &geometry.objects[object_index as usize];
+    let object_index = object.whole(object_index);
     // Its way up or down decides for all which child is nearer.
     let rising = rays[leader::<L, G>(among)].direction.lane(0);
     let mut stack = [0_u32; STACK];
@@ -214,7 +215,7 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: us
     let mut waiting = 0_usize;
     // So many of those that wait were met before the last hit was found.
     let mut stale = 0_usize;
-    let mut index = object.root;
+    let mut index = object.start;
     let mut among = among;
     loop {
         let node = geometry.nodes[index as usize];

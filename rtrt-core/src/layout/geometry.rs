@@ -1,5 +1,6 @@
 //! Meshes, their trees, and the objects that place them in the world.
 
+use crate::layout::NONE;
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;
 
@@ -101,12 +102,22 @@ pub struct Object {
     pub pane: u32,
     /// [`Kind`]. A sphere's mesh has two triangles without area that span its bounds.
     pub kind: u32,
+    /// The node, in the scene's nodes, that rays are asked for first: the root, or what a part of
+    /// an object begins with.
+    pub start: u32,
+    /// The object that this is a part of; [`NONE`] for a whole one.
+    pub part_of: u32,
 }
-const _: () = assert!(size_of::<Object>() == 180 && offset_of!(Object, slack) == 160);
+const _: () = assert!(size_of::<Object>() == 188 && offset_of!(Object, slack) == 160);
 const _: () = assert!(offset_of!(Object, low) == 96 && offset_of!(Object, center) == 128);
 const _: () = assert!(offset_of!(Object, first_index) == 144);
 
 impl Object {
+    /// The number of the object that the one with this number is, or is a part of.
+    #[inline(always)]
+    pub fn whole(&self, number: u32) -> u32 {
+        if self.part_of == NONE { number } else { self.part_of }
+    }
     /// Whether it is what shows the light.
     #[inline(always)]
     pub fn shows(&self, light: u32) -> bool {

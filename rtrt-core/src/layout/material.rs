@@ -3,6 +3,16 @@
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;
 
+/// The largest channel of a material's base color and highlight: 2¹⁶.
+pub const COLOR_LIMIT: f32 = 65_536.0;
+
+/// The largest channel of what gives light: of lights, emissions, ambient light and backgrounds,
+/// 2⁴⁸. With it, [`COLOR_LIMIT`] and 1,024 lights no color overflows, however near a light is:
+/// ```text
+/// 2⁴⁸ · 2⁴⁰ (falloff) · 1025 (lobe) · 1024 (lights) · 3 · 2¹⁶ (highlight) < 2¹²⁷
+/// ```
+pub const LIGHT_LIMIT: f32 = 281_474_976_710_656.0;
+
 /// What happens to texture coordinates outside 0 ..= 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(u32)]

@@ -3,7 +3,7 @@
 use crate::layout::{Attribute, Frame, Hit, Material, Node, Object, Surface, View};
 
 /// How many words [`probe`] gives.
-pub const PROBES: usize = 29;
+pub const PROBES: usize = 31;
 
 /// Fields from all over the layouts, as words: of the frame, and of the second element of
 /// each slice. Filled with words that tell where they are, buffers so tell where a device
@@ -29,6 +29,7 @@ pub fn probe(
         frame.magnitude.to_bits(),
         frame.layers,
         frame.window,
+        frame.backdrop,
         view.center[0].to_bits(),
         view.kind,
         view.depth[2].to_bits(),
@@ -41,6 +42,7 @@ pub fn probe(
         object.center[1].to_bits(),
         object.slack.to_bits(),
         object.kind,
+        object.part_of,
         node.first,
         node.kind,
         attribute.normal[0].to_bits(),

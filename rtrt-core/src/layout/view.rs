@@ -103,6 +103,19 @@ pub struct View {
 const _: () = assert!(size_of::<View>() == 244 && offset_of!(View, depth) == 64);
 const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, axis) == 192);
 
+/// What is behind everything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum Backdrop {
+    /// The environment, or the background's color where there is none.
+    #[default]
+    Environment = 0,
+    /// The background's color, whatever surfaces mirror.
+    Color = 1,
+    /// Nothing: pixels have an alpha, which is how much of them surfaces cover.
+    Nothing = 2,
+}
+
 /// The numbers of one frame. Scalars only, so that it may be a uniform block.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -161,14 +174,22 @@ pub struct Frame {
     /// The most rays that a penumbra reaches aside (see [`penumbra`](crate::stage::penumbra));
     /// 0 for a frame without soft shadows.
     pub window: u32,
+    /// How many objects, or parts of objects, the camera's lists choose from.
+    pub seen: u32,
+    /// The first of them: 0, or, of parts, the number of objects, which they follow.
+    pub first_seen: u32,
+    /// [`Backdrop`].
+    pub backdrop: u32,
     /// The first block whose list is made: those of lights come first, and may be kept.
     pub first_block: u32,
     /// Unused: a uniform block is a multiple of 16 bytes.
     pub unused_0: u32,
     /// Unused.
     pub unused_1: u32,
+    /// Unused.
+    pub unused_2: u32,
 }
-const _: () = assert!(size_of::<Frame>() == 112 && offset_of!(Frame, ambient_r) == 48);
+const _: () = assert!(size_of::<Frame>() == 128 && offset_of!(Frame, ambient_r) == 48);
 
 impl View {
     /// The camera's list for a block of the frame.
@@ -203,6 +224,16 @@ impl Frame {
     #[inline(always)]
     pub fn is_tinted(&self) -> bool {
         self.layers != 0 || self.window != 0
+    }
+    /// The view and the object, or part of one, of the cover with this index: those of the camera
+    /// first, then, view after view, those of lights.
+    #[inline(always)]
+    pub fn of_cover(&self, index: u32) -> [u32; 2] {
+        if index < self.seen {
+            return [Self::CAMERA, self.first_seen + index];
+        }
+        let index = index - self.seen;
+        [1 + index / self.objects, index % self.objects]
     }
     /// The first view of a light.
     #[inline(always)]

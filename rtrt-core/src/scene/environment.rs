@@ -1,7 +1,8 @@
-//! From a panorama to the squares that a sky is looked up in.
+//! From a panorama, or a cube, to the squares that a sky is looked up in.
 
 use crate::kernel::environment::{IRRADIANCE_SIDE, Sky, octahedral};
 use crate::lane::V3;
+use crate::scene::{Cube, CubeError};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
@@ -33,6 +34,12 @@ pub struct PanoramaError {
 
 /// The brightest that a texel can be: 511/512 · 2¹⁶.
 const BRIGHTEST: f32 = 65_408.0;
+
+/// A channel of a picture as it counts.
+pub(super) fn usable(channel: f32) -> f64 {
+    if channel > 0.0 { f64::from(channel.min(BRIGHTEST)) } else { 0.0 }
+}
+
 /// Squares for mirrors.
 const LEVELS: u32 = 6;
 /// Directions that a blurred texel is the mean of.
@@ -40,8 +47,6 @@ const SAMPLES: u32 = 64;
 
 impl Panorama {
     /// Appends the squares to `texels`, and says where they are.
-    ///
-    /// All is computed in `f64`, by `libm`, in one order: every host gets the same words.
     pub(super) fn append(&self, texels: &mut Vec<u32>) -> Result<Sky, PanoramaError> {
         let &Self { width, height, ref rgb } = self;
         let sides = 1..=16_384;
@@ -49,54 +54,67 @@ impl Panorama {
         if !fits || !sides.contains(&width) || !sides.contains(&height) {
             return Err(PanoramaError { width, height, pixels: rgb.len() });
         }
-        // Around the horizon a square of half the width has 1.4 times as many texels.
-        let side = (width / 2).next_power_of_two().clamp(64, 1024);
-        let mut sources = vec![self.sharp(side)];
-        while let Some(last) = sources.last().filter(|square| square.side > 4) {
-            sources.push(last.halved());
-        }
-        let first = texels.len();
-        texels.resize(first + LEVELS as usize + 1, 0);
-        for level in 0..=LEVELS {
-            texels[first + level as usize] = texels.len() as u32;
-            let square = match level {
-                0 => Square::new(side, |at| sources[0].texel(at)),
-                LEVELS => diffuse(&sources),
-                _ => blurred(&sources, side >> level, f64::from(level) / f64::from(LEVELS - 1)),
-            };
-            texels.extend(square.texels.iter().map(|&texel| encode(texel)));
-        }
-        Ok(Sky { first: first as u32, side, levels: LEVELS })
-    }
-
-    /// The panorama as a square; each texel is the mean of four places in it.
-    fn sharp(&self, side: u32) -> Square {
-        Square::new(side, |[x, y]| {
-            let mut sum = DVec3::ZERO;
-            for (dx, dy) in [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)] {
-                let place = [f64::from(x) + dx, f64::from(y) + dy].map(|c| c / f64::from(side));
-                sum += self.toward(direction(place));
-            }
-            sum * 0.25
-        })
+        Ok(append(width / 2, |d| self.toward(d), texels))
     }
 
     /// The light from a direction of unit length, bilinear.
-    fn toward(&self, d: DVec3) -> DVec3 {
+    pub(super) fn toward(&self, d: DVec3) -> DVec3 {
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         let x = (libm::atan2(d.z, d.x) / TAU + 0.5) * width - 0.5;
         let y = libm::acos(d.y.clamp(-1.0, 1.0)) / PI * height - 0.5;
         let (left, upper) = (libm::floor(x), libm::floor(y));
         let column = |x: f64| (x as i64).rem_euclid(i64::from(self.width)) as usize;
         let row = |y: f64| y.clamp(0.0, height - 1.0) as usize * self.width as usize;
-        let at = |x: f64, y: f64| {
-            let usable = |c: f32| if c > 0.0 { f64::from(c.min(BRIGHTEST)) } else { 0.0 };
-            DVec3::from(self.rgb[row(y) + column(x)].map(usable))
-        };
+        let at = |x: f64, y: f64| DVec3::from(self.rgb[row(y) + column(x)].map(usable));
         let above = at(left, upper).lerp(at(left + 1.0, upper), x - left);
         let below = at(left, upper + 1.0).lerp(at(left + 1.0, upper + 1.0), x - left);
         above.lerp(below, y - upper)
     }
+}
+
+impl Cube {
+    /// Appends the squares to `texels`, and says where they are.
+    pub(super) fn append(&self, texels: &mut Vec<u32>) -> Result<Sky, CubeError> {
+        self.check()?;
+        Ok(append(2 * self.side, |d| self.toward(d), texels))
+    }
+}
+
+/// Appends the squares of a picture that shows so many pixels in half a turn, and says where they
+/// are.
+///
+/// All is computed in `f64`, by `libm`, in one order: every host gets the same words.
+fn append(half_turn: u32, toward: impl Fn(DVec3) -> DVec3, texels: &mut Vec<u32>) -> Sky {
+    // Around the horizon a square of half the width has 1.4 times as many texels.
+    let side = half_turn.next_power_of_two().clamp(64, 1024);
+    let mut sources = vec![sharp(side, toward)];
+    while let Some(last) = sources.last().filter(|square| square.side > 4) {
+        sources.push(last.halved());
+    }
+    let first = texels.len();
+    texels.resize(first + LEVELS as usize + 1, 0);
+    for level in 0..=LEVELS {
+        texels[first + level as usize] = texels.len() as u32;
+        let square = match level {
+            0 => Square::new(side, |at| sources[0].texel(at)),
+            LEVELS => diffuse(&sources),
+            _ => blurred(&sources, side >> level, f64::from(level) / f64::from(LEVELS - 1)),
+        };
+        texels.extend(square.texels.iter().map(|&texel| encode(texel)));
+    }
+    Sky { first: first as u32, side, levels: LEVELS }
+}
+
+/// The picture as a square; each texel is the mean of four places in it.
+fn sharp(side: u32, toward: impl Fn(DVec3) -> DVec3) -> Square {
+    Square::new(side, |[x, y]| {
+        let mut sum = DVec3::ZERO;
+        for (dx, dy) in [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)] {
+            let place = [f64::from(x) + dx, f64::from(y) + dy].map(|c| c / f64::from(side));
+            sum += toward(direction(place));
+        }
+        sum * 0.25
+    })
 }
 
 /// An octahedral map with its border.

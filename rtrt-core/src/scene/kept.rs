@@ -21,6 +21,8 @@ pub struct Source {
     /// The scene, its versions, the levels of detail that were chosen, and the bits of the
     /// frame's magnitude.
     scene: Option<(u32, Versions, u32, u32)>,
+    /// What the camera's lists hold; see [`Setup::part_triangles`].
+    parts: Option<u32>,
     views: Vec<View>,
 }
 
@@ -32,10 +34,12 @@ impl Source {
         let source = Some((scene.id(), scene.versions(), setup.chosen(), setup.frame.magnitude.to_bits()));
         let is_same_scene = self.scene == source;
         let first_light = Frame::CAMERA as usize + 1;
-        let is_same_camera = is_same(&self.views, &setup.views, 0..first_light);
+        let is_same_camera =
+            is_same(&self.views, &setup.views, 0..first_light) && self.parts == setup.part_triangles();
         let are_same_lights = self.views.len() == setup.views.len()
             && is_same(&self.views, &setup.views, first_light..setup.views.len());
         self.scene = source;
+        self.parts = setup.part_triangles();
         if are_same_lights {
             self.views[..first_light].copy_from_slice(&setup.views[..first_light]);
         } else {

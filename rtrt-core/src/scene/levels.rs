@@ -3,7 +3,7 @@
 use crate::layout::Object;
 use crate::scene::place::{Stored, place};
 use crate::scene::tree::Bounds;
-use crate::scene::{MeshIndex, ObjectIndex, Scene, SceneError, Versions};
+use crate::scene::{MaterialIndex, MeshIndex, ObjectIndex, Scene, SceneError, Versions};
 use alloc::vec::Vec;
 use glam::{DVec3, Mat4, Vec3};
 
@@ -30,14 +30,32 @@ impl Scene {
     /// An index is of another scene, a distance is not a number above 0, or the object would be
     /// out of range; nothing has changed then.
     pub fn set_levels(&mut self, object: ObjectIndex, levels: &[(f32, MeshIndex)]) -> Result<(), SceneError> {
+        let (_, own) = self.object(object)?;
+        let levels: Vec<_> =
+            levels.iter().map(|&(from, mesh)| (from, mesh, MaterialIndex(own.material))).collect();
+        self.set_levels_with(object, &levels)
+    }
+
+    /// [`Scene::set_levels`], each with a material of its own.
+    ///
+    /// # Errors
+    /// As for [`Scene::set_levels`].
+    pub fn set_levels_with(
+        &mut self,
+        object: ObjectIndex,
+        levels: &[(f32, MeshIndex, MaterialIndex)],
+    ) -> Result<(), SceneError> {
         let (index, own) = self.object(object)?;
         let mut placed = Vec::with_capacity(levels.len());
-        for &(from, mesh) in levels {
+        for &(from, mesh, MaterialIndex(material)) in levels {
             if !(from > 0.0 && from.is_finite()) {
                 return Err(SceneError::Distance { value: from });
             }
-            let pane = self.pane(mesh.0, own.material)?;
-            let shown = place(self.mesh(mesh.0)?, own.material, super::place::matrix(&own))?;
+            if material as usize >= self.materials().len() {
+                return Err(SceneError::Index { what: "material", index: material });
+            }
+            let pane = self.pane(mesh.0, material)?;
+            let shown = place(self.mesh(mesh.0)?, material, super::place::matrix(&own))?;
             placed.push(Level { from, mesh, placed: Object { pane, ..shown } });
         }
         placed.sort_by(|a, b| a.from.total_cmp(&b.from));

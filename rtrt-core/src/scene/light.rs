@@ -1,6 +1,6 @@
 //! Lights.
 
-use crate::layout::{Frame, View, ViewKind};
+use crate::layout::{Frame, LIGHT_LIMIT, View, ViewKind};
 use crate::num::flush;
 use crate::scene::SetupError;
 use crate::scene::camera::{single, unit};
@@ -14,9 +14,9 @@ use glam::{DVec3, Vec3};
 pub enum Light {
     /// Shines from a point in all directions.
     Point {
-        /// World space.
+        /// World space, within ± [`Light::FARTHEST`].
         position: Vec3,
-        /// Linear RGB. At distance 0, or at 1 world unit where it fades by the square.
+        /// Linear RGB, within ± [`LIGHT_LIMIT`]. At distance 0, or at 1 world unit where it fades by the square.
         color: Vec3,
         /// World units; beyond it the light is 0. `None` for no limit.
         reach: Option<f32>,
@@ -28,7 +28,7 @@ pub enum Light {
     },
     /// Shines from a point within a cone.
     Spot {
-        /// World space.
+        /// World space, within ± [`Light::FARTHEST`].
         position: Vec3,
         /// Where the middle of the cone goes; any length but 0.
         direction: Vec3,
@@ -50,7 +50,7 @@ pub enum Light {
     Sun {
         /// Where the light goes; any length but 0.
         direction: Vec3,
-        /// Linear RGB.
+        /// Linear RGB, within ± [`LIGHT_LIMIT`].
         color: Vec3,
         /// The angle between its middle and its edge, radians, 0 or more and below π/4. Only
         /// shadows show it. That of the sun is 0.0047.
@@ -63,6 +63,10 @@ pub enum Light {
 const LEAST_REACH: f32 = f32::from_bits((127 - 45) << 23);
 
 impl Light {
+    /// The largest coordinate of a light's position, 2⁴⁰: directions from farther away have no length
+    /// that single precision can tell.
+    pub const FARTHEST: f32 = 1_099_511_627_776.0;
+
     /// Its radius: world units, or, of a sun, radians.
     pub fn radius(&self) -> f32 {
         let (Self::Point { radius, .. } | Self::Spot { radius, .. } | Self::Sun { radius, .. }) = *self;
@@ -100,8 +104,8 @@ impl Light {
             }
             Self::Sun { direction, color, radius } => {
                 let direction =
-                    unit(direction.as_dvec3()).filter(|_| color.is_finite()).ok_or(SetupError::Light {
-                        why: "the direction must not be zero, and the color finite",
+                    unit(direction.as_dvec3()).filter(|_| is_color(color)).ok_or(SetupError::Light {
+                        why: "the direction must not be zero, and the color within ±2^48",
                     })?;
                 let mut views = [View::zeroed(); Frame::VIEWS_PER_LIGHT as usize];
                 let sun = parallel(direction, color, bounds, cells, first_block);
@@ -119,12 +123,18 @@ impl Light {
     }
 }
 
+/// Whether a light may have this color.
+pub(super) fn is_color(color: Vec3) -> bool {
+    color.abs().cmple(Vec3::splat(LIGHT_LIMIT)).all()
+}
+
 /// What the faces around a point light have in common.
 fn bulb(position: Vec3, color: Vec3, reach: Option<f32>, inverse_square: bool) -> Result<View, SetupError> {
     let reach = reach.unwrap_or(f32::INFINITY);
-    if !position.is_finite() || !color.is_finite() || reach.is_nan() || reach <= 0.0 {
+    let is_near = position.abs().cmple(Vec3::splat(Light::FARTHEST)).all();
+    if !is_near || !is_color(color) || reach.is_nan() || reach <= 0.0 {
         return Err(SetupError::Light {
-            why: "position, color and reach must be finite and the reach positive",
+            why: "the position must be within ±2^40, the color within ±2^48, and the reach positive",
         });
     }
     let reach = reach.max(LEAST_REACH);

@@ -9,7 +9,7 @@
 //! let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
 //! let mesh = Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2])?;
 //! let mut scene = Scene::new();
-//! let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.7, Texture::NONE, [0.0; 3]));
+//! let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.7, Texture::NONE, [0.0; 3]))?;
 //! let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential))?;
 //! for x in [-2.0, 0.0, 2.0] {
 //!     scene.add_object(mesh, red, glam::Mat4::from_translation([x, 0.0, 0.0].into()))?;
@@ -24,6 +24,7 @@
 //! what is built here.
 
 mod camera;
+mod cube;
 mod environment;
 mod floor;
 mod image;
@@ -33,6 +34,7 @@ mod light;
 mod material;
 mod mesh;
 mod motion;
+mod parts;
 mod place;
 mod setup;
 mod store;
@@ -40,6 +42,7 @@ mod tangent;
 mod tree;
 
 pub use camera::{Camera, Projection};
+pub use cube::{Cube, CubeError};
 pub use environment::{Panorama, PanoramaError};
 pub use image::{Content, Image, ImageError};
 pub use kept::{Kept, Source};

@@ -1,6 +1,6 @@
 //! A mesh in the scene's arrays, and the object that it is where it is placed.
 
-use crate::layout::{Kind, Object};
+use crate::layout::{Kind, NONE, Object};
 use crate::num::flush;
 use crate::scene::camera::single;
 use crate::scene::tree::Bounds;
@@ -57,14 +57,7 @@ pub(super) fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Obje
     if !affine || !m.is_finite() || !inverse.is_finite() || m.determinant() == 0.0 {
         return Err(SceneError::Transform);
     }
-    let mut corners = Bounds::EMPTY;
-    for corner in 0..8 {
-        let pick = |axis: usize| {
-            f64::from(if corner >> axis & 1 == 0 { mesh.bounds.low[axis] } else { mesh.bounds.high[axis] })
-        };
-        let p = single(m.transform_point3(DVec3::new(pick(0), pick(1), pick(2))));
-        corners = corners.union(&Bounds { low: p, high: p });
-    }
+    let mut corners = around(&m, &mesh.bounds);
     if mesh.triangles == 0 {
         let p = single(m.w_axis.truncate());
         corners = Bounds { low: p, high: p };
@@ -76,9 +69,7 @@ pub(super) fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Obje
     }
     let center = m.transform_point3(mesh.center);
     let stretch = [m.x_axis, m.y_axis, m.z_axis].iter().map(|axis| axis.length_squared()).sum::<f64>();
-    let box_radius =
-        (DVec3::from(corners.high.map(f64::from)) - DVec3::from(corners.low.map(f64::from))).length() * 0.5;
-    let radius = (mesh.radius * libm::sqrt(stretch)).min(box_radius.max(0.0));
+    let radius = (mesh.radius * libm::sqrt(stretch)).min(half_diagonal(&corners).max(0.0));
     let (to_object, to_world_rows) = (rows(&inverse), rows(&m));
     if !to_object.as_flattened().iter().chain(to_world_rows.as_flattened()).all(|v| v.is_finite()) {
         return Err(SceneError::Transform);
@@ -88,6 +79,8 @@ pub(super) fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Obje
         to_world: to_world_rows,
         low: corners.low,
         root: mesh.root,
+        start: mesh.root,
+        part_of: NONE,
         high: corners.high,
         first_vertex: mesh.first_vertex,
         center: single(center),
@@ -102,6 +95,38 @@ pub(super) fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Obje
         pane: 0,
         kind: mesh.kind as u32,
     })
+}
+
+/// The object with the bounds of a part of it, which are `bounds` in its own space; `matrix` is
+/// the transform that it was placed with.
+pub(super) fn part(object: &Object, matrix: &DMat4, bounds: &Bounds) -> Object {
+    let corners = around(matrix, bounds);
+    let [low, high] = [bounds.low, bounds.high].map(|corner| DVec3::from(corner.map(f64::from)));
+    Object {
+        low: corners.low,
+        high: corners.high,
+        center: single(matrix.transform_point3((low + high) * 0.5)),
+        radius: flush(half_diagonal(&corners) as f32),
+        ..*object
+    }
+}
+
+/// The bounds of a box that is placed in the world.
+fn around(m: &DMat4, bounds: &Bounds) -> Bounds {
+    let mut corners = Bounds::EMPTY;
+    for corner in 0..8 {
+        let pick = |axis: usize| {
+            f64::from(if corner >> axis & 1 == 0 { bounds.low[axis] } else { bounds.high[axis] })
+        };
+        let p = single(m.transform_point3(DVec3::new(pick(0), pick(1), pick(2))));
+        corners = corners.union(&Bounds { low: p, high: p });
+    }
+    corners
+}
+
+/// From the middle of a box to its corners.
+fn half_diagonal(bounds: &Bounds) -> f64 {
+    (DVec3::from(bounds.high.map(f64::from)) - DVec3::from(bounds.low.map(f64::from))).length() * 0.5
 }
 
 /// The upper three rows, without denormals.

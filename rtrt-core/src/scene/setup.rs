@@ -3,14 +3,17 @@
 use crate::backend::Shadows;
 use crate::grid::{BLOCK_RAYS, Grid};
 use crate::kernel::area::hash;
-use crate::layout::{AlphaMode, Frame, Object, View, ViewKind};
+use crate::layout::{AlphaMode, Backdrop, Frame, Object, View, ViewKind};
 use crate::scene::floor::floored;
 use crate::scene::levels::Chosen;
+use crate::scene::light::is_color;
+use crate::scene::parts::{self, Parts};
 use crate::scene::tree::Bounds;
 use crate::scene::{Camera, Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
+use glam::Vec3;
 
 /// Why a frame cannot be set up.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -27,6 +30,20 @@ pub enum SetupError {
     Light {
         /// What is wrong with it.
         why: &'static str,
+    },
+    /// A color of the scene is not finite, or beyond [`LIGHT_LIMIT`](crate::layout::LIGHT_LIMIT).
+    #[error("the {what} is {value}, which is not within ±2^48")]
+    Color {
+        /// The ambient light or the background.
+        what: &'static str,
+        /// What it is.
+        value: Vec3,
+    },
+    /// A distance from which on suns have no shadows is no number.
+    #[error("{value} is not a distance up to which suns may have shadows")]
+    Distance {
+        /// What it is.
+        value: f32,
     },
     /// The frame has no pixels, or too many.
     #[error("a frame of {width} x {height} is not within 1 .. 16384 on a side")]
@@ -54,6 +71,14 @@ pub enum SetupError {
         /// Layers a ray.
         layers: u32,
     },
+    /// More parts of objects than block lists can hold; see [`Structure::Parts`].
+    #[error("the objects have more than {limit} parts of {triangles} triangles")]
+    Parts {
+        /// What a part has at most.
+        triangles: u32,
+        /// The most parts there may be.
+        limit: usize,
+    },
     /// More lights than block lists can number.
     #[error("{lights} lights are more than a scene may have ({limit})")]
     Lights {
@@ -76,6 +101,9 @@ pub struct Setup {
     lights: Option<Lights>,
     /// The objects with the levels of detail of this frame, where there are any.
     chosen: Chosen,
+    parts: Parts,
+    /// The triangles that a part has at most, where the camera's lists hold parts.
+    part_triangles: Option<u32>,
 }
 
 /// What the views of lights are made of.
@@ -93,7 +121,14 @@ struct Lights {
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { frame: Frame::zeroed(), views: Vec::new(), lights: None, chosen: Chosen::default() }
+        Self {
+            frame: Frame::zeroed(),
+            views: Vec::new(),
+            lights: None,
+            chosen: Chosen::default(),
+            parts: Parts::default(),
+            part_triangles: None,
+        }
     }
 }
 
@@ -108,13 +143,28 @@ impl Setup {
     /// penumbra is.
     pub const WINDOW: u32 = 24;
 
-    /// The objects of the frame: the scene's, with the levels of detail that the camera sees.
+    /// The objects of the frame: the scene's, with the levels of detail that the camera sees; then
+    /// their parts, where the camera's lists hold those.
     pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
+        match self.part_triangles {
+            Some(_) => self.parts.objects(),
+            None => self.whole(scene),
+        }
+    }
+
+    /// Those that are whole.
+    fn whole<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
         if self.chosen.is_needed { &self.chosen.objects } else { scene.objects() }
     }
 
-    /// Another number whenever [`Setup::objects`] are others for the same scene, because other
-    /// levels of detail are seen; 0 where they are the scene's own.
+    /// The triangles that a part of an object has at most; none where lists hold whole objects.
+    pub fn part_triangles(&self) -> Option<u32> {
+        self.part_triangles
+    }
+
+    /// Another number whenever other levels of detail are seen of the same scene; 0 where it has
+    /// none. [`Setup::objects`] are the same while this, [`Setup::part_triangles`] and the scene
+    /// are.
     pub fn chosen(&self) -> u32 {
         if self.chosen.is_needed { self.chosen.changes } else { 0 }
     }
@@ -145,6 +195,16 @@ impl Setup {
         if !(1..=Self::MAX_LAYERS).contains(&layers) {
             return Err(SetupError::Layers { layers });
         }
+        for (what, value) in [("ambient light", scene.ambient), ("background", scene.background)] {
+            if !is_color(value) {
+                return Err(SetupError::Color { what, value });
+            }
+        }
+        if let Occluders::Near(value) = scene.occluders
+            && value.is_nan()
+        {
+            return Err(SetupError::Distance { value });
+        }
         let lights = scene.lights();
         if lights.len() > Self::MAX_LIGHTS {
             return Err(SetupError::Lights { lights: lights.len(), limit: Self::MAX_LIGHTS });
@@ -157,6 +217,20 @@ impl Setup {
         self.chosen.choose(scene, camera.eye);
         let has_bounds = self.chosen.is_needed && !self.chosen.bounds.is_empty();
         let bounds = if has_bounds { self.chosen.bounds } else { *scene.bounds() };
+        self.part_triangles = match scene.structure {
+            Structure::Blocks => parts::triangles(self.whole(scene)),
+            Structure::Parts(triangles) => Some(triangles.max(1)),
+            Structure::Objects | Structure::None => None,
+        };
+        let objects = self.whole(scene).len() as u32;
+        let mut seen = [0, objects];
+        if let Some(triangles) = self.part_triangles {
+            let mut parts = core::mem::take(&mut self.parts);
+            let made = parts.prepare(scene, self.whole(scene), self.chosen(), triangles);
+            self.parts = parts;
+            made.map_err(|()| SetupError::Parts { triangles, limit: parts::MOST })?;
+            seen = [objects, self.parts.objects().len() as u32 - objects];
+        }
         let is_one_list = scene.structure == Structure::None;
         let by_angle = u32::from(scene.mip == Mip::Angle);
         let eye = View { by_angle, ..camera.view(grid)? };
@@ -172,8 +246,9 @@ impl Setup {
         let corners = bounds.low.into_iter().chain(bounds.high);
         let magnitude = centers.chain(corners).fold(0.0_f32, |most, c| most.max(c.abs()));
         let is_soft = shadows == Shadows::Soft && lights.iter().any(|light| light.radius() > 0.0);
+        let background = if scene.backdrop == Backdrop::Nothing { Vec3::ZERO } else { scene.background };
         let ([ambient_r, ambient_g, ambient_b], [background_r, background_g, background_b]) =
-            (scene.ambient.map(floored).to_array(), scene.background.map(floored).to_array());
+            (scene.ambient.map(floored).to_array(), background.map(floored).to_array());
         self.frame = Frame {
             width,
             height,
@@ -192,6 +267,8 @@ impl Setup {
             background_g,
             background_b,
             magnitude,
+            first_seen: seen[0],
+            seen: seen[1],
             details: u32::from(scene.has_details()),
             sky_first: scene.sky().first,
             sky_side: scene.sky().side,
@@ -202,6 +279,7 @@ impl Setup {
                 AlphaMode::Mask => 1,
                 AlphaMode::Blend => layers,
             },
+            backdrop: scene.backdrop as u32,
             window: if is_soft { Self::WINDOW * side } else { 0 },
             ..Frame::zeroed()
         };
@@ -293,7 +371,6 @@ mod tests {
     use super::*;
     use crate::layout::Texture;
     use crate::scene::{Light, Projection, phong};
-    use glam::Vec3;
 
     /// What is neither 0 nor a number that every device keeps.
     fn denormal<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Option<&'a f32> {
@@ -317,7 +394,7 @@ mod tests {
         scene.add_light(Light::Sun { direction: Vec3::Y + small, color: small, radius: 1e-40 });
         let mut material = phong([1e-40; 3], 0.0, 0.5, Texture::zeroed(), small.to_array());
         material.shininess = 1e-40;
-        scene.add_material(material);
+        scene.add_material(material).unwrap();
         let camera = Camera {
             eye: small,
             look_at: small + Vec3::X,
@@ -354,6 +431,52 @@ mod tests {
         let material = &scene.materials()[0];
         let colors = [material.base, material.specular, material.emission];
         assert_eq!((denormal(colors.as_flattened()), material.shininess), (None, 0.0));
+    }
+
+    #[test]
+    fn refuses_what_is_no_number_or_would_overflow() {
+        let camera = Camera {
+            eye: Vec3::Z,
+            look_at: Vec3::ZERO,
+            up: Vec3::Y,
+            projection: Projection::Perspective { fov_y: 1.0 },
+        };
+        let prepare = |change: &dyn Fn(&mut Scene)| {
+            let mut scene = Scene::new();
+            let (color, position) = (Vec3::ONE, Vec3::ZERO);
+            scene.add_light(Light::Sun { direction: Vec3::Y, color, radius: 0.0 });
+            scene.add_light(Light::Point { position, color, reach: None, inverse_square: true, radius: 0.0 });
+            change(&mut scene);
+            Setup::default().prepare(&scene, &camera, [8, 8], 1, Shadows::Hard, 8)
+        };
+        assert_eq!(prepare(&|_| ()), Ok(()));
+        let limit = crate::layout::LIGHT_LIMIT;
+        for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e38, -3e38, limit * 2.0] {
+            let bad = Vec3::new(0.0, bad, 0.0);
+            let color = |number: usize, to: Vec3| {
+                prepare(&|scene| match &mut scene.lights_mut()[number] {
+                    Light::Sun { color, .. } | Light::Point { color, .. } | Light::Spot { color, .. } => {
+                        *color = to
+                    }
+                })
+            };
+            for refused in [
+                color(0, bad),
+                color(1, bad),
+                prepare(&|scene| match &mut scene.lights_mut()[1] {
+                    Light::Point { position, .. } => *position = bad,
+                    _ => unreachable!("the second is a point light"),
+                }),
+            ] {
+                assert!(matches!(refused, Err(SetupError::Light { .. })), "{bad} {refused:?}");
+            }
+            for refused in [prepare(&|scene| scene.ambient = bad), prepare(&|scene| scene.background = bad)] {
+                assert!(matches!(refused, Err(SetupError::Color { .. })), "{bad} {refused:?}");
+            }
+            assert_eq!((color(0, Vec3::splat(limit)), color(1, Vec3::splat(-limit))), (Ok(()), Ok(())));
+        }
+        let near = prepare(&|scene| scene.occluders = Occluders::Near(f32::NAN));
+        assert!(matches!(near, Err(SetupError::Distance { .. })));
     }
 
     #[test]

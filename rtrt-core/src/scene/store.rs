@@ -4,14 +4,17 @@ mod change;
 mod panes;
 
 use crate::kernel::environment::Sky;
-use crate::layout::{AlphaMode, Attribute, Kind, Material, Node, Object, Texture, Wrap};
-use crate::scene::floor::floored;
+use crate::layout::{
+    AlphaMode, Attribute, Backdrop, COLOR_LIMIT, Kind, Material, Node, Object, Texture, Wrap,
+};
 use crate::scene::image::decode_words;
 use crate::scene::levels::Level;
+use crate::scene::material::checked;
 use crate::scene::place::{Stored, place, sphere};
 use crate::scene::tree::Bounds;
 use crate::scene::{
-    Content, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential, phong,
+    Content, Cube, CubeError, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential,
+    phong,
 };
 use alloc::collections::BTreeMap;
 use alloc::vec;
@@ -25,7 +28,7 @@ use glam::{Mat4, Vec3};
 pub struct MeshIndex(pub(super) u32);
 /// A material of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MaterialIndex(u32);
+pub struct MaterialIndex(pub(super) u32);
 /// An object of a scene. Equal hits are decided by it: the lower one wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ObjectIndex(pub u32);
@@ -63,12 +66,27 @@ pub enum SceneError {
         /// What it is.
         value: f32,
     },
+    /// A number of a material is NaN, infinite, or out of its range.
+    #[error("the {what} of a material is {value}, which is not within {low:e} ..= {high:e}")]
+    Material {
+        /// Which number.
+        what: &'static str,
+        /// What it is.
+        value: f32,
+        /// The least that it may be.
+        low: f32,
+        /// The most.
+        high: f32,
+    },
     /// The texture was refused.
     #[error(transparent)]
     Image(#[from] ImageError),
     /// The environment was refused.
     #[error(transparent)]
     Panorama(#[from] PanoramaError),
+    /// The environment was refused.
+    #[error(transparent)]
+    Cube(#[from] CubeError),
 }
 
 /// How the levels of textures are chosen.
@@ -86,9 +104,16 @@ pub enum Mip {
 /// What keeps rays from being asked for every object. No picture depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Structure {
-    /// Each block of each view has a list of the objects that its rays may meet.
+    /// Each block of each view has a list of what its rays may meet: of the camera's views, parts
+    /// of objects while there are few objects with many triangles, or else objects.
     #[default]
     Blocks,
+    /// Each block of each view has a list of the objects that its rays may meet.
+    Objects,
+    /// The lists of the camera's blocks hold parts of objects: of their meshes' trees the largest
+    /// nodes that have at most so many triangles; with 1 (or 0), all leaves. Lights have lists of
+    /// objects.
+    Parts(u32),
     /// Nothing: all blocks of a view share one list of all objects, in their order. To show what
     /// blocks are worth.
     None,
@@ -162,8 +187,11 @@ pub struct Scene {
     pub occluders: Occluders,
     /// Light from everywhere, linear RGB; an environment takes its place.
     pub ambient: Vec3,
-    /// What a ray sees that hits nothing, linear RGB; an environment takes its place.
+    /// What a ray sees that hits nothing, linear RGB.
     pub background: Vec3,
+    /// Whether that is so where there is an environment, or where nothing is to be seen at all.
+    /// Surfaces mirror the environment all the same.
+    pub backdrop: Backdrop,
 }
 
 impl Default for Scene {
@@ -202,6 +230,7 @@ impl Scene {
             occluders: Occluders::default(),
             ambient: Vec3::splat(0.1),
             background: Vec3::new(0.02, 0.025, 0.035),
+            backdrop: Backdrop::default(),
         }
     }
 
@@ -230,44 +259,47 @@ impl Scene {
         Ok(image.append(wrap, content, &mut self.texels)?)
     }
 
-    /// Surrounds the scene with an environment: rays that hit nothing see it, surfaces mirror
-    /// it, and it takes the place of the ambient light. One that was there before is seen no
+    /// Surrounds the scene with an environment: rays that hit nothing see it (but see
+    /// [`Scene::backdrop`]), surfaces mirror it, and it takes the place of the ambient light. One that was there before is seen no
     /// more, but still takes memory.
     ///
     /// # Errors
     /// The panorama is not usable, or the scene is full.
     pub fn set_environment(&mut self, panorama: &Panorama) -> Result<(), SceneError> {
+        self.surround(|texels| Ok(panorama.append(texels)?))
+    }
+
+    /// [`Scene::set_environment`] with a cube.
+    ///
+    /// # Errors
+    /// The cube is not usable, or the scene is full.
+    pub fn set_cube(&mut self, cube: &Cube) -> Result<(), SceneError> {
+        self.surround(|texels| Ok(cube.append(texels)?))
+    }
+
+    fn surround(
+        &mut self,
+        append: impl FnOnce(&mut Vec<u32>) -> Result<Sky, SceneError>,
+    ) -> Result<(), SceneError> {
         // A square of at most 1024 texels a side, and less than as many again for the others.
         if self.texels.len() + (1 << 21) > u32::MAX as usize {
             return Err(SceneError::TooLarge { what: "texels" });
         }
-        self.sky = panorama.append(&mut self.texels)?;
+        self.sky = append(&mut self.texels)?;
         self.versions.texels += 1;
         Ok(())
     }
 
-    /// Adds a material. Colors too small to count are black.
-    pub fn add_material(&mut self, mut material: Material) -> MaterialIndex {
-        let Material {
-            base,
-            specular,
-            emission,
-            shininess,
-            metallic,
-            roughness,
-            bump,
-            occlusion,
-            alpha,
-            cutoff,
-            ..
-        } = &mut material;
-        let numbers = [shininess, metallic, roughness, bump, occlusion, alpha, cutoff];
-        for value in base.iter_mut().chain(specular).chain(emission).chain(numbers) {
-            *value = floored(*value);
-        }
+    /// Adds a material. Numbers too small to count are 0.
+    ///
+    /// # Errors
+    /// A number is not finite, or out of its range: see [`Material`], [`COLOR_LIMIT`]
+    /// and [`LIGHT_LIMIT`](crate::layout::LIGHT_LIMIT).
+    pub fn add_material(&mut self, material: Material) -> Result<MaterialIndex, SceneError> {
+        let material = checked(material)?;
         self.versions.materials += 1;
         self.materials.push(material);
-        MaterialIndex(self.materials.len() as u32 - 1)
+        Ok(MaterialIndex(self.materials.len() as u32 - 1))
     }
 
     /// Adds a mesh with its tree, to be placed any number of times. It is stored once.
@@ -372,7 +404,7 @@ impl Scene {
     /// # use rtrt_core::layout::Texture;
     /// use glam::{Mat4, Quat, Vec3};
     /// # let mut scene = Scene::new();
-    /// let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.4, Texture::NONE, [0.0; 3]));
+    /// let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.4, Texture::NONE, [0.0; 3]))?;
     /// let (center, radius) = (Vec3::new(0.0, 2.0, -1.0), 0.5);
     /// let place = Mat4::from_scale_rotation_translation(Vec3::splat(radius), Quat::IDENTITY, center);
     /// scene.add_sphere(red, place)?;
@@ -420,8 +452,10 @@ impl Scene {
             self.set_transform(sphere, place)?;
             return Ok(Some(sphere));
         }
+        // Far beyond white; a light that fades by the square may be brighter than any surface.
+        let color = color.clamp(Vec3::splat(-COLOR_LIMIT), Vec3::splat(COLOR_LIMIT));
         let glow = phong(color.to_array(), 0.0, 1.0, Texture::NONE, [0.0; 3]);
-        let glow = self.add_material(Material { unlit: 1, ..glow });
+        let glow = self.add_material(Material { unlit: 1, ..glow })?;
         let sphere = self.add_sphere(glow, place)?;
         self.shown.insert(number, sphere.0);
         self.objects[sphere.0 as usize].kind = Kind::Light as u32 + number;

@@ -31,8 +31,8 @@ pub fn each_block_of_share(
     [share, shares]: [u32; 2],
     mut visit: impl FnMut(u32, Entry),
 ) {
-    let view = &views[(index / frame.objects) as usize];
-    let object_index = index % frame.objects;
+    let [view, object_index] = frame.of_cover(index);
+    let view = &views[view as usize];
     let object = &objects[object_index as usize];
     let cover = &covers[index as usize];
     let entry = Entry { key: cover.key, object: object_index };

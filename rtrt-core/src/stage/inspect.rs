@@ -51,7 +51,7 @@ pub fn inspect(lists: &Lists<'_>, geometry: &Geometry<'_>, block: u32, ray: &Ray
                 let chord = Chord::new(&ray);
                 for side in [ENTRY, EXIT] {
                     let met = chord.side(ray.direction, side, best.t);
-                    keep(entry.object, side, &met, &mut best);
+                    keep(object.whole(entry.object), side, &met, &mut best);
                 }
             } else {
                 descend(geometry, entry.object, &ray, &mut best, &mut found);
@@ -86,7 +86,8 @@ fn descend(
     };
     let mut stack = [0_u32; STACK];
     let (mut waiting, mut stale) = (0_usize, 0_usize);
-    let mut index = object.root;
+    let object_index = object.whole(object_index);
+    let mut index = object.start;
     loop {
         let node = geometry.nodes[index as usize];
         if node.is_leaf() {
@@ -166,7 +167,7 @@ mod tests {
         let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(corners, vec![Attribute::zeroed(); 3], vec![0, 1, 2]).unwrap();
         let mut scene = Scene::new();
-        let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]));
+        let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3])).unwrap();
         let stored = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
         scene.add_object(stored, white, glam::Mat4::IDENTITY).unwrap();
         let geometry = Geometry {

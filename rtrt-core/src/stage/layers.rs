@@ -11,7 +11,7 @@ use crate::kernel::ray::Ray;
 use crate::kernel::traverse::{Best, Geometry, Search, keep};
 use crate::kernel::triangle::Meeting;
 use crate::lane::{Bits, Lane, Mask, Select, groups};
-use crate::layout::{AlphaMode, Frame, NONE, View};
+use crate::layout::{AlphaMode, Backdrop, Frame, NONE, View};
 use crate::num::flush;
 use crate::stage::visibility::{closest, rays, unfound};
 
@@ -99,12 +99,18 @@ pub fn layer<L: Lane, const G: usize>(
 /// ```
 ///
 /// which is the usual blending from back to front, summed in the order of the layers. The last
-/// layer that a ray may look at counts as opaque.
+/// layer that a ray may look at counts as opaque, but for [`Backdrop::Nothing`].
 #[inline(always)]
 pub fn blend<L: Lane>(frame: &Frame, before: [L; 4], shaded: [L; 4]) -> [L; 4] {
     let one = before[3].like(1.0);
     let done = is_covered(before[3]);
-    let alpha = if frame.layers == 1 { one } else { shaded[3] };
+    let alpha = if frame.layers != 1 {
+        shaded[3]
+    } else if frame.backdrop == Backdrop::Nothing as u32 {
+        one.like(0.0).less_than(shaded[3]).select(one, shaded[3])
+    } else {
+        one
+    };
     let share = (one - before[3]) * alpha;
     let sum = |before: L, shaded: L| done.select(before, before + flush(shaded * share));
     let covered = one.less_equal(alpha).select(one, before[3] + share);

@@ -1,11 +1,12 @@
 //! Resolve: the sub-rays of a pixel become its color.
 
 use crate::grid::{Grid, RayIndex};
-use crate::lane::Lane;
-use crate::num::{floor, srgb_encode, to_integer};
+use crate::lane::{Lane, Mask, Select};
+use crate::num::{floor, recip, srgb_encode, to_integer};
 
 /// A group of pixels: the average of each one's sub-rays' linear colors, summed row by
-/// row, encoded as sRGB with 8 bits a channel, red lowest. `pixel(lane)` is the column and
+/// row, encoded as sRGB with 8 bits a channel, red lowest. Sub-rays' colors are multiplied by
+/// their alphas, those of pixels are not. `pixel(lane)` is the column and
 /// row of a pixel, `color(ray)` the color that a ray brought back.
 #[inline(always)]
 pub fn resolve<L: Lane>(
@@ -19,6 +20,13 @@ pub fn resolve<L: Lane>(
         #[inline(always)]
         |lane| average(grid, pixel(lane), &color),
     );
+    let is_partial = a.like(0.0).less_than(a) & a.less_than(a.like(1.0));
+    let [r, g, b] = if is_partial.any() {
+        let scale = is_partial.select(recip(a), a.like(1.0));
+        [r * scale, g * scale, b * scale]
+    } else {
+        [r, g, b]
+    };
     byte(srgb_encode(r)) | byte(srgb_encode(g)) << 8 | byte(srgb_encode(b)) << 16 | byte(a) << 24
 }
 
@@ -51,4 +59,25 @@ pub fn average(grid: Grid, [x, y]: [u32; 2], color: &impl Fn(RayIndex) -> [f32; 
 #[inline(always)]
 fn byte<L: Lane>(value: L) -> L::Bits {
     to_integer(floor(value * 255.0 + 0.5))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_a_pixel_is_half_covered() {
+        let grid = Grid { width: 1, height: 1, side: 2 };
+        let pixel = |colors: [[f32; 4]; 4]| {
+            let color =
+                |ray: RayIndex| colors[(0..4).find(|i| grid.index([i % 2, i / 2]) == ray).unwrap() as usize];
+            resolve::<f32>((), grid, |_| [0, 0], color).0.to_le_bytes()
+        };
+        let color = [0.25, 0.5, 0.75];
+        let [r, g, b] = color.map(|value| (srgb_encode(value) * 255.0 + 0.5) as u8);
+        let (full, none) = ([0.25, 0.5, 0.75, 1.0], [0.0; 4]);
+        assert_eq!(pixel([full; 4]), [r, g, b, 255]);
+        assert_eq!(pixel([full, none, full, none]), [r, g, b, 128]);
+        assert_eq!(pixel([none; 4]), [0; 4]);
+    }
 }

@@ -4,7 +4,7 @@ use crate::kernel::environment::{Sky, arriving as arriving_from, mirrored};
 use crate::kernel::ray::Ray;
 use crate::kernel::texture::{Chosen, Maps, Pick, channel, sample};
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
-use crate::layout::{AlphaMode, Frame, Material};
+use crate::layout::{AlphaMode, Backdrop, Frame, Material};
 use crate::num::{clamp, flush, flush3, normalize};
 use crate::stage::light::Arriving;
 use crate::stage::surface::Surfaces;
@@ -23,9 +23,9 @@ use crate::stage::surface::Surfaces;
 /// or the base color alone, of a material that is unlit, or the background where it found
 /// nothing. `metallic`, `roughness`, `occlusion` and `emission` are the material's times its
 /// textures. Alpha is 1, but of a material that blends: the material's, times the texture's and
-/// the vertex color's.
+/// the vertex color's; and 0 of a background that is [`Backdrop::Nothing`].
 ///
-/// An environment is the background. It takes the place of the ambient light, by the
+/// An environment is the background, unless the frame says otherwise. It takes the place of the ambient light, by the
 /// surface's normal. It is mirrored, more where the surface is seen at a grazing angle, by
 /// Schlick's approximation (1994), which a rough surface follows less (Lagarde 2011):
 ///
@@ -47,13 +47,15 @@ pub fn shade<L: Lane>(
     let one = surfaces.footprint.like(1.0);
     let sky = frame.sky();
     let found = surfaces.material.like(0).less_than(surfaces.material);
-    let background = if sky.first != 0 && (!found).any() {
+    let clear = one.like(if frame.backdrop == Backdrop::Nothing as u32 { 0.0 } else { 1.0 });
+    let shows_sky = sky.first != 0 && frame.backdrop == Backdrop::Environment as u32;
+    let background = if shows_sky && (!found).any() {
         flush3(mirrored(maps, sky, ray.direction, one.like(0.0)))
     } else {
         V3::splat(token, [frame.background_r, frame.background_g, frame.background_b])
     };
     if !found.any() {
-        return [background.x, background.y, background.z, one];
+        return [background.x, background.y, background.z, clear];
     }
     let looks = looks(maps, surfaces, if sky.first == 0 { 0.5 } else { 1.0 });
     let ambient = if sky.first == 0 {
@@ -66,7 +68,7 @@ pub fn shade<L: Lane>(
     let lit = flush3(diffuse + specular + looks.emission);
     let lit = if sky.first == 0 { lit } else { flush3(lit + reflection(maps, sky, ray, surfaces, &looks)) };
     let color = V3::select(found, V3::select(looks.unlit, flush3(looks.base), lit), background);
-    [color.x, color.y, color.z, found.select(looks.alpha, one)]
+    [color.x, color.y, color.z, found.select(looks.alpha, clear)]
 }
 
 /// The base color of a group of surfaces, linear RGB: material · texture · vertex color.

@@ -223,28 +223,39 @@ pub fn surface<L: Lane>(
     let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
     let found = best.rows();
     let triangles = triangles(best, &found, !missed);
-    let [ax, ay, az, bx, by, bz, cx, cy, cz] = triangles.gather(
+    let [
+        ax,
+        ay,
+        az,
+        bx,
+        by,
+        bz,
+        cx,
+        cy,
+        cz,
+        nax,
+        nay,
+        naz,
+        nbx,
+        nby,
+        nbz,
+        ncx,
+        ncy,
+        ncz,
+        sa,
+        ta,
+        sb,
+        tb,
+        sc,
+        tc,
+    ] = triangles.gather(
         #[inline(always)]
-        |lane| places(geometry, &found, lane),
+        |lane| corners(geometry, attributes, &found, lane),
     );
-    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz, sa, ta, sb, tb, sc, tc] = triangles.gather(
+    let colors = triangles.bits(
         #[inline(always)]
-        |lane| shared(&vertices, &found, lane),
+        |lane| colors(&vertices, &found, lane),
     );
-    let colors = [
-        triangles.bits(
-            #[inline(always)]
-            |lane| color::<L, 0>(&vertices, &found, lane),
-        ),
-        triangles.bits(
-            #[inline(always)]
-            |lane| color::<L, 1>(&vertices, &found, lane),
-        ),
-        triangles.bits(
-            #[inline(always)]
-            |lane| color::<L, 2>(&vertices, &found, lane),
-        ),
-    ];
     let space = Space::of(&vertices, best.t, best.object, &found);
     let a = space.point(V3 { x: ax, y: ay, z: az });
     let b = space.point(V3 { x: bx, y: by, z: bz });
@@ -409,50 +420,45 @@ fn rows<L: Lane>(m: [L; 12]) -> [[L; 4]; 3] {
     [[m[0], m[1], m[2], m[3]], [m[4], m[5], m[6], m[7]], [m[8], m[9], m[10], m[11]]]
 }
 
-/// The positions of the corners of one lane's triangle, object space.
+/// The positions of the corners of one lane's triangle, object space, then their normals, then
+/// their texture coordinates.
 #[inline(always)]
-fn places<L: Lane>(geometry: &Geometry<'_>, found: &BestRows<L>, lane: usize) -> [f32; 9] {
+fn corners<L: Lane>(
+    geometry: &Geometry<'_>,
+    attributes: &[Attribute],
+    found: &BestRows<L>,
+    lane: usize,
+) -> [f32; 24] {
     let index = found.object(lane);
     if index == NONE {
-        return [0.0; 9];
+        return [0.0; 24];
     }
     let [a, b, c] = geometry.corners(&geometry.objects[index as usize], found.triangle(lane));
-    let (a, b, c) =
+    let (p, q, r) =
         (&geometry.positions[a as usize], &geometry.positions[b as usize], &geometry.positions[c as usize]);
-    [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]
-}
-
-/// The normals, then the texture coordinates, of the corners of one lane's triangle.
-#[inline(always)]
-fn shared<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [f32; 15] {
-    let Vertices { objects, words, attributes } = vertices;
-    let index = found.object(lane);
-    if index == NONE {
-        return [0.0; 15];
-    }
-    let [a, b, c] = objects[index as usize].corners(words, found.triangle(lane));
     let (a, b, c) = (&attributes[a as usize], &attributes[b as usize], &attributes[c as usize]);
     let (n, m, o) = (&a.normal, &b.normal, &c.normal);
     [
-        n[0], n[1], n[2], m[0], m[1], m[2], o[0], o[1], o[2], a.uv[0], a.uv[1], b.uv[0], b.uv[1], c.uv[0],
-        c.uv[1],
+        p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2], n[0], n[1], n[2], m[0], m[1], m[2], o[0], o[1],
+        o[2], a.uv[0], a.uv[1], b.uv[0], b.uv[1], c.uv[0], c.uv[1],
     ]
 }
 
-/// The color of one corner of one lane's triangle.
+/// The colors of the corners of one lane's triangle, and a word that means nothing.
 #[inline(always)]
-fn color<L: Lane, const CORNER: usize>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> u32 {
+fn colors<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [u32; 4] {
     let index = found.object(lane);
     if index == NONE {
-        return 0;
+        return [0; 4];
     }
-    let corners = vertices.objects[index as usize].corners(vertices.words, found.triangle(lane));
-    vertices.attributes[corners[CORNER] as usize].color
+    let [a, b, c] = vertices.objects[index as usize].corners(vertices.words, found.triangle(lane));
+    let color = |vertex: u32| vertices.attributes[vertex as usize].color;
+    [color(a), color(b), color(c), 0]
 }
 
 /// The color between those of three corners.
 #[inline(always)]
-fn mixed<L: Lane>(weights: &Weights<L>, [a, b, c]: [L::Bits; 3]) -> L::Bits {
+fn mixed<L: Lane>(weights: &Weights<L>, [a, b, c, _]: [L::Bits; 4]) -> L::Bits {
     let same = a.equal(b) & b.equal(c);
     if !(!same).any() {
         return a;

@@ -147,7 +147,7 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usi
             continue;
         }
         if object.is_sphere() {
-            meet_sphere(geometry, entry.object, rays, met, &mut limits, searches, best);
+            meet_sphere(geometry, object.whole(entry.object), rays, met, &mut limits, searches, best);
             continue;
         }
         let is_identity = object.is_identity == 1;

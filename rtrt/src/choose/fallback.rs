@@ -1,5 +1,6 @@
 //! A backend that another one takes the place of when it fails.
 
+use super::Tell;
 use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request};
 use rtrt_core::scene::Scene;
 use rtrt_cpu::Cpu;
@@ -10,12 +11,12 @@ pub(super) struct Fallback {
     backend: Box<dyn Backend>,
     /// How the CPU renders, until it does.
     cpu: Option<rtrt_cpu::Options>,
-    tell: Option<fn(&RenderError)>,
+    tell: Option<Tell>,
 }
 
 impl Fallback {
     /// `tell` is called with why the first backend failed.
-    pub fn new(first: Box<dyn Backend>, cpu: rtrt_cpu::Options, tell: Option<fn(&RenderError)>) -> Self {
+    pub fn new(first: Box<dyn Backend>, cpu: rtrt_cpu::Options, tell: Option<Tell>) -> Self {
         Self { backend: first, cpu: Some(cpu), tell }
     }
 }
@@ -35,10 +36,10 @@ impl Backend for Fallback {
             Err(error @ RenderError::Backend { .. }) => error,
             result => return result,
         };
-        let Some(Ok(cpu)) = self.cpu.take().map(Cpu::new) else { return Err(failed) };
-        if let Some(tell) = self.tell {
-            tell(&failed);
+        if self.cpu.is_some() && self.tell.is_some_and(|tell| !tell(&failed)) {
+            return Err(failed);
         }
+        let Some(Ok(cpu)) = self.cpu.take().map(Cpu::new) else { return Err(failed) };
         self.backend = Box::new(cpu);
         self.backend.render(scene, request, picture)
     }
@@ -81,6 +82,7 @@ mod tests {
         let tell = |error: &RenderError| {
             assert_eq!(error.to_string(), "mortal: it is no more");
             TOLD.fetch_add(1, Ordering::Relaxed);
+            true
         };
         let options = rtrt_cpu::Options { lanes: Some(1), threads: Some(1) };
         let first = Box::new(Mortal(Cpu::new(options).unwrap(), 0));
@@ -109,6 +111,12 @@ mod tests {
             pictures.iter().all(|p| p.pixels == pictures[0].pixels && p.deferred == pictures[0].deferred)
         );
         assert_eq!(TOLD.load(Ordering::Relaxed), 1);
+        // Who is told may refuse.
+        let first = Box::new(Mortal(Cpu::new(options).unwrap(), 0));
+        let mut strict = Fallback::new(first, options, Some(|_| false));
+        let results =
+            [(); 3].map(|()| strict.render(&Scene::new(), &request, &mut Picture::default()).is_ok());
+        assert_eq!((results, strict.describe().kind.as_str()), ([true, false, false], "mortal"));
         // What no backend can render is no failure of this one.
         let wrong = Request { samples: 3, ..request };
         let error = backend.render(&Scene::new(), &wrong, &mut pictures[0]).unwrap_err();

@@ -67,10 +67,9 @@ struct Times {
 pub fn run(options: &Bench) -> Result<(), Error> {
     let console = Console::new(
         options.common.talk,
-        u64::from(options.frames + WARM_UP) + 3 + u64::from(options.structure == Structure::None),
+        u64::from(options.frames + WARM_UP) + 3 + u64::from(options.common.structure != Structure::Blocks),
     );
-    let mut job = Job::load(&options.common, SAMPLES, true, options.common.time, &console)?;
-    job.scene.structure = options.structure;
+    let mut job = Job::load(&options.common, SAMPLES, true, options.common.start(), &console)?;
     let (mut backend, machine) = open(&options.common.backend, &console)?;
     let mut picture = Picture::default();
     let mut frames: Vec<[f64; STAGES.len()]> = Vec::new();
@@ -86,9 +85,9 @@ pub fn run(options: &Bench) -> Result<(), Error> {
         }
     }
     let peak_rss_bytes = peak_rss_bytes();
-    if options.structure == Structure::None {
-        console.step("comparing with blocks");
-        job.scene.structure = Structure::Blocks;
+    if options.common.structure != Structure::Blocks {
+        console.step("comparing with lists of objects");
+        job.scene.structure = Structure::Objects;
         let mut usual = Picture::default();
         job.render(&mut *backend, &job.request(false), &mut usual)?;
         if usual.pixels != picture.pixels {

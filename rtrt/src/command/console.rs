@@ -3,7 +3,7 @@
 use super::options::Talk;
 use super::{Error, output};
 use indicatif::{ProgressBar, ProgressStyle};
-use rtrt_core::backend::RenderError;
+use rtrt::choose::Tell;
 use std::fmt::Display;
 use std::io::Write;
 use std::time::Duration;
@@ -54,10 +54,15 @@ impl Console {
         Ok(())
     }
 
-    /// Whom a backend tells that another one takes its place, if anybody.
-    pub fn tells(&self) -> Option<fn(&RenderError)> {
+    /// Whom a backend tells that another one takes its place, if anybody. It may not where warnings are
+    /// errors.
+    pub fn tells(&self) -> Option<Tell> {
+        if self.talk.strict {
+            return Some(|_| false);
+        }
         (!self.talk.quiet).then_some(|error| {
             _ = writeln!(std::io::stderr(), "warning: {error}; the CPU renders from here on");
+            true
         })
     }
 

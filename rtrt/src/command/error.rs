@@ -26,6 +26,16 @@ pub enum Error {
         /// How many there are.
         have: usize,
     },
+    /// The scene has no such animation.
+    #[error("unknown animation: {}: there is no animation {asked:?}, {}", scene.display(), animations(names))]
+    Animation {
+        /// The scene.
+        scene: PathBuf,
+        /// The animation asked for.
+        asked: String,
+        /// What the scene's are called.
+        names: Vec<String>,
+    },
     /// Options that do not go together.
     #[error("wrong usage: {0}")]
     Usage(&'static str),
@@ -171,7 +181,11 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Encode { .. } | Self::Write { .. } | Self::Print(_) => 1,
-            Self::Demo { .. } | Self::Camera { .. } | Self::TooLarge { .. } | Self::Usage(_) => 2,
+            Self::Demo { .. }
+            | Self::Camera { .. }
+            | Self::Animation { .. }
+            | Self::TooLarge { .. }
+            | Self::Usage(_) => 2,
             Self::Import(_) | Self::Reference { .. } => 3,
             Self::Strict { code, .. } => *code,
             #[cfg(feature = "viewer")]
@@ -224,4 +238,16 @@ fn cameras(have: usize) -> String {
         1 => "the scene has only camera 0".into(),
         _ => format!("the scene has cameras 0 to {}", have - 1),
     }
+}
+
+/// Which animations there are, in words.
+fn animations(names: &[String]) -> String {
+    if names.is_empty() {
+        return "the scene has none".into();
+    }
+    let list = names.iter().enumerate().map(|(number, name)| match &name[..] {
+        "" => number.to_string(),
+        name => format!("{number} ({name:?})"),
+    });
+    format!("the scene has {}", list.collect::<Vec<_>>().join(", "))
 }

@@ -12,6 +12,8 @@ use rtrt::import::{self, Animation, ImportError, Loaded, NamedCamera};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Camera, Light, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
+#[cfg(feature = "viewer")]
+use std::path::PathBuf;
 
 /// The most rays of a frame: they are numbered with 32 bits, those of blocks that reach
 /// outside the frame included.
@@ -39,6 +41,9 @@ pub struct Job {
     default_lights: bool,
     animation: Option<Animation>,
     cameras: Vec<NamedCamera>,
+    /// What the scene and its environment were read from.
+    #[cfg(feature = "viewer")]
+    files: Vec<PathBuf>,
     common: Common,
 }
 
@@ -67,8 +72,9 @@ impl Job {
             loaded.scene.drawn_triangles(),
             loaded.tree_build_ms
         ));
+        choose_animation(common, &mut loaded, time.is_some(), console)?;
         let camera = camera(common, &mut loaded, time.is_some())?;
-        let Loaded { mut scene, cameras, lit_by_default, animation, tree_build_ms, .. } = loaded;
+        let Loaded { mut scene, cameras, lit_by_default, animation, files, tree_build_ms, .. } = loaded;
         let default_lights = lit_by_default && common.lights.is_empty() && common.environment.is_none();
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
@@ -84,14 +90,19 @@ impl Job {
                 }
             }
         }
-        if let Some(path) = &common.environment {
-            import::surround(&mut scene, path)?;
+        let around =
+            common.environment.as_ref().map(|path| import::surround(&mut scene, path)).transpose()?;
+        let files: Vec<_> = files.into_iter().chain(around.into_iter().flatten()).collect();
+        console.detail(format_args!("read from {} files", files.len()));
+        if let Some(ambient) = common.ambient {
+            scene.ambient = ambient;
         }
         if animation.is_none() && time.is_some() {
             console.warn(3, "nothing in the scene is animated")?;
         }
         scene.mip = common.mip;
         scene.occluders = common.sun_shadows;
+        scene.structure = common.structure;
         show_lights(&mut scene, common)?;
         let mut job = Self {
             scene,
@@ -107,6 +118,8 @@ impl Job {
             default_lights,
             animation,
             cameras,
+            #[cfg(feature = "viewer")]
+            files,
             common: common.clone(),
         };
         if let Some(time) = time {
@@ -196,6 +209,11 @@ impl Job {
         show_lights(&mut self.scene, &self.common)
     }
 
+    /// What the scene and its environment were read from.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
     /// Whether the scene brings cameras.
     pub fn has_cameras(&self) -> bool {
         !self.cameras.is_empty()
@@ -228,6 +246,34 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
         None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
     }
+}
+
+/// Plays the animation that the options name: by its name, else by its number, else all.
+fn choose_animation(
+    common: &Common,
+    loaded: &mut Loaded,
+    plays: bool,
+    console: &Console,
+) -> Result<(), Error> {
+    let names = loaded.animation.as_ref().map_or(&[][..], Animation::names).to_vec();
+    let Some(asked) = &common.animation else {
+        if plays && names.len() > 1 {
+            let count = names.len();
+            console
+                .warn(3, format_args!("of {count} animations, the first is played; --animation chooses"))?;
+        }
+        return Ok(());
+    };
+    let number = asked.parse().ok().filter(|number| *number < names.len());
+    let number = names.iter().position(|name| name == asked).or(number);
+    match &mut loaded.animation {
+        Some(animation) if number.is_some() || asked == "all" => animation.play(number),
+        _ => {
+            let (scene, asked) = (common.scene.clone(), asked.clone());
+            return Err(Error::Animation { scene, asked, names });
+        }
+    }
+    Ok(())
 }
 
 /// Shows the lights that have a radius, where they are, if the options say so.

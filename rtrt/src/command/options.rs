@@ -4,14 +4,14 @@
 use super::parse::png;
 use super::parse::{
     angle, background, choice, exr, height, light, mip, occluders, one_of, picture, radius, rate, seconds,
-    shadows, size, structure, vector, view,
+    shadows, size, structure, tone, vector, view,
 };
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::{self, Choice};
 use rtrt::debug;
-use rtrt_core::backend::{LAYERS, RenderError, Shadows};
+use rtrt_core::backend::{LAYERS, Shadows};
 use rtrt_core::scene::{Light, Mip, Occluders, Setup, Structure};
 use std::path::PathBuf;
 
@@ -37,9 +37,10 @@ pub struct Render {
     /// a block's list has; tests is how many boxes and triangles a ray is asked for
     #[arg(long, value_name = "VIEW", value_parser = view())]
     pub debug: Option<debug::View>,
-    /// What is behind everything: a linear color; transparent, which is an alpha of 0 where a ray
-    /// hits nothing; or env, the environment, which is usual where there is one. With an
-    /// environment, or transparent, what is seen through a surface stays as it was
+    /// What is behind everything, and is seen through what is not opaque: a linear color;
+    /// transparent, which is an alpha of 0 where a ray hits nothing, and one in between where
+    /// surfaces are seen through; or env, the environment, which is usual where there is one.
+    /// Surfaces mirror the environment all the same
     #[arg(long, value_name = "R,G,B|transparent|env", value_parser = background, allow_hyphen_values = true)]
     pub background: Option<Background>,
     /// Compare the picture with this PNG file, pixel by pixel; a difference is exit code 5
@@ -79,10 +80,6 @@ pub struct Bench {
     /// Frames to measure, after two that are not counted
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
-    /// What keeps rays from being asked for every object: lists of blocks, or nothing, to see what
-    /// these are worth. That the picture is the same is checked
-    #[arg(long, default_value = "blocks", value_parser = structure())]
-    pub structure: Structure,
     #[command(flatten)]
     pub common: Common,
 }
@@ -97,7 +94,8 @@ pub struct View {
     /// While something moves, trace fewer rays if fewer frames a second than this could be shown
     #[arg(long, value_name = "N", default_value = "25", value_parser = rate)]
     pub fps: f64,
-    /// Load the scene again when its file changes
+    /// Load the scene again when a file changes that it was read from: its own, textures, buffers,
+    /// material libraries, the environment
     #[arg(long)]
     pub watch: bool,
     /// Write keys and mouse, frame by frame, to this file
@@ -137,6 +135,11 @@ pub struct Common {
     /// then drawn as opaque; 1 draws everything as opaque
     #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)))]
     pub transparency_depth: u32,
+    /// What keeps rays from being asked for every object: lists of objects for each block of each
+    /// view; lists of parts with at most so many triangles, for the camera's blocks; whichever of
+    /// these suits the scene (blocks); or nothing. The picture is the same
+    #[arg(long, value_name = "blocks|objects|TRIANGLES|none", default_value = "blocks", value_parser = structure)]
+    pub structure: Structure,
     /// Let suns have shadows of all objects, of those whose shadows may be seen (the picture is the
     /// same), or of those within this distance of the camera
     #[arg(long, value_name = "all|seen|DISTANCE", default_value = "all", value_parser = occluders)]
@@ -148,18 +151,31 @@ pub struct Common {
     /// is seen
     #[arg(long, default_value = "distance", value_parser = mip())]
     pub mip: Mip,
-    /// Add a white light; the scene's own lights are then off. point:x,y,z shines from there
+    /// Add a light; the scene's own lights are then off. point:x,y,z shines from there
     /// without limit; spot:x,y,z:dx,dy,dz:degrees shines from there in the direction dx,dy,dz,
     /// brightest in the middle and up to that angle off it (within 0 and 90); sun:x,y,z stands
     /// infinitely far away in that direction. A radius may follow, as in point:x,y,z:0.5, that of
-    /// a sun in degrees: shadows are then soft
+    /// a sun in degrees: shadows are then soft. After that may follow color=r,g,b (linear, 1,1,1 if
+    /// not given), reach=r (beyond it, the light is 0), fade=square (with the square of the distance),
+    /// and inner=degrees (up to that angle a spot light does not fade), as in
+    /// point:0,3,0:0.5:color=1,0.6,0.2:fade=square
     #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]
     pub lights: Vec<Light>,
-    /// Surround the scene with this panorama, a Radiance .hdr file: it is the background, is
-    /// mirrored, and lights in place of the ambient light. A scene without lights gets none
-    #[arg(long, value_name = "FILE")]
+    /// Light from everywhere, linear; an environment takes its place
+    #[arg(long, value_name = "R,G,B", value_parser = tone, allow_hyphen_values = true)]
+    pub ambient: Option<Vec3>,
+    /// Surround the scene with this environment: it is the background, is mirrored, and lights in
+    /// place of the ambient light. A scene without lights gets none. A picture (Radiance .hdr, PNG
+    /// or JPEG) is a panorama, or, by its shape, a cube: px, nx, py, ny, pz, nz in a row (6:1) or a
+    /// column (1:6), or unfolded to a cross (4:3, 3:4). A folder is a cube, of pictures named px,
+    /// nx, py, ny, pz and nz. pz is in front, which is -z
+    #[arg(long, value_name = "FILE|DIR")]
     pub environment: Option<PathBuf>,
-    /// Play the file's first animation until this time, seconds after its start. If not given, the
+    /// Play this animation of the file: its number, counted from 0, its name, or all at once. The first
+    /// if not given. Without --time it is shown at its start
+    #[arg(long, value_name = "N|NAME|all")]
+    pub animation: Option<String>,
+    /// Play the file's animation until this time, seconds after its start. If not given, the
     /// file is shown at rest. A file without a camera is framed so that the whole animation is in
     /// view
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
@@ -180,6 +196,10 @@ pub struct Common {
 }
 
 impl Common {
+    /// When, of the animation; none for the scene at rest.
+    pub fn start(&self) -> Option<f64> {
+        self.time.or(self.animation.as_ref().map(|_| 0.0))
+    }
     /// How lights cast shadows.
     pub fn shadows(&self) -> Shadows {
         if self.no_shadows { Shadows::Off } else { self.shadows }
@@ -258,7 +278,7 @@ pub struct BackendOptions {
 
 impl BackendOptions {
     /// What to choose from.
-    pub fn choose(&self, tell: Option<fn(&RenderError)>) -> choose::Options {
+    pub fn choose(&self, tell: Option<choose::Tell>) -> choose::Options {
         choose::Options {
             choice: self.backend,
             adapter: self.adapter.clone(),

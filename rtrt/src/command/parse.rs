@@ -6,6 +6,7 @@ use glam::Vec3;
 use rtrt::choose::Choice;
 use rtrt::debug;
 use rtrt_core::backend::Shadows;
+use rtrt_core::layout::LIGHT_LIMIT;
 use rtrt_core::scene::{Light, Mip, Occluders, Setup, Structure};
 use std::path::{Path, PathBuf};
 
@@ -58,12 +59,19 @@ pub fn mip() -> impl TypedValueParser<Value = Mip> {
     })
 }
 
-/// What keeps rays from being asked for every object.
-pub fn structure() -> impl TypedValueParser<Value = Structure> {
-    PossibleValuesParser::new(["blocks", "none"]).map(|name| match &name[..] {
-        "none" => Structure::None,
-        _ => Structure::Blocks,
-    })
+/// `blocks`, `objects`, `none`, or how many triangles a part of an object has at most.
+pub fn structure(text: &str) -> Result<Structure, String> {
+    match text {
+        "blocks" => Ok(Structure::Blocks),
+        "objects" => Ok(Structure::Objects),
+        "none" => Ok(Structure::None),
+        _ => {
+            let triangles = text.parse().ok().filter(|&triangles| triangles > 0);
+            triangles
+                .map(Structure::Parts)
+                .ok_or("not blocks, objects, none, or a number of triangles above 0".into())
+        }
+    }
 }
 
 /// `1280x720`.
@@ -127,11 +135,19 @@ pub fn radius(text: &str) -> Result<f32, &'static str> {
     text.parse().ok().filter(|r: &f32| r.is_finite() && *r >= 0.0).ok_or("not a number of 0 or more")
 }
 
-/// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`, and perhaps a radius.
+/// A linear color.
+pub fn tone(text: &str) -> Result<Vec3, &'static str> {
+    let color = vector(text).ok().filter(|color| (0.0..=LIGHT_LIMIT).contains(&color.min_element()));
+    let color = color.filter(|color| color.max_element() <= LIGHT_LIMIT);
+    color.ok_or("not three numbers of 0 to 2^48 with commas between them")
+}
+
+/// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`, perhaps a radius, and perhaps what it is
+/// besides, such as `color=1,0.5,0`.
 pub fn light(text: &str) -> Result<Light, String> {
     const FORMS: &str = "not point:X,Y,Z, spot:X,Y,Z:X,Y,Z:DEGREES or sun:X,Y,Z, with or without :RADIUS";
-    let parts: Vec<&str> = text.split(':').collect();
-    match parts[..] {
+    let (more, parts): (Vec<_>, Vec<_>) = text.split(':').partition(|part| part.contains('='));
+    let light = match parts[..] {
         ["point", place] => point(place, "0"),
         ["point", place, radius] => point(place, radius),
         ["spot", place, direction, outer] => spot(place, direction, outer, "0"),
@@ -139,18 +155,52 @@ pub fn light(text: &str) -> Result<Light, String> {
         ["sun", place] => sun(place, "0"),
         ["sun", place, radius] => sun(place, radius),
         _ => Err(FORMS.into()),
+    };
+    more.into_iter().try_fold(light?, |light, what| {
+        let (key, value) = what.split_once('=').unwrap_or_default();
+        with(light, key, value)
+    })
+}
+
+/// The light with another property.
+fn with(mut light: Light, key: &str, value: &str) -> Result<Light, String> {
+    match (key, &mut light) {
+        ("color", Light::Point { color, .. } | Light::Spot { color, .. } | Light::Sun { color, .. }) => {
+            *color = tone(value)?;
+        }
+        ("reach", Light::Point { reach, .. } | Light::Spot { reach, .. }) => *reach = Some(height(value)?),
+        ("fade", Light::Point { inverse_square, .. } | Light::Spot { inverse_square, .. }) => {
+            *inverse_square = match value {
+                "square" => true,
+                _ => return Err("a light fades by its square (fade=square), or as far as it reaches".into()),
+            }
+        }
+        ("inner", Light::Spot { inner, outer, .. }) => {
+            let angle = value.parse().map(|degrees: f64| degrees.to_radians() as f32);
+            let angle = angle.ok().filter(|angle| (0.0..=*outer).contains(angle));
+            *inner = angle.ok_or("the inner angle is not within 0 and the other one")?;
+        }
+        _ => return Err(format!("such a light has no {key}; color, reach, fade and inner are known")),
     }
+    Ok(light)
+}
+
+/// Where a light is that is not infinitely far away.
+fn place(text: &str) -> Result<Vec3, String> {
+    let place = vector(text)?;
+    let is_near = place.abs().max_element() <= Light::FARTHEST;
+    if is_near { Ok(place) } else { Err("a light's position must be within ±2^40".into()) }
 }
 
 /// Position and radius of a point light.
 pub fn point(position: &str, size: &str) -> Result<Light, String> {
-    let (position, radius) = (vector(position)?, radius(size)?);
+    let (position, radius) = (place(position)?, radius(size)?);
     Ok(Light::Point { position, color: Vec3::ONE, reach: None, inverse_square: false, radius })
 }
 
 /// Where the sun stands, and its radius in degrees.
 pub fn sun(place: &str, size: &str) -> Result<Light, String> {
-    let (place, radius) = (vector(place)?, radius(size)?.to_radians());
+    let (place, radius) = (vector(place)?, seconds(size)?.to_radians() as f32);
     if place.abs().max_element() < 1e-18 {
         return Err("the sun has no direction".into());
     }
@@ -163,7 +213,7 @@ pub fn sun(place: &str, size: &str) -> Result<Light, String> {
 /// Position, direction, outer angle and radius of a spot light. It fades from the middle on, as
 /// glTF's does if nothing else is said.
 pub fn spot(position: &str, direction: &str, outer: &str, size: &str) -> Result<Light, String> {
-    let (position, direction) = (vector(position)?, vector(direction)?);
+    let (position, direction) = (place(position)?, vector(direction)?);
     let (outer, radius) = (angle(outer)?, radius(size)?);
     if direction.abs().max_element() < 1e-18 {
         return Err("the spot light has no direction".into());
@@ -250,7 +300,7 @@ mod tests {
             assert!(light(bad).is_err(), "{bad}");
         }
         assert_eq!(light("point:1,2,3:0.5").map(|light| light.radius()), Ok(0.5));
-        assert_eq!(light("sun:1,2,3:0.27").map(|light| light.radius()), Ok(0.27_f32.to_radians()));
+        assert_eq!(light("sun:1,2,3:0.27").map(|light| light.radius()), Ok(0.27_f64.to_radians() as f32));
         for bad in [
             "sun:0,0,0",
             "sun:0,-0,1e-38",
@@ -260,6 +310,38 @@ mod tests {
             "point:",
             "point:1,2,3:-1",
             "sun:1,2,2:45",
+        ] {
+            assert!(light(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn lights_have_colors_and_ends() {
+        let Ok(Light::Point { color, reach, inverse_square, radius, .. }) =
+            light("point:1,2,3:0.5:color=1,0.5,0:reach=9:fade=square")
+        else {
+            panic!("no point light")
+        };
+        assert_eq!((color, reach, inverse_square, radius), (Vec3::new(1.0, 0.5, 0.0), Some(9.0), true, 0.5));
+        let Ok(Light::Spot { inner, outer, .. }) = light("spot:0,1,0:0,-1,0:30:inner=20") else {
+            panic!("no spot light")
+        };
+        assert_eq!((inner, outer), (20.0_f64.to_radians() as f32, 30.0_f64.to_radians() as f32));
+        assert!(light("sun:1,2,3:color=0,0,1").is_ok());
+        for bad in [
+            "point:1,2,3:color=1,2",
+            "point:1,2,3:color=-1,0,0",
+            "point:1,2,3:color=nan,0,0",
+            "point:1,2,3:color=1e30,0,0",
+            "point:1,2,3:reach=0",
+            "point:1,2,3:fade=linear",
+            "point:1,2,3:inner=3",
+            "sun:1,2,3:reach=4",
+            "spot:0,1,0:0,-1,0:30:inner=31",
+            "point:1,2,3:shape=round",
+            "color=1,1,1",
+            "point:1e30,0,0",
+            "spot:0,-1e13,0:0,-1,0:30",
         ] {
             assert!(light(bad).is_err(), "{bad}");
         }

@@ -12,10 +12,10 @@ use super::parse::{ends_in, is_standard};
 use super::report::{Machine, PerStage, buffer_hashes};
 use bytemuck::cast_slice;
 use image::ExtendedColorType::{Rgba8, Rgba16};
-use rtrt::backdrop::put_behind;
 use rtrt::hash;
 use rtrt::layers::Layers;
 use rtrt_core::backend::{Backend, Picture, STAGES};
+use rtrt_core::layout::Backdrop;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -48,10 +48,14 @@ struct Report<'a> {
 pub fn run(options: &Render) -> Result<(), Error> {
     check(options)?;
     let console = Console::new(options.common.talk, 2 + 3 * u64::from(options.frames));
-    let start = options.common.time.or((options.frames > 1).then_some(0.0));
+    let start = options.common.start().or((options.frames > 1).then_some(0.0));
     let mut job = Job::load(&options.common, SAMPLES, keeps_buffers(options), start, &console)?;
-    if let (Some(Background::Color(color)), None) = (options.background, &options.common.environment) {
-        job.scene.background = color.into();
+    match options.background {
+        Some(Background::Color(color)) => {
+            (job.scene.background, job.scene.backdrop) = (color.into(), Backdrop::Color);
+        }
+        Some(Background::Transparent) => job.scene.backdrop = Backdrop::Nothing,
+        Some(Background::Environment) | None => {}
     }
     let (mut backend, machine) = open(&options.common.backend, &console)?;
     let mut picture = Picture::default();
@@ -78,9 +82,6 @@ fn render(
     job.render(backend, &job.request(keeps_buffers(options)), picture)?;
     let frame_ms = start.elapsed().as_secs_f64() * 1e3;
     console.detail(format_args!("frame {frame}: {frame_ms:.1} ms, in {}", stages(picture)));
-    if let Some(color) = behind(options) {
-        put_behind(picture, job.samples, color);
-    }
     let name = |path: &PathBuf| filled(path, &options.common.scene, frame);
     let (output, aov) = (options.output.as_ref().map(name), options.aov.as_ref().map(name));
     write(options, output.as_deref(), aov.as_deref(), job, picture, console)?;
@@ -112,15 +113,6 @@ fn render(
 fn stages(picture: &Picture) -> String {
     let all = STAGES.iter().zip(picture.stages_ms).filter(|(_, ms)| *ms > 0.0);
     all.map(|(stage, ms)| format!("{stage} {ms:.1}")).collect::<Vec<_>>().join(", ")
-}
-
-/// The color of what hits nothing, where it is not that of the scene.
-fn behind(options: &Render) -> Option<[f32; 4]> {
-    match options.background? {
-        Background::Transparent => Some([0.0; 4]),
-        Background::Color([r, g, b]) => options.common.environment.as_ref().map(|_| [r, g, b, 1.0]),
-        Background::Environment => None,
-    }
 }
 
 /// Whether the options go together, and files can be written where they say.
@@ -155,13 +147,7 @@ fn check(options: &Render) -> Result<(), Error> {
 /// Whether what is to be written is made from the deferred buffers.
 fn keeps_buffers(options: &Render) -> bool {
     let is_exr = options.output.as_deref().is_some_and(|path| ends_in(path, "exr"));
-    let is_changed = behind(options).is_some();
-    is_changed
-        || options.hash
-        || options.aov.is_some()
-        || options.debug.is_some()
-        || options.bits != 8
-        || is_exr
+    options.hash || options.aov.is_some() || options.debug.is_some() || options.bits != 8 || is_exr
 }
 
 /// Writes the picture's files.

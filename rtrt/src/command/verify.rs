@@ -78,7 +78,7 @@ pub fn run(options: &Verify) -> Result<(), Error> {
     let common = &options.common;
     let variants = variants(&common.backend)?;
     let console = Console::new(common.talk, variants.len() as u64 + 2);
-    let job = Job::load(common, SAMPLES, true, common.time, &console)?;
+    let job = Job::load(common, SAMPLES, true, common.start(), &console)?;
     console.step(format_args!("rendering the reference: {REFERENCE}"));
     let mut expected = Picture::default();
     job.render(&mut *REFERENCE.open()?, &job.request(true), &mut expected)?;

@@ -68,6 +68,7 @@ pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
         lit_by_default: false,
         warnings: Vec::new(),
         animation: None,
+        files: Vec::new(),
         tree_build_ms: stage.builder.tree_build_ms,
     })
 }
@@ -78,13 +79,13 @@ struct Stage<'a, J> {
 }
 
 impl<J: Join> Stage<'_, J> {
-    fn opaque(&mut self, color: [f32; 3], roughness: f32) -> MaterialIndex {
-        self.builder.scene.add_material(phong(color, 0.0, roughness, Texture::NONE, [0.0; 3]))
+    fn opaque(&mut self, color: [f32; 3], roughness: f32) -> Result<MaterialIndex, ImportError> {
+        self.builder.add_material(phong(color, 0.0, roughness, Texture::NONE, [0.0; 3]))
     }
     /// Glass that glows in its color: nothing else shows that light comes through it.
-    fn glass(&mut self, color: [f32; 3], alpha: f32, glow: f32) -> MaterialIndex {
+    fn glass(&mut self, color: [f32; 3], alpha: f32, glow: f32) -> Result<MaterialIndex, ImportError> {
         let glass = phong(color, 0.0, 0.15, Texture::NONE, color.map(|c| c * glow));
-        self.builder.scene.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
+        self.builder.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
     }
     fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
         let mesh = self.builder.add_mesh(GLASS, shape.0)?;
@@ -94,8 +95,8 @@ impl<J: Join> Stage<'_, J> {
 
     /// A closed room with an opening for the window.
     fn room(&mut self) -> Result<(), ImportError> {
-        let floor = self.opaque([0.60, 0.56, 0.50], 0.7);
-        let wall = self.opaque([0.80, 0.78, 0.74], 0.95);
+        let floor = self.opaque([0.60, 0.56, 0.50], 0.7)?;
+        let wall = self.opaque([0.80, 0.78, 0.74], 0.95)?;
         let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
         let [low, high] = ROOM;
         let size = high - low;
@@ -117,7 +118,7 @@ impl<J: Join> Stage<'_, J> {
 
     /// Panes between bars of lead.
     fn window(&mut self) -> Result<(), ImportError> {
-        let lead = self.opaque([0.03; 3], 0.4);
+        let lead = self.opaque([0.03; 3], 0.4)?;
         let size = Vec3::new(0.0, PANES[1] as f32 * PANE, PANES[0] as f32 * PANE);
         let mut panes: [Shape; COLORS.len()] = Default::default();
         for row in 0..PANES[1] {
@@ -129,7 +130,7 @@ impl<J: Join> Stage<'_, J> {
             }
         }
         for (shape, color) in panes.into_iter().zip(COLORS) {
-            let glass = self.glass(color, 0.88, 0.4);
+            let glass = self.glass(color, 0.88, 0.4)?;
             self.add(shape, glass)?;
         }
         let bar = |from: Vec3, to: Vec3, half: f32| (from - Vec3::splat(half), to + Vec3::splat(half));
@@ -152,12 +153,12 @@ impl<J: Join> Stage<'_, J> {
     /// Two sheets on the floor that stand in each other's way, and a ball within a ball of glass.
     fn sheets(&mut self) -> Result<(), ImportError> {
         let (red, blue) =
-            (self.glass([0.95, 0.15, 0.05], 0.5, 0.1), self.glass([0.05, 0.25, 0.95], 0.5, 0.1));
+            (self.glass([0.95, 0.15, 0.05], 0.5, 0.1)?, self.glass([0.05, 0.25, 0.95], 0.5, 0.1)?);
         let up = Vec3::Y * 0.9;
         self.add(Shape::default().tiled(vec3(0.15, 0.0, 0.95), vec3(0.75, 0.0, 0.35), up, 1.0), red)?;
         self.add(Shape::default().tiled(vec3(0.35, 0.0, 1.35), vec3(0.80, 0.0, -0.45), up, 1.0), blue)?;
-        let clear = self.glass([0.75, 0.95, 0.85], 0.25, 0.0);
-        let gold = self.opaque([0.85, 0.55, 0.12], 0.3);
+        let clear = self.glass([0.75, 0.95, 0.85], 0.25, 0.0)?;
+        let gold = self.opaque([0.85, 0.55, 0.12], 0.3)?;
         let middle = vec3(1.55, 0.36, 0.2);
         self.add(Shape::default().ellipsoid(middle, 0.36, 0.36), clear)?;
         self.add(Shape::default().ellipsoid(middle - Vec3::Y * 0.12, 0.17, 0.17), gold)

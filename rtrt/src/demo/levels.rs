@@ -22,11 +22,11 @@ const STEPS: [(f32, u32, u32); 4] =
 /// As for [`crate::import::load`]; nothing in the scene gives rise to any.
 pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut builder = Builder::new(Path::new(LEVELS), join, None);
-    let floor = builder.scene.add_material(phong([0.5, 0.48, 0.45], 0.0, 0.9, Texture::NONE, [0.0; 3]));
+    let floor = builder.add_material(phong([0.5, 0.48, 0.45], 0.0, 0.9, Texture::NONE, [0.0; 3]))?;
     let shape = Shape::default().tiled(vec3(-60.0, 0.0, -120.0), Vec3::X * 120.0, Vec3::Z * 130.0, 1.0);
     let mesh = builder.add_mesh(LEVELS, shape.0)?;
     builder.add_object(LEVELS, mesh, floor, Mat4::IDENTITY)?;
-    let white = builder.scene.add_material(phong([0.9; 3], 0.0, 0.4, Texture::NONE, [0.0; 3]));
+    let white = builder.add_material(phong([0.9; 3], 0.0, 0.4, Texture::NONE, [0.0; 3]))?;
     let mut meshes = Vec::new();
     for (from, rings, color) in STEPS {
         meshes.push((from, builder.add_mesh(LEVELS, ball(rings, color))?));
@@ -61,6 +61,7 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
         lit_by_default: false,
         animation: None,
         warnings: Vec::new(),
+        files: Vec::new(),
         tree_build_ms: builder.tree_build_ms,
     })
 }

@@ -20,7 +20,7 @@ pub const SPHERES: &str = "demo:spheres";
 pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut stage = Stage { builder: Builder::new(Path::new(SPHERES), join, None) };
     let planks = stage.texture(paint::planks())?;
-    let floor = stage.material([0.95; 3], 0.5, planks);
+    let floor = stage.material([0.95; 3], 0.5, planks)?;
     let corner = vec3(-6.0, 0.0, -7.0);
     let shape = Shape::default().tiled(corner, Vec3::X * 12.0, Vec3::Z * 12.0, 2.4);
     let mesh = stage.builder.add_mesh(SPHERES, shape.0)?;
@@ -55,14 +55,15 @@ pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
         lit_by_default: false,
         animation: None,
         warnings: Vec::new(),
+        files: Vec::new(),
         tree_build_ms: stage.builder.tree_build_ms,
     })
 }
 
 impl<J: Join> Stage<'_, J> {
-    fn glass(&mut self, color: [f32; 3], alpha: f32) -> MaterialIndex {
+    fn glass(&mut self, color: [f32; 3], alpha: f32) -> Result<MaterialIndex, ImportError> {
         let glass = phong(color, 0.0, 0.1, Texture::NONE, [0.0; 3]);
-        self.builder.scene.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
+        self.builder.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
     }
     /// An ellipsoid with these half axes.
     fn ball(
@@ -81,20 +82,20 @@ impl<J: Join> Stage<'_, J> {
     /// A globe of tiles, two of glass with something in them, a disc and an egg.
     fn large(&mut self) -> Result<(), ImportError> {
         let tiles = self.texture(paint::tiles())?;
-        let tiles = self.material([1.0; 3], 0.25, Texture { turn: [[4.0, 0.0], [0.0, 2.0]], ..tiles });
+        let tiles = self.material([1.0; 3], 0.25, Texture { turn: [[4.0, 0.0], [0.0, 2.0]], ..tiles })?;
         let tilt = Quat::from_rotation_z(0.4) * Quat::from_rotation_y(0.6);
         self.ball(tiles, vec3(-1.45, 0.95, -0.6), Vec3::splat(0.95), tilt)?;
-        let gold = self.builder.scene.add_material(phong([0.9, 0.6, 0.2], 1.0, 0.3, Texture::NONE, [0.0; 3]));
+        let gold = self.builder.add_material(phong([0.9, 0.6, 0.2], 1.0, 0.3, Texture::NONE, [0.0; 3]))?;
         for (center, color) in
             [(vec3(0.35, 0.62, 0.9), [0.95, 0.25, 0.1]), (vec3(1.3, 0.75, 0.2), [0.1, 0.35, 0.95])]
         {
-            let glass = self.glass(color, 0.3);
+            let glass = self.glass(color, 0.3)?;
             self.ball(glass, center, Vec3::splat(center.y), Quat::IDENTITY)?;
             self.ball(gold, center - Vec3::Y * 0.1, Vec3::splat(0.25), Quat::IDENTITY)?;
         }
-        let jade = self.material([0.25, 0.6, 0.4], 0.3, Texture::NONE);
+        let jade = self.material([0.25, 0.6, 0.4], 0.3, Texture::NONE)?;
         self.ball(jade, vec3(0.55, 1.55, -1.9), vec3(1.1, 1.1, 0.12), Quat::from_rotation_y(-0.5))?;
-        let egg = self.material([0.85, 0.8, 0.7], 0.6, Texture::NONE);
+        let egg = self.material([0.85, 0.8, 0.7], 0.6, Texture::NONE)?;
         self.ball(egg, vec3(-0.35, 0.42, 1.55), vec3(0.3, 0.42, 0.3), Quat::IDENTITY)
     }
 
@@ -103,6 +104,7 @@ impl<J: Join> Stage<'_, J> {
         const BEADS: u32 = 60;
         let colors = [[0.8, 0.2, 0.2], [0.85, 0.7, 0.25], [0.25, 0.5, 0.8]];
         let beads = colors.map(|color| self.material(color, 0.3, Texture::NONE));
+        let beads = beads.into_iter().collect::<Result<Vec<_>, _>>()?;
         for bead in 0..BEADS {
             let share = bead as f32 / BEADS as f32;
             let (sin, cos) = libm::sincosf(share * 4.0 * core::f32::consts::TAU);

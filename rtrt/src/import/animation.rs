@@ -8,10 +8,14 @@ use gltf_json::animation::Property;
 use rtrt_core::scene::{Camera, Light, Mesh, MeshIndex, ObjectIndex, Projection, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
-/// The animation of a file: its nodes, and how they move.
+/// The animations of a file: its nodes, and how they move. The first one is played, unless another
+/// is chosen.
 #[derive(Debug, Clone)]
 pub struct Animation {
     path: PathBuf,
+    names: Vec<String>,
+    /// Which one is played; all at once if none.
+    played: Option<usize>,
     /// Parents come before their children.
     nodes: Vec<Node>,
 }
@@ -66,7 +70,7 @@ impl Local {
     }
 
     /// The transform at a time. A matrix that is animated all the same counts for nothing.
-    fn at(&self, tracks: &[Track], time: f64) -> Self {
+    fn at(&self, tracks: &[&Track], time: f64) -> Self {
         let Some(Self::Parts { mut translation, mut rotation, mut scale }) = (match self {
             Self::Matrix(_) if tracks.is_empty() => None,
             Self::Matrix(_) => Some(Self::IDENTITY),
@@ -101,18 +105,34 @@ pub struct Pose {
 }
 
 impl Animation {
-    pub(super) fn new(path: &Path, nodes: Vec<Node>) -> Self {
-        Self { path: path.to_owned(), nodes }
+    pub(super) fn new(path: &Path, names: Vec<String>, nodes: Vec<Node>) -> Self {
+        Self { path: path.to_owned(), names, played: Some(0), nodes }
     }
 
-    /// Whether something moves.
+    /// What the file calls its animations, in their order; empty for one without a name.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Plays this animation, counted from 0, or all at once. Of several that move the same thing the
+    /// last one counts.
+    pub fn play(&mut self, number: Option<usize>) {
+        self.played = number;
+    }
+
+    /// The tracks of a node that are played.
+    fn played<'a>(&'a self, node: &'a Node) -> impl Iterator<Item = &'a Track> {
+        node.tracks.iter().filter(|track| self.played.is_none_or(|number| track.animation == number))
+    }
+
+    /// Whether something moves in any of them.
     pub(super) fn moves(&self) -> bool {
         self.nodes.iter().any(|node| !node.tracks.is_empty())
     }
 
     /// When the last thing comes to rest, seconds.
     pub fn end(&self) -> f64 {
-        self.nodes.iter().flat_map(|node| &node.tracks).map(Track::end).fold(0.0, f64::max)
+        self.nodes.iter().flat_map(|node| self.played(node)).map(Track::end).fold(0.0, f64::max)
     }
 
     /// Where everything that moves is `time` seconds after the start. What moves by nothing that
@@ -133,13 +153,14 @@ impl Animation {
         let mut pose = Pose { path: self.path.clone(), ..Pose::default() };
         let (mut worlds, mut moving): (Vec<DMat4>, Vec<bool>) = (vec![], vec![]);
         for node in &self.nodes {
-            let tracks = if time.is_some() { &node.tracks[..] } else { &[] };
+            let tracks: Vec<_> = self.played(node).filter(|_| time.is_some()).collect();
             let parent = node.parent.map_or(DMat4::IDENTITY, |place| worlds[place]);
-            worlds.push(parent * node.local.at(tracks, time.unwrap_or(0.0)).matrix());
+            worlds.push(parent * node.local.at(&tracks, time.unwrap_or(0.0)).matrix());
             moving.push(node.parent.is_some_and(|place| moving[place]) || !tracks.is_empty());
         }
         for (place, node) in self.nodes.iter().enumerate() {
-            let weights = node.tracks.iter().find(|track| track.property == Property::MorphTargetWeights);
+            let weights = self.played(node).filter(|track| track.property == Property::MorphTargetWeights);
+            let weights = weights.last();
             let weights = time.and_then(|time| Some(weights?.at(time)));
             for shape in &node.shapes {
                 let joints = shape.skin.iter().flat_map(|skin| &skin.joints);

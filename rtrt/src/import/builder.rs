@@ -1,9 +1,10 @@
 //! What both formats fill: a scene, within limits, with warnings.
 
+use super::file::Files;
 use super::shape::Deform;
 use super::{ImportError, picture};
 use crate::cache::Cache;
-use rtrt_core::layout::{Attribute, Texture, Wrap};
+use rtrt_core::layout::{Attribute, Material, Texture, Wrap};
 use rtrt_core::scene::{
     Content, Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, ObjectIndex, Scene, SceneError,
 };
@@ -61,6 +62,8 @@ pub(crate) struct Builder<'a, J> {
     pub tree_build_ms: f64,
     /// The file, for messages.
     pub path: PathBuf,
+    /// What was read.
+    pub files: Files,
     join: &'a J,
     cache: Option<&'a Cache>,
     texels: u64,
@@ -75,6 +78,7 @@ impl<'a, J: Join> Builder<'a, J> {
             not_drawn: BTreeSet::new(),
             tree_build_ms: 0.0,
             path: path.to_owned(),
+            files: Files::default(),
             join,
             cache,
             texels: 0,
@@ -130,6 +134,12 @@ impl<'a, J: Join> Builder<'a, J> {
         self.tree_build_ms += start.elapsed().as_secs_f64() * 1e3;
         let path = &self.path;
         self.scene.add_mesh(&mesh, &tree).map_err(|source| ImportError::Scene { path: path.clone(), source })
+    }
+
+    /// Adds a material.
+    pub fn add_material(&mut self, material: Material) -> Result<MaterialIndex, ImportError> {
+        let path = &self.path;
+        self.scene.add_material(material).map_err(|source| ImportError::Scene { path: path.clone(), source })
     }
 
     /// Whether there is room for so many more vertices that change their places.

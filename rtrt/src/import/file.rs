@@ -1,11 +1,31 @@
 //! Reading files: only real ones, and no more than is asked for.
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 /// The longest file that is read, in bytes: 4 GiB.
 pub(super) const LONGEST: u64 = 1 << 32;
+
+/// The files that a scene consists of, also those that were looked for and are not there.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Files(Rc<RefCell<BTreeSet<PathBuf>>>);
+
+impl Files {
+    /// [`read`], and keeps in mind what was read.
+    pub fn read(&self, path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+        self.0.borrow_mut().insert(path.to_owned());
+        read(path, limit)
+    }
+
+    /// All of them.
+    pub fn list(&self) -> Vec<PathBuf> {
+        self.0.borrow().iter().cloned().collect()
+    }
+}
 
 /// The bytes of a file of at most `limit` bytes.
 ///

@@ -81,7 +81,7 @@ pub fn light_by_default(scene: &mut Scene, camera: &Camera) {
     *scene.lights_mut() = vec![
         Light::Sun { direction, color: Vec3::new(0.75, 0.72, 0.68), radius: 0.0 },
         Light::Point {
-            position: camera.eye,
+            position: camera.eye.clamp(Vec3::splat(-Light::FARTHEST), Vec3::splat(Light::FARTHEST)),
             color: Vec3::splat(0.25),
             reach: None,
             inverse_square: false,

@@ -33,7 +33,7 @@ pub use framing::{framing, framing_played, light_by_default};
 
 use crate::cache::Cache;
 use rtrt_core::scene::{Camera, Join, Scene};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A camera of a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,10 +56,12 @@ pub struct Loaded {
     /// Whether the file has no lights, and [`light_by_default`] was asked for
     /// [`Loaded::camera`]. Who looks from elsewhere may ask again.
     pub lit_by_default: bool,
-    /// What moves, if something does. The scene is as the file has it at rest.
+    /// What moves, if something does; see [`Animation::play`]. The scene is as the file has it at rest.
     pub animation: Option<Animation>,
     /// What the file has that is not drawn as it says, a line each.
     pub warnings: Vec<String>,
+    /// The files that the scene consists of, also those that were looked for and are not there.
+    pub files: Vec<PathBuf>,
     /// Time taken to build mesh trees, or to take them from the cache, in milliseconds.
     pub tree_build_ms: f64,
 }
@@ -80,10 +82,10 @@ pub fn load(path: &Path, join: &impl Join) -> Result<Loaded, ImportError> {
 /// # Errors
 /// As for [`load`]. A cache that cannot be used is a warning.
 pub fn load_cached(path: &Path, join: &impl Join, cache: Option<&Cache>) -> Result<Loaded, ImportError> {
-    let bytes = file::read(path, file::LONGEST)
-        .map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
-    let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let mut builder = builder::Builder::new(path, join, cache);
+    let bytes = builder.files.read(path, file::LONGEST);
+    let bytes = bytes.map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
+    let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let (cameras, animation) = match ending.as_deref() {
         Some("glb" | "gltf") => gltf::load(&mut builder, &bytes)?,
         Some("obj") => (obj::load(&mut builder, &bytes)?, None),
@@ -101,6 +103,6 @@ pub fn load_cached(path: &Path, join: &impl Join, cache: Option<&Cache>) -> Resu
         let list: Vec<_> = builder.not_drawn.into_iter().collect();
         warnings.push(format!("not drawn: {}", list.join(", ")));
     }
-    let tree_build_ms = builder.tree_build_ms;
-    Ok(Loaded { scene, cameras, camera, lit_by_default, animation, warnings, tree_build_ms })
+    let (files, tree_build_ms) = (builder.files.list(), builder.tree_build_ms);
+    Ok(Loaded { scene, cameras, camera, lit_by_default, animation, warnings, files, tree_build_ms })
 }

@@ -1,7 +1,7 @@
 //! Meshes that change their shape: morph targets and skins.
 
 use super::ImportError;
-use super::builder::Geometry;
+use super::builder::{Geometry, Tangents};
 use glam::{DMat4, DVec3};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Mesh, MeshIndex};
@@ -13,7 +13,7 @@ pub(crate) type Hung = ([u32; 4], [f32; 4]);
 /// What changes the shape of a mesh.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Deform {
-    /// What is added to positions and normals, as much as their weights say.
+    /// What is added to positions, normals and tangents, as much as their weights say.
     pub targets: Vec<Target>,
     /// Four joints of the skin for each vertex, and how much each counts; none without a skin.
     pub joints: Vec<Hung>,
@@ -24,6 +24,7 @@ pub(crate) struct Deform {
 pub(crate) struct Target {
     pub positions: Vec<[f32; 3]>,
     pub normals: Vec<[f32; 3]>,
+    pub tangents: Vec<[f32; 3]>,
 }
 
 impl Deform {
@@ -32,8 +33,11 @@ impl Deform {
         fn pick<T: Copy>(of: &[T], kept: &[u32]) -> Vec<T> {
             kept.iter().filter_map(|&i| of.get(i as usize).copied()).collect()
         }
-        let target =
-            |t: &Target| Target { positions: pick(&t.positions, kept), normals: pick(&t.normals, kept) };
+        let target = |t: &Target| Target {
+            positions: pick(&t.positions, kept),
+            normals: pick(&t.normals, kept),
+            tangents: pick(&t.tangents, kept),
+        };
         Self { targets: self.targets.iter().map(target).collect(), joints: pick(&self.joints, kept) }
     }
 }
@@ -68,7 +72,8 @@ impl Shape {
     /// ```
     ///
     /// Computed in `f64`. Weights of joints that do not add up to 1 are made to. Normals go by
-    /// the cofactors of the matrix, so that stretching a mesh turns them as it should.
+    /// the cofactors of the matrix, so that stretching a mesh turns them as it should; tangents of the
+    /// file go by the matrix, and others are made anew.
     pub fn at(&self, path: &Path, weights: &[f64], worlds: &[DMat4]) -> Result<Mesh, ImportError> {
         let joints: Vec<DMat4> = self.skin.iter().flat_map(|skin| skin.matrices(worlds)).collect();
         let deform = &self.rest.deform;
@@ -89,7 +94,37 @@ impl Shape {
         };
         let (positions, attributes) = (0..self.rest.positions.len()).map(vertex).unzip();
         let refused = |source| ImportError::Mesh { path: path.to_owned(), mesh: self.name.clone(), source };
-        Mesh::new(positions, attributes, self.rest.indices.clone()).map_err(refused)
+        let mesh = Mesh::new(positions, attributes, self.rest.indices.clone()).map_err(refused)?;
+        match &self.rest.tangents {
+            Tangents::None => Ok(mesh),
+            Tangents::Given(tangents) => {
+                let turned =
+                    (0..).zip(tangents).map(|(i, &tangent)| self.tangent(i, tangent, weights, &joints));
+                mesh.with_tangents(&turned.collect::<Vec<_>>()).map_err(refused)
+            }
+            Tangents::Made { second } => {
+                let mesh = match &self.rest.second_uv {
+                    Some(uv) if *second => mesh.with_second_uv(uv.clone()).map_err(refused)?,
+                    _ => mesh,
+                };
+                Ok(mesh.with_made_tangents(*second))
+            }
+        }
+    }
+
+    /// A vertex's tangent of the file. The hand of its bitangent stays: normals by cofactors turn
+    /// around where a matrix mirrors.
+    fn tangent(&self, i: usize, [x, y, z, hand]: [f32; 4], weights: &[f64], joints: &[DMat4]) -> [f32; 4] {
+        let deform = &self.rest.deform;
+        let mut tangent = double([x, y, z]);
+        for (target, &weight) in deform.targets.iter().zip(weights) {
+            tangent += target.tangents.get(i).map_or(DVec3::ZERO, |&t| double(t)) * weight;
+        }
+        if let Some(matrix) = deform.joints.get(i).and_then(|bound| blended(joints, bound)) {
+            tangent = matrix.transform_vector3(tangent);
+        }
+        let [x, y, z] = tangent.as_vec3().to_array();
+        [x, y, z, hand]
     }
 }
 
@@ -149,8 +184,8 @@ mod tests {
 
     #[test]
     fn targets_are_added_by_their_weights() {
-        let up = Target { positions: vec![[0.0, 0.0, 2.0]; 3], normals: vec![] };
-        let lean = Target { positions: vec![], normals: vec![[0.0, 0.0, 4.0]; 3] };
+        let up = Target { positions: vec![[0.0, 0.0, 2.0]; 3], ..Target::default() };
+        let lean = Target { normals: vec![[0.0, 0.0, 4.0]; 3], ..Target::default() };
         let mesh = shape(vec![up, lean], None).at(Path::new(""), &[0.5, 0.25], &[]).unwrap();
         assert_eq!(mesh.positions()[1], [1.0, 0.0, 1.0]);
         assert_eq!(mesh.attributes()[1].normal, [1.0, 1.0, 1.0]);
@@ -174,5 +209,52 @@ mod tests {
         // What is stretched along x has normals that turn away from x.
         assert_eq!(mesh.attributes()[0].normal, [1.0, 1.0, 0.0]);
         assert_eq!(mesh.attributes()[1].normal, [1.0, 4.0, 0.0]);
+    }
+
+    /// A skin whose two joints both turn by this, so that all of a mesh does.
+    fn turning() -> (Skin, [DMat4; 2]) {
+        let turn = DMat4::from_rotation_z(1.1) * DMat4::from_rotation_x(0.4);
+        (Skin { joints: vec![0, 1], inverse: vec![DMat4::IDENTITY; 2] }, [turn; 2])
+    }
+
+    #[test]
+    fn tangents_of_the_file_turn_with_the_mesh() {
+        let (skin, worlds) = turning();
+        let mut turned = shape(vec![], Some(skin));
+        turned.rest.tangents =
+            Tangents::Given(vec![[0.0, 0.0, 1.0, 1.0], [1.0, -1.0, 0.0, -1.0], [3.0, -3.0, 0.0, 1.0]]);
+        let mesh = turned.at(Path::new(""), &[], &worlds).unwrap();
+        let along = worlds[0].transform_vector3(DVec3::new(1.0, -1.0, 0.0)).as_vec3();
+        let up = worlds[0].transform_vector3(DVec3::Z).as_vec3();
+        let expected = [up.extend(1.0), along.extend(-1.0), (along * 3.0).extend(1.0)].map(|t| t.to_array());
+        let plain = Mesh::new(mesh.positions().to_vec(), mesh.attributes().to_vec(), vec![0, 1, 2]).unwrap();
+        assert_eq!(mesh, plain.clone().with_tangents(&expected).unwrap());
+        assert_ne!(mesh, plain.with_tangents(&[[0.0, 0.0, 1.0, 1.0]; 3]).unwrap());
+        // Targets add to them.
+        let lean = Target { tangents: vec![[0.0, 4.0, 0.0]; 3], ..Target::default() };
+        let mut leaning = shape(vec![lean], None);
+        leaning.rest.tangents = Tangents::Given(vec![[1.0, 0.0, 0.0, 1.0]; 3]);
+        let mesh = leaning.at(Path::new(""), &[0.25], &[]).unwrap();
+        let rest = leaning.at(Path::new(""), &[0.0], &[]).unwrap();
+        assert_eq!(mesh, rest.with_tangents(&[[1.0, 1.0, 0.0, 1.0]; 3]).unwrap());
+    }
+
+    #[test]
+    fn tangents_that_were_made_are_made_anew() {
+        let (skin, worlds) = turning();
+        for second in [false, true] {
+            let mut turned = shape(vec![], Some(skin.clone()));
+            let uv = vec![[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]];
+            for (attribute, &uv) in turned.rest.attributes.iter_mut().zip(&uv) {
+                (attribute.normal, attribute.uv) = ([0.0, 0.0, 1.0], if second { [0.0; 2] } else { uv });
+            }
+            turned.rest.second_uv = second.then_some(uv);
+            turned.rest.tangents = Tangents::Made { second };
+            let mesh = turned.at(Path::new(""), &[], &worlds).unwrap();
+            // Along the first edge u grows by a half, along the second by one, and v by one and not at all.
+            let along = worlds[0].transform_vector3(DVec3::Y).as_vec3().extend(1.0).to_array();
+            let hand = |w| mesh.clone().with_tangents(&[[along[0], along[1], along[2], w]; 3]).unwrap();
+            assert!(mesh == hand(1.0) || mesh == hand(-1.0), "{second}");
+        }
     }
 }

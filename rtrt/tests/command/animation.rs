@@ -1,6 +1,6 @@
 //! Frames of an animation.
 
-use crate::folder::{Folder, code, stdout};
+use crate::folder::{Folder, code, stderr, stdout};
 use std::fs;
 
 /// A file with a triangle that a spline of two keyframes moves from the left to the right, and
@@ -33,9 +33,9 @@ const MOVES: &str = r#"{
     "buffers": [{"byteLength": 172, "uri": "numbers.bin"}]
 }"#;
 
-#[test]
-fn frames_play_the_animation() {
-    let folder = Folder::new("frames");
+/// A folder with the file, and its numbers.
+fn folder(test: &str) -> Folder {
+    let folder = Folder::new(test);
     let numbers: [f32; 43] = [
         // Corners, times, a spline with its tangents, rotations, scales.
         -0.5, -0.5, 0.0, 0.5, -0.5, 0.0, 0.0, 0.5, 0.0, //
@@ -47,6 +47,12 @@ fn frames_play_the_animation() {
     let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
     fs::write(folder.0.join("numbers.bin"), bytes).unwrap();
     fs::write(folder.0.join("moves.gltf"), MOVES).unwrap();
+    folder
+}
+
+#[test]
+fn frames_play_the_animation() {
+    let folder = folder("frames");
     let line = "moves.gltf --size 64x36 --backend cpu --lanes 8";
     stdout(&folder.run(&format!("render {line} --frames 3 --fps 1 -o {{frame}}.png --hash")));
     let pixels = |name: &str| image::open(folder.0.join(name)).unwrap().into_rgba8();
@@ -67,5 +73,54 @@ fn frames_play_the_animation() {
         ["--frames 2 -o out.png", "--frames 2 -o -", "--frames 0 -o {frame}.png", "--time -1 -o a.png"]
     {
         assert_eq!(code(&folder.run(&format!("render moves.gltf {wrong}"))), 2, "{wrong}");
+    }
+}
+
+#[test]
+fn one_of_several_animations_is_chosen() {
+    let folder = folder("animations");
+    // The first moves the triangle, the second gives it its size.
+    let channels = |number: &str| {
+        let line = MOVES.lines().find(|line| line.contains(&format!(r#"{{"sampler": {number}"#))).unwrap();
+        line.trim().trim_end_matches(',').to_owned()
+    };
+    let samplers = MOVES.split(r#""samplers": ["#).nth(1).unwrap().split(']').next().unwrap();
+    let animation = |name: &str, channels: String| {
+        format!(r#"{{{name}"samplers": [{samplers}], "channels": [{channels}]}}"#)
+    };
+    let (before, after) = MOVES.split_once(r#""animations": [{"#).unwrap();
+    let after = after.split_once("}],").unwrap().1;
+    let animations =
+        [animation("", channels("0")), animation(r#""name": "grow", "#, channels("2"))].join(",");
+    fs::write(folder.0.join("two.gltf"), format!(r#"{before}"animations": [{animations}],{after}"#)).unwrap();
+    let line = "two.gltf --size 64x36 --backend cpu --lanes 8";
+    let pixels = |options: &str| {
+        let output = folder.run(&format!("render {line} {options} -o out.png"));
+        stdout(&output);
+        (image::open(folder.0.join("out.png")).unwrap().into_rgba8(), stderr(&output))
+    };
+    let (first, said) = pixels("--time 2");
+    assert!(said.contains("warning: of 2 animations, the first is played"), "{said}");
+    let blank = first.get_pixel(0, 0);
+    assert!(first.pixels().all(|pixel| pixel == blank), "without its size it is not seen");
+    let (zero, said) = pixels("--time 2 --animation 0");
+    assert!(zero == first && !said.contains("warning"), "{said}");
+    let (grown, _) = pixels("--time 2 --animation grow");
+    assert_eq!((grown.get_pixel(32, 18) == blank, &grown), (false, &pixels("--time 2 --animation 1").0));
+    // Both: it is there, and to the right.
+    let (both, _) = pixels("--time 2 --animation all");
+    assert!(both != grown && both.get_pixel(44, 18) != blank);
+    // Without a time it is at its start.
+    assert_eq!(pixels("--animation grow").0, pixels("--animation grow --time 0").0);
+    for (scene, asked, said) in [
+        ("two.gltf", "shrink", r#"there is no animation "shrink", the scene has 0, 1 ("grow")"#),
+        ("two.gltf", "2", r#"there is no animation "2", the scene has 0, 1 ("grow")"#),
+        ("scene.obj", "all", r#"there is no animation "all", the scene has none"#),
+    ] {
+        for command in ["render -o out.png", "verify", "bench"] {
+            let output = folder.run(&format!("{command} {scene} --size 8x8 --animation {asked}"));
+            assert_eq!(code(&output), 2, "{}", stderr(&output));
+            assert!(stderr(&output).contains(said), "{}", stderr(&output));
+        }
     }
 }

@@ -69,3 +69,23 @@ fn backgrounds_that_make_no_sense_are_wrong_usage() {
         assert_eq!(code(&output), 2, "{wrong}: {}", stderr(&output));
     }
 }
+
+#[test]
+fn what_is_behind_everything_is_seen_through_panes() {
+    let folder = folder("panes");
+    fs::write(folder.0.join("half.mtl"), "newmtl pane\nKd 0 0 0\nd 0.5\n").unwrap();
+    let square = "mtllib half.mtl\nusemtl pane\nv -9 -9 0\nv 0.2 -9 0\nv 0.2 9 0\nv -9 9 0\nf 1 2 3 4\n";
+    fs::write(folder.0.join("half.obj"), square).unwrap();
+    let line = "--environment green.hdr --background";
+    let [black, red] = ["0,0,0", "1,0,0"].map(|color| pixels(&folder, &format!("{line} {color}")));
+    assert_eq!((black[15], red[15]), ([0, 0, 0, 255], [255, 0, 0, 255]));
+    // Half of the red comes through, and what the pane itself mirrors stays.
+    assert!(red[0][0] > 180 && red[0][1..] == black[0][1..], "{:?} {:?}", red[0], black[0]);
+    assert!(pixels(&folder, &format!("{line} env"))[0][1] > black[0][1] + 50);
+    let clear = pixels(&folder, &format!("{line} transparent"));
+    assert_eq!((clear[0][3], clear[15]), (128, [0; 4]));
+    // In front of red it is what was rendered in front of red.
+    let wide = pixels(&folder, "--background transparent");
+    let [over, plain] = [pixels(&folder, "--background 0,0,0"), wide];
+    assert_eq!((over[0][3], plain[0][3]), (255, 128));
+}

@@ -4,6 +4,7 @@ mod animation;
 mod background;
 mod cache;
 mod compare;
+mod cube;
 mod ending;
 mod environment;
 mod failures;

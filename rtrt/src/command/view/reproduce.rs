@@ -25,11 +25,13 @@ pub struct Shot<'a> {
     pub debug: Option<View>,
     /// The lights, if they are no longer those that the scene and the options give.
     pub lights: Option<&'a [Light]>,
+    /// The same for ambient light and background.
+    pub colors: Option<(Vec3, Vec3)>,
 }
 
 /// Options of `rtrt view` that are not passed on: those that say nothing about the picture, and those
 /// that [`command`] gives anew, because they may have changed.
-const OWN: [&str; 28] = [
+const OWN: [&str; 29] = [
     "output",
     "fps",
     "watch",
@@ -48,6 +50,7 @@ const OWN: [&str; 28] = [
     "light_radius",
     "transparency_depth",
     "lights",
+    "ambient",
     "quiet",
     "verbose",
     "strict",
@@ -86,8 +89,8 @@ pub fn passed_on(line: impl IntoIterator<Item = OsString>) -> Vec<String> {
     options
 }
 
-/// The command that writes the same file. None if no option gives one of the lights.
-pub fn command(shot: &Shot<'_>, output: &Path) -> Option<String> {
+/// The command that writes the same file.
+pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     let Shot { common, request, .. } = shot;
     let [width, height] = request.size;
     let mut line =
@@ -100,8 +103,8 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> Option<String> {
         option(format_args!("--samples {}", request.samples));
     }
     if request.shadows != Shadows::default() {
-        let (name, _) = SHADOWS.iter().find(|(_, how)| *how == request.shadows)?;
-        option(format_args!("--shadows {name}"));
+        let known = SHADOWS.iter().find(|(_, how)| *how == request.shadows);
+        option(format_args!("--shadows {}", known.map_or("soft", |(name, _)| name)));
     }
     if request.layers != LAYERS {
         option(format_args!("--transparency-depth {}", request.layers));
@@ -109,11 +112,17 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> Option<String> {
     for text in shot.passed_on {
         option(format_args!("{text}"));
     }
+    if let (None, Some(ambient)) = (shot.colors, common.ambient) {
+        option(format_args!("--ambient {}", vector(ambient)));
+    }
     if let (None, Some(radius)) = (shot.lights, common.light_radius) {
         option(format_args!("--light-radius {radius}"));
     }
     for light in shot.lights.unwrap_or(&common.lights) {
-        option(format_args!("--light {}", light_option(light)?));
+        option(format_args!("--light {}", light_option(light)));
+    }
+    if let Some((ambient, background)) = shot.colors.filter(|_| common.environment.is_none()) {
+        option(format_args!("--ambient {} --background {}", vector(ambient), vector(background)));
     }
     if let Some(time) = shot.time {
         option(format_args!("--time {time}"));
@@ -131,7 +140,7 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> Option<String> {
     if let Some((name, _)) = View::ALL.iter().find(|(_, view)| Some(*view) == shot.debug) {
         option(format_args!("--debug {name}"));
     }
-    Some(line)
+    line
 }
 
 /// Numbers that are read as the same ones.
@@ -139,31 +148,27 @@ fn vector(v: Vec3) -> String {
     format!("{},{},{}", v.x, v.y, v.z)
 }
 
-/// What `--light` takes for a light; none if it has no form for it.
-fn light_option(light: &Light) -> Option<String> {
+/// What `--light` takes for a light.
+fn light_option(light: &Light) -> String {
+    let degrees = |radians: f32| f64::from(radians).to_degrees();
+    let mut text = match *light {
+        Light::Point { position, radius, .. } => format!("point:{}:{radius}", vector(position)),
+        Light::Spot { position, direction, outer, radius, .. } => {
+            format!("spot:{}:{}:{}:{radius}", vector(position), vector(direction), degrees(outer))
+        }
+        Light::Sun { direction, radius, .. } => format!("sun:{}:{}", vector(-direction), degrees(radius)),
+    };
+    let (Light::Point { color, .. } | Light::Spot { color, .. } | Light::Sun { color, .. }) = *light;
+    if color != Vec3::ONE {
+        text += &format!(":color={}", vector(color));
+    }
+    if let Light::Point { reach, inverse_square, .. } | Light::Spot { reach, inverse_square, .. } = *light {
+        text += &reach.map_or(String::new(), |reach| format!(":reach={reach}"));
+        text += if inverse_square { ":fade=square" } else { "" };
+    }
     match *light {
-        Light::Point { position, color, reach: None, inverse_square: false, radius }
-            if color == Vec3::ONE =>
-        {
-            Some(format!("point:{}:{radius}", vector(position)))
-        }
-        Light::Spot {
-            position,
-            direction,
-            inner: 0.0,
-            outer,
-            color,
-            reach: None,
-            inverse_square: false,
-            radius,
-        } if color == Vec3::ONE => {
-            let degrees = f64::from(outer).to_degrees();
-            Some(format!("spot:{}:{}:{degrees}:{radius}", vector(position), vector(direction)))
-        }
-        Light::Sun { direction, color, radius } if color == Vec3::ONE => {
-            Some(format!("sun:{}:{}", vector(-direction), f64::from(radius).to_degrees()))
-        }
-        _ => None,
+        Light::Spot { inner, .. } if inner > 0.0 => text + &format!(":inner={}", degrees(inner)),
+        _ => text,
     }
 }
 
@@ -216,9 +221,16 @@ mod tests {
                 deferred: true,
             };
             let debug = Some(View::Heat);
-            let shot =
-                Shot { common: &common, passed_on: &[], request, time: Some(0.1 + 0.2), debug, lights: None };
-            let read = options(&command(&shot, Path::new("out.png")).unwrap());
+            let shot = Shot {
+                common: &common,
+                passed_on: &[],
+                request,
+                time: Some(0.1 + 0.2),
+                debug,
+                lights: None,
+                colors: None,
+            };
+            let read = options(&command(&shot, Path::new("out.png")));
             let CameraOptions { eye, look_at, up, .. } = read.common.camera;
             assert_eq!((eye, look_at, up), (Some(camera.eye), Some(camera.look_at), Some(camera.up)));
             match projection {
@@ -244,9 +256,34 @@ mod tests {
     }
 
     #[test]
-    fn a_light_without_an_option_is_admitted() {
-        let light = Light::Sun { direction: Vec3::X, color: Vec3::X, radius: 0.0 };
-        assert_eq!(light_option(&light), None);
+    fn lights_are_read_as_the_same() {
+        let (place, along) = (Vec3::new(0.1, -2e-7, 3e9), Vec3::new(1e-3, -1.0, 1.0 / 3.0));
+        let mut number = 0.37_f32;
+        for round in 0..200 {
+            number = (number * 1.7).fract();
+            let color = if round % 3 == 0 { Vec3::ONE } else { Vec3::new(number, 1e-9, 1e9 * number) };
+            let reach = (round % 2 == 0).then_some(number * 10.0 + 0.1);
+            let inverse_square = round % 5 < 2;
+            let (outer, radius) = (number.max(0.01) * 1.5, number);
+            let inner = if round % 4 == 0 { 0.0 } else { outer * number };
+            for light in [
+                Light::Point { position: place, color, reach, inverse_square, radius },
+                Light::Spot {
+                    position: place,
+                    direction: along,
+                    inner,
+                    outer,
+                    color,
+                    reach,
+                    inverse_square,
+                    radius,
+                },
+                Light::Sun { direction: along, color, radius: number * 0.78 },
+            ] {
+                let text = light_option(&light);
+                assert_eq!(crate::command::parse::light(&text), Ok(light), "{text}");
+            }
+        }
     }
 
     #[test]

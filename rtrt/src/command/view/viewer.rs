@@ -70,8 +70,8 @@ struct Report<'a> {
     #[serde(flatten)]
     machine: Machine,
     size: [u32; 2],
-    /// What renders the same without a window; null where no option gives lights that were changed.
-    command: Option<String>,
+    /// What renders the same without a window.
+    command: String,
     output: &'a Path,
 }
 
@@ -123,7 +123,7 @@ impl Viewer {
     pub fn new(options: &options::View) -> Result<Self, Error> {
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
-        let job = Job::load(&common, SAMPLES, false, common.time, &console)?;
+        let job = Job::load(&common, SAMPLES, false, common.start(), &console)?;
         let backend = Engine::open(&common.backend, &console)?;
         console.finish();
         Ok(Self {
@@ -148,7 +148,7 @@ impl Viewer {
             controls: Controls::default(),
             start: job.camera,
             is_at_start: true,
-            time: common.time,
+            time: common.start(),
             is_playing: false,
             size: job.size,
             pace: Pace::default(),
@@ -293,9 +293,9 @@ impl Viewer {
             options.scene = scene;
             // These were for the scene before.
             options.camera = options::CameraOptions::default();
-            options.time = None;
+            (options.time, options.animation) = (None, None);
         }
-        let job = Job::load(&options, SAMPLES, false, options.time, &self.console);
+        let job = Job::load(&options, SAMPLES, false, options.start(), &self.console);
         self.console.finish();
         match job {
             Ok(job) => {
@@ -303,7 +303,7 @@ impl Viewer {
                 self.start = job.camera;
                 self.job = job;
                 self.options = options;
-                (self.time, self.is_playing) = (self.options.time, false);
+                (self.time, self.is_playing) = (self.options.start(), false);
                 (self.has_own_lights, self.has_own_colors) = (false, false);
                 self.is_at_start |= is_other;
                 if !self.is_at_start {
@@ -390,8 +390,9 @@ impl Viewer {
             time: self.time,
             debug: self.settings.debug,
             lights: self.has_own_lights.then(|| self.job.scene.lights()),
+            colors: self.has_own_colors.then(|| (self.job.scene.ambient, self.job.scene.background)),
         };
-        let command = reproduce::command(&shot, &path).filter(|_| !self.has_own_colors);
+        let command = reproduce::command(&shot, &path);
         if self.options.json {
             let machine = self.machine().clone();
             self.console.print(output::json(&Report {
@@ -400,11 +401,8 @@ impl Viewer {
                 command,
                 output: &path,
             })?)?;
-        } else if let Some(command) = command {
-            self.console.print(command)?;
         } else {
-            let name = path.display();
-            self.console.say(format_args!("{name}: no option gives the lights that were changed here"));
+            self.console.print(command)?;
         }
         self.say(format!("written: {}", path.display()));
         Ok(())

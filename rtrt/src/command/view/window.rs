@@ -88,6 +88,7 @@ impl App {
         // The keys for it are the viewer's.
         context.options_mut(|options| options.zoom_with_keyboard = false);
         Ok(Self {
+            watch: options.watch.then(|| Watch::new(&scene, viewer.job.files())),
             viewer: Some(viewer),
             away: None,
             proxy,
@@ -103,7 +104,6 @@ impl App {
             is_idle: true,
             replay,
             record: record.transpose()?,
-            watch: options.watch.then(|| Watch::new(&scene)),
             wake: None,
             result: Ok(()),
             scene,
@@ -179,7 +179,9 @@ impl App {
         if self.scene != viewer.scene() {
             self.scene = viewer.scene().to_owned();
             screen.window.set_title(&title(&self.scene));
-            self.watch = self.watch.as_ref().map(|_| Watch::new(&self.scene));
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.follow(&self.scene, viewer.job.files());
         }
         let shown = screen.show(&self.context, over, self.size);
         let shown = shown.map_err(|why| Error::Window { scene: self.scene.clone(), why });

@@ -11,6 +11,8 @@ use rtrt_core::scene::Join;
 /// How one property of a node changes with time.
 #[derive(Debug, Clone)]
 pub(crate) struct Track {
+    /// The animation that it is of, in the file.
+    pub animation: usize,
     /// The node, in the file.
     pub node: usize,
     /// Which of its properties.
@@ -93,21 +95,20 @@ fn slerp(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
 }
 
 impl<J: Join> Import<'_, '_, J> {
-    /// The tracks of the file's first animation. Those that mean nothing are left out with a
+    /// The tracks of all animations of the file. Those that mean nothing are left out with a
     /// warning.
     pub fn tracks(&mut self) -> Vec<Track> {
-        let root = self.root;
-        let Some(animation) = root.animations.first() else { return vec![] };
-        if root.animations.len() > 1 {
-            let count = root.animations.len();
-            self.builder.warn(format!("of {count} animations, only the first is played"));
-        }
         let mut tracks = Vec::new();
-        for (number, channel) in animation.channels.iter().enumerate() {
-            let track = self.track(channel, animation.samplers.get(channel.sampler.value()));
-            match track.unwrap_or_else(|error| Err(error.to_string())) {
-                Ok(track) => tracks.push(track),
-                Err(why) => self.builder.warn(format!("animation channel {number} is left out: {why}")),
+        for (index, animation) in self.root.animations.iter().enumerate() {
+            for (number, channel) in animation.channels.iter().enumerate() {
+                let track = self.track(index, channel, animation.samplers.get(channel.sampler.value()));
+                match track.unwrap_or_else(|error| Err(error.to_string())) {
+                    Ok(track) => tracks.push(track),
+                    Err(why) => {
+                        let what = format!("channel {number} of animation {index}");
+                        self.builder.warn(format!("{what} is left out: {why}"));
+                    }
+                }
             }
         }
         tracks
@@ -115,6 +116,7 @@ impl<J: Join> Import<'_, '_, J> {
 
     fn track(
         &self,
+        animation: usize,
         channel: &Channel,
         sampler: Option<&Sampler>,
     ) -> Result<Result<Track, String>, ImportError> {
@@ -149,7 +151,7 @@ impl<J: Join> Import<'_, '_, J> {
             return refused("its times do not rise, or a number is not finite");
         }
         let node = channel.target.node.value();
-        Ok(Ok(Track { node, property, interpolation, times, width, values }))
+        Ok(Ok(Track { animation, node, property, interpolation, times, width, values }))
     }
 }
 
@@ -158,7 +160,15 @@ mod tests {
     use super::*;
 
     fn track(property: Property, interpolation: Interpolation, width: usize, values: &[f64]) -> Track {
-        Track { node: 0, property, interpolation, times: vec![1.0, 3.0], width, values: values.into() }
+        Track {
+            animation: 0,
+            node: 0,
+            property,
+            interpolation,
+            times: vec![1.0, 3.0],
+            width,
+            values: values.into(),
+        }
     }
 
     #[test]

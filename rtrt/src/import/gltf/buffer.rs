@@ -1,5 +1,6 @@
 //! The bytes that accessors and images read.
 
+use crate::import::file::Files;
 use crate::import::{ImportError, file};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -11,19 +12,20 @@ use std::path::Path;
 pub(super) struct Buffers<'a> {
     /// The scene's file.
     pub path: &'a Path,
+    files: Files,
     bytes: Vec<Result<Cow<'a, [u8]>, String>>,
 }
 
 impl<'a> Buffers<'a> {
     /// Reads them. One that cannot be read is an error only once something is in it.
-    pub fn new(path: &'a Path, root: &Root, binary: Option<&'a [u8]>) -> Self {
+    pub fn new(path: &'a Path, root: &Root, binary: Option<&'a [u8]>, files: Files) -> Self {
         // All together, so that naming one long file many times is of no use.
         let mut left = file::LONGEST;
         let bytes = root.buffers.iter().enumerate().map(|(index, buffer)| {
             let size = buffer.byte_length.0;
             let bytes = match &buffer.uri {
                 Some(uri) => {
-                    let bytes = fetch(path, uri, left)?;
+                    let bytes = fetch(path, &files, uri, left)?;
                     left = left.saturating_sub(bytes.len() as u64);
                     Cow::Owned(bytes)
                 }
@@ -37,7 +39,16 @@ impl<'a> Buffers<'a> {
             }
             Ok(bytes)
         });
-        Self { path, bytes: bytes.collect() }
+        let bytes = bytes.collect();
+        Self { path, files, bytes }
+    }
+
+    /// The bytes behind a URI of an image.
+    ///
+    /// # Errors
+    /// What is wrong, in one line.
+    pub fn fetch(&self, uri: &str) -> Result<Vec<u8>, String> {
+        fetch(self.path, &self.files, uri, file::LONGEST)
     }
 
     /// The bytes of a buffer view, and its stride.
@@ -75,7 +86,7 @@ impl<'a> Buffers<'a> {
 ///
 /// # Errors
 /// What is wrong, in one line.
-pub(super) fn fetch(path: &Path, uri: &str, limit: u64) -> Result<Vec<u8>, String> {
+fn fetch(path: &Path, files: &Files, uri: &str, limit: u64) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, data) = data.split_once(";base64,").ok_or("its data URI is not in base64")?;
         return STANDARD.decode(data).map_err(|error| format!("its data URI: {error}"));
@@ -87,5 +98,5 @@ pub(super) fn fetch(path: &Path, uri: &str, limit: u64) -> Result<Vec<u8>, Strin
     let exact = file::beside(path, uri);
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
     let place = if exact.is_file() { exact } else { file::beside(path, &decoded) };
-    file::read(&place, limit).map_err(|error| format!("{}: {error}", place.display()))
+    files.read(&place, limit).map_err(|error| format!("{}: {error}", place.display()))
 }

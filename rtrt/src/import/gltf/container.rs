@@ -1,5 +1,6 @@
 //! From a file's bytes to its JSON and its binary chunk.
 
+use super::levels;
 use crate::import::ImportError;
 use crate::import::builder::Builder;
 use crate::import::error::quoted;
@@ -20,6 +21,7 @@ const EXTENSIONS: &[&str] = &[
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    levels::NAME,
 ];
 
 /// A file's JSON, and its binary chunk if it has one.

@@ -1,9 +1,10 @@
 //! Materials and their textures.
 
-use super::buffer::{Buffers, fetch};
+use super::buffer::Buffers;
+use super::levels;
 use super::primitive::Coordinates;
 use crate::import::builder::Builder;
-use crate::import::{ImportError, error::quoted, file, picture};
+use crate::import::{ImportError, error::quoted, picture};
 use gltf_json::deserialize::from_value;
 use gltf_json::extensions::material::Volume;
 use gltf_json::extensions::texture::TextureTransform;
@@ -11,7 +12,7 @@ use gltf_json::material;
 use gltf_json::texture::{self, Info, WrappingMode};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, Value, image};
-use rtrt_core::layout::{AlphaMode, Material, Texture, Wrap};
+use rtrt_core::layout::{AlphaMode, COLOR_LIMIT, LIGHT_LIMIT, Material, Texture, Wrap};
 use rtrt_core::scene::{Content, Image, Join, MaterialIndex, phong};
 use std::collections::HashMap;
 
@@ -87,23 +88,32 @@ impl<'a> Materials<'a> {
             coordinates.bump = Some(textures[Material::NORMAL].set);
         }
         let extensions = source.extensions.as_ref();
+        if extensions.is_some_and(|e| e.others.contains_key(levels::NAME)) {
+            builder.not_drawn.insert("levels of detail of materials");
+        }
         let strength = extensions.and_then(|e| e.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
-        let emission = source.emissive_factor.0.map(|e| finite(e * strength));
-        let [r, g, b, a] = pbr.base_color_factor.0.map(finite);
+        let emission =
+            source.emissive_factor.0.map(|e| finite(e * strength).clamp(-LIGHT_LIMIT, LIGHT_LIMIT));
+        let [r, g, b, a] = pbr.base_color_factor.0.map(|c| finite(c).clamp(-COLOR_LIMIT, COLOR_LIMIT));
         let (metallic, roughness) = (finite(pbr.metallic_factor.0), finite(pbr.roughness_factor.0));
         let material = Material {
-            bump: source.normal_texture.as_ref().map_or(1.0, |info| finite(info.scale)),
+            bump: source
+                .normal_texture
+                .as_ref()
+                .map_or(1.0, |info| finite(info.scale).clamp(-COLOR_LIMIT, COLOR_LIMIT)),
             occlusion: source
                 .occlusion_texture
                 .as_ref()
                 .map_or(1.0, |info| finite(info.strength.0).clamp(0.0, 1.0)),
             unlit: u32::from(extensions.is_some_and(|e| e.unlit.is_some())),
-            cutoff: source.alpha_cutoff.map_or(0.5, |cutoff| finite(cutoff.0)),
+            cutoff: source
+                .alpha_cutoff
+                .map_or(0.5, |cutoff| finite(cutoff.0).clamp(-COLOR_LIMIT, COLOR_LIMIT)),
             textures,
-            ..see_through(source, a, phong([r, g, b], metallic, roughness, Texture::NONE, emission))
+            ..see_through(source, a.max(0.0), phong([r, g, b], metallic, roughness, Texture::NONE, emission))
         };
-        let made = (builder.scene.add_material(material), coordinates);
+        let made = (builder.add_material(material)?, coordinates);
         self.made.insert(key, made.clone());
         Ok(made)
     }
@@ -156,7 +166,7 @@ impl<'a> Materials<'a> {
     /// What is wrong with it, in one line.
     fn image(&self, source: &image::Image) -> Result<Image, String> {
         match (&source.uri, source.buffer_view) {
-            (Some(uri), _) => picture::decode(&fetch(self.buffers.path, uri, file::LONGEST)?),
+            (Some(uri), _) => picture::decode(&self.buffers.fetch(uri)?),
             (None, Some(view)) => {
                 let (bytes, _) = self.buffers.view(self.root, view).map_err(|error| error.to_string())?;
                 picture::decode(bytes)
@@ -204,7 +214,7 @@ impl Placing {
         let [u, v] = transform.scale.0.map(finite);
         let (sin, cos) = libm::sincosf(finite(transform.rotation.0));
         // Texels are that much denser on the surface; so much smaller is its footprint in them.
-        let area = (u * v).abs();
+        let area = (u * v).abs().min(f32::MAX);
         let denser = if area > 1e-12 { 0.5 * libm::log2f(area) } else { 0.0 };
         Texture {
             turn: [[cos * u, sin * v], [-sin * u, cos * v]],

@@ -9,6 +9,7 @@ mod accessor;
 mod animation;
 mod buffer;
 mod container;
+mod levels;
 mod light;
 mod material;
 mod node;
@@ -62,7 +63,7 @@ pub(super) fn load<J: Join>(
 ) -> Result<(Vec<NamedCamera>, Option<Animation>), ImportError> {
     let (root, binary) = container::open(builder, bytes)?;
     let path = builder.path.clone();
-    let buffers = Buffers::new(&path, &root, binary);
+    let buffers = Buffers::new(&path, &root, binary, builder.files.clone());
     let mut import = Import {
         root: &root,
         buffers: &buffers,
@@ -74,7 +75,8 @@ pub(super) fn load<J: Join>(
     };
     import.draw_scene()?;
     let (cameras, nodes) = (import.cameras, import.nodes);
-    let animation = Animation::new(&path, nodes);
+    let names = root.animations.iter().map(|animation| animation.name.clone().unwrap_or_default());
+    let animation = Animation::new(&path, names.collect(), nodes);
     animation.rest()?.apply(&mut builder.scene)?;
     light::expose(&mut builder.scene);
     Ok((cameras, Some(animation).filter(Animation::moves)))

@@ -1,7 +1,7 @@
 //! The node hierarchy: where everything is.
 
 use super::accessor::Column;
-use super::{Import, Track, light};
+use super::{Import, Track, levels, light};
 use crate::import::ImportError;
 use crate::import::animation::{self, Local};
 use crate::import::error::quoted;
@@ -14,7 +14,7 @@ use std::collections::HashMap;
 
 impl<J: Join> Import<'_, '_, J> {
     /// Draws the file's scene: the one it names, else the first, else all nodes that are
-    /// nobody's children.
+    /// nobody's children, nor levels of detail.
     pub fn draw_scene(&mut self) -> Result<(), ImportError> {
         let root = self.root;
         let scene = match root.scene {
@@ -35,9 +35,10 @@ impl<J: Join> Import<'_, '_, J> {
             Some(scene) => scene.nodes.iter().rev().map(|node| (node.value(), None)).collect(),
             None => {
                 let mut is_child = vec![false; root.nodes.len()];
-                let children = root.nodes.iter().flat_map(|node| node.children.iter().flatten());
-                for child in children {
-                    if let Some(is_child) = is_child.get_mut(child.value()) {
+                for child in
+                    root.nodes.iter().flat_map(|node| levels::ids(node).into_iter().chain(children(node)))
+                {
+                    if let Some(is_child) = is_child.get_mut(child) {
                         *is_child = true;
                     }
                 }
@@ -106,15 +107,20 @@ impl<J: Join> Import<'_, '_, J> {
             for &(mesh, material) in parts.iter().filter(|_| is_skinned) {
                 self.builder.add_object(&name, mesh, material, Mat4::IDENTITY)?;
             }
+            let can_change = !is_skinned && !has_targets;
+            let levels = if can_change { self.levels(&name, node, &parts)? } else { vec![] };
             let instances = if is_skinned { vec![] } else { self.instances(node)? };
             for instance in instances {
                 let to_world = (*to_world * instance).as_mat4();
-                for &(mesh, material) in parts.iter() {
+                for (part, &(mesh, material)) in parts.iter().enumerate() {
                     let object = if moves {
                         Some(self.builder.add_moving(&name, mesh, material, to_world)?)
                     } else {
                         self.builder.add_object(&name, mesh, material, to_world)?
                     };
+                    if let Some(object) = object.filter(|_| !levels.is_empty()) {
+                        self.set_levels(object, part, &levels)?;
+                    }
                     placed.objects.extend(object.map(|object| (object, instance)));
                 }
             }
@@ -184,8 +190,13 @@ impl<J: Join> Import<'_, '_, J> {
     }
 }
 
+/// The numbers of a node's children.
+fn children(node: &Node) -> impl Iterator<Item = usize> {
+    node.children.iter().flatten().map(Index::value)
+}
+
 /// The node's own transform.
-fn local(node: &Node) -> Local {
+pub(super) fn local(node: &Node) -> Local {
     match &node.matrix {
         Some(matrix) => Local::Matrix(DMat4::from_cols_array(&matrix.map(f64::from))),
         None => parts(node.translation, node.rotation.as_ref().map(|q| q.0), node.scale),

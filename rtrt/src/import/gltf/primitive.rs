@@ -163,7 +163,11 @@ fn targets<'a>(
         None => Ok(vec![]),
     };
     let target = |target: &MorphTarget| {
-        Ok(Target { positions: pick(target.positions)?, normals: pick(target.normals)? })
+        Ok(Target {
+            positions: pick(target.positions)?,
+            normals: pick(target.normals)?,
+            tangents: pick(target.tangents)?,
+        })
     };
     primitive.targets.iter().flatten().map(target).collect()
 }

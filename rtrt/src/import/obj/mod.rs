@@ -11,7 +11,7 @@ use crate::import::{ImportError, NamedCamera, file, picture};
 use glam::Mat4;
 use parse::{Corner, NONE, Obj, Polygon};
 use polygon::Splitter;
-use rtrt_core::layout::{AlphaMode, Attribute, Material, Texture, Wrap};
+use rtrt_core::layout::{AlphaMode, Attribute, COLOR_LIMIT, Material, Texture, Wrap};
 use rtrt_core::scene::{Join, MaterialIndex, phong};
 use std::collections::HashMap;
 
@@ -55,7 +55,7 @@ pub(super) fn load<J: Join>(
 fn libraries<J: Join>(builder: &mut Builder<'_, J>, obj: &Obj) -> HashMap<String, mtl::Source> {
     let mut materials = HashMap::new();
     for name in &obj.libraries {
-        match file::read(&file::beside(&builder.path, name), file::LONGEST) {
+        match builder.files.read(&file::beside(&builder.path, name), file::LONGEST) {
             Ok(bytes) => {
                 for source in mtl::parse(&bytes) {
                     materials.entry(source.name.clone()).or_insert(source);
@@ -77,7 +77,7 @@ fn material<J: Join>(
     textures: &mut HashMap<String, Texture>,
 ) -> Result<MaterialIndex, ImportError> {
     let Some(source) = source else {
-        return Ok(builder.scene.add_material(phong([0.7; 3], 0.0, 0.8, Texture::NONE, [0.0; 3])));
+        return builder.add_material(phong([0.7; 3], 0.0, 0.8, Texture::NONE, [0.0; 3]));
     };
     let texture = match &source.texture {
         None => Texture::NONE,
@@ -85,7 +85,7 @@ fn material<J: Join>(
             Some(&texture) => texture,
             None => {
                 let place = file::beside(&builder.path, name);
-                let bytes = file::read(&place, file::LONGEST).map_err(|error| error.to_string());
+                let bytes = builder.files.read(&place, file::LONGEST).map_err(|error| error.to_string());
                 let texture = builder.add_texture(&quoted(name), bytes.and_then(|b| picture::decode(&b)))?;
                 textures.insert(name.clone(), texture);
                 texture
@@ -97,13 +97,13 @@ fn material<J: Join>(
     // The inverse of what a roughness makes of highlights.
     let roughness = libm::sqrtf(libm::sqrtf(2.0 / (source.shininess + 2.0)));
     let texture = Texture { wrap_u: wrap, wrap_v: wrap, ..texture };
-    Ok(builder.scene.add_material(Material {
+    builder.add_material(Material {
         alpha: source.alpha,
         alpha_mode: if source.alpha < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque } as u32,
         shininess: source.shininess,
-        specular: source.specular.map(|s| s * peak / (1.0 - 0.5 * roughness)),
+        specular: source.specular.map(|s| (s * peak / (1.0 - 0.5 * roughness)).min(COLOR_LIMIT)),
         ..phong(source.diffuse, 0.0, roughness, texture, source.emission)
-    }))
+    })
 }
 
 /// The triangles of the polygons. Corners that are alike are one vertex. A polygon with a

@@ -1,6 +1,7 @@
 //! MTL: the materials of an OBJ file.
 
 use super::parse::{lines, numbers};
+use rtrt_core::layout::COLOR_LIMIT;
 
 /// A material as the file has it.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +74,7 @@ fn color(rest: &str, color: &mut [f32; 3]) {
     let Ok(n) = numbers(rest) else { return };
     let values = if n.count == 1 { [n.first(); 3] } else { [n.first(), n.second(), n.third()] };
     if (n.count == 1 || n.count == 3) && values.iter().all(|v| v.is_finite()) {
-        *color = values.map(|v| v.max(0.0));
+        *color = values.map(|v| v.clamp(0.0, COLOR_LIMIT));
     }
 }
 

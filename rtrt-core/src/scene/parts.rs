@@ -1,0 +1,171 @@
+//! Parts of objects: what the lists of the camera's blocks hold in place of whole ones, where a
+//! scene asks for it.
+
+use crate::layout::{Node, Object};
+use crate::scene::place;
+use crate::scene::tree::Bounds;
+use crate::scene::{Scene, Versions};
+use alloc::vec::Vec;
+
+/// Objects, then their parts: kept while nothing changes that they depend on.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Parts {
+    /// The scene, its versions, which levels of detail were chosen, and the triangles that a part
+    /// has at most; none where there are no parts.
+    source: Option<(u32, Versions, u32, u32)>,
+    objects: Vec<Object>,
+    /// Nodes that may have to be divided.
+    waiting: Vec<u32>,
+}
+
+/// The most parts that a frame may have.
+pub(super) const MOST: usize = 1 << 20;
+
+/// About so many parts are made of scenes that have fewer objects. Measured: with more, scenes
+/// whose objects stand side by side get slower, those whose objects lie behind one another faster.
+const USUAL: u64 = 256;
+/// The least triangles that are worth a part.
+const LEAST: u64 = 64;
+
+/// How many triangles a part of these objects should have at most; none where parts would gain
+/// nothing.
+pub(super) fn triangles(objects: &[Object]) -> Option<u32> {
+    if objects.len() as u64 >= USUAL {
+        return None;
+    }
+    let all: u64 = objects.iter().map(|object| u64::from(object.triangles)).sum();
+    let triangles = (all / USUAL).max(LEAST) as u32;
+    objects.iter().any(|object| object.triangles > triangles).then_some(triangles)
+}
+
+impl Parts {
+    /// The objects, then the parts of at most `triangles` triangles.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// Makes the parts of a frame's objects, unless those at hand are the same; they are more than
+    /// [`MOST`] in the error's case. `chosen` is another number wherever objects are others for the
+    /// same scene.
+    pub fn prepare(
+        &mut self,
+        scene: &Scene,
+        objects: &[Object],
+        chosen: u32,
+        triangles: u32,
+    ) -> Result<(), ()> {
+        let source = Some((scene.id(), scene.versions(), chosen, triangles));
+        if self.source == source {
+            return Ok(());
+        }
+        self.source = None;
+        self.objects.clear();
+        self.objects.extend_from_slice(objects);
+        for (number, object) in (0..).zip(objects) {
+            if object.is_sphere() {
+                self.objects.push(Object { part_of: number, ..*object });
+            } else if object.triangles > 0 {
+                self.cut(scene.nodes(), number, object, triangles)?;
+            }
+        }
+        self.source = source;
+        Ok(())
+    }
+
+    /// Adds the parts of an object: nodes from the root down, until they are small enough.
+    fn cut(&mut self, nodes: &[Node], number: u32, object: &Object, triangles: u32) -> Result<(), ()> {
+        let matrix = place::matrix(object).as_dmat4();
+        self.waiting.clear();
+        self.waiting.push(object.root);
+        while let Some(index) = self.waiting.pop() {
+            let node = &nodes[index as usize];
+            if !node.is_leaf() && held(nodes, object.root, node) > triangles {
+                self.waiting.extend([1, 0].map(|child| object.root + node.first + child));
+                continue;
+            }
+            if self.objects.len() >= MOST {
+                return Err(());
+            }
+            let bounds = Bounds { low: node.low, high: node.high };
+            let part = place::part(object, &matrix, &bounds);
+            self.objects.push(Object { start: index, part_of: number, ..part });
+        }
+        Ok(())
+    }
+}
+
+/// How many triangles a node holds. They are numbered in the order of the leaves: from the first
+/// of its first leaf to the last of its last one.
+fn held(nodes: &[Node], root: u32, node: &Node) -> u32 {
+    let leaf = |side: u32| {
+        let mut node = node;
+        while !node.is_leaf() {
+            node = &nodes[(root + node.first + side) as usize];
+        }
+        node
+    };
+    let last = leaf(1);
+    last.first + last.triangles() - leaf(0).first
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::{Attribute, Texture};
+    use crate::scene::{Mesh, MeshTree, Sequential, Structure, phong};
+    use glam::{Mat4, Vec3};
+
+    /// `count` objects of 200 triangles on a strip, each turned.
+    fn strips(count: u32) -> Scene {
+        let corner = |i: u32| [(i / 2) as f32, (i % 2) as f32, (i % 7) as f32 * 0.1];
+        let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+        let indices = (0..200).flat_map(|i| [i, i + 1, i + 2]).collect();
+        let mesh = Mesh::new((0..202).map(corner).collect(), alloc::vec![attribute; 202], indices).unwrap();
+        let mut scene = Scene::new();
+        let gray = scene.add_material(phong([0.5; 3], 0.0, 0.5, Texture::NONE, [0.0; 3])).unwrap();
+        let strip = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
+        for i in 0..count {
+            let place = Mat4::from_rotation_y(i as f32) * Mat4::from_scale(Vec3::new(1.0, 2.0, 0.5));
+            scene.add_object(strip, gray, place).unwrap();
+        }
+        scene
+    }
+
+    #[test]
+    fn parts_hold_every_triangle_once_and_lie_in_their_objects_bounds() {
+        let scene = strips(2);
+        for most in [1, 5, 64, 1000] {
+            let mut parts = Parts::default();
+            parts.prepare(&scene, scene.objects(), 0, most).unwrap();
+            let mut seen = alloc::vec![0; 400];
+            for part in &parts.objects()[2..] {
+                let (whole, node) =
+                    (&scene.objects()[part.part_of as usize], &scene.nodes()[part.start as usize]);
+                let (mut below, mut held_here) = (alloc::vec![node], 0);
+                while let Some(node) = below.pop() {
+                    if node.is_leaf() {
+                        held_here += node.triangles();
+                        for id in node.first..node.first + node.triangles() {
+                            seen[(200 * part.part_of + id) as usize] += 1;
+                        }
+                    } else {
+                        below.extend(&scene.nodes()[(whole.root + node.first) as usize..][..2]);
+                    }
+                }
+                assert_eq!(held_here, held(scene.nodes(), whole.root, node));
+                assert!(held_here <= most || node.is_leaf(), "{held_here} of {most}");
+                assert!((0..3).all(|i| whole.low[i] <= part.low[i] && part.high[i] <= whole.high[i]));
+            }
+            assert!(seen.iter().all(|&times| times == 1), "{most}: {seen:?}");
+        }
+    }
+
+    #[test]
+    fn few_objects_of_many_triangles_are_cut() {
+        assert_eq!(triangles(strips(3).objects()), Some(64));
+        assert_eq!(triangles(strips(100).objects()), Some(20_000 / 256));
+        assert_eq!(triangles(strips(256).objects()), None);
+        assert_eq!(triangles(&[]), None);
+        assert_eq!(Structure::default(), Structure::Blocks);
+    }
+}
