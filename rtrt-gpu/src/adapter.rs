@@ -1,7 +1,7 @@
 //! Which adapters there are, and which to take.
 
 use crate::device::Device;
-use crate::{Error, Options, Route, canary};
+use crate::{Error, Gpu, Options, Route, canary};
 use std::fmt;
 
 /// What an adapter is, the most promising first.
@@ -43,9 +43,10 @@ impl fmt::Display for Kind {
     }
 }
 
-/// An adapter, and how it does.
+/// An adapter that is there. It is not opened yet, and may turn out to be of no use.
 #[derive(Debug)]
-pub struct AdapterReport {
+pub struct Adapter {
+    raw: wgpu::Adapter,
     /// Its name.
     pub name: String,
     /// The interface it is reached through.
@@ -56,26 +57,35 @@ pub struct AdapterReport {
     pub driver: String,
     /// Whether it takes SPIR-V as it is, which is what keeps every rounding in place.
     pub passthrough: bool,
-    /// Whether it opens and computes the CPU's numbers, by the route that [`Route::Auto`]
-    /// takes.
-    pub canary: Result<(), Error>,
 }
 
-/// All adapters in the order in which [`crate::Gpu::new`] would try them, each opened and
-/// asked. `WGPU_BACKEND` and `WGPU_POWER_PREF` in the environment have the meaning that wgpu gives them. Their position here is their number in [`Options::adapter`].
-pub fn adapters() -> Vec<AdapterReport> {
-    let report = |adapter: &wgpu::Adapter| {
-        let info = adapter.get_info();
-        AdapterReport {
+impl Adapter {
+    fn new(raw: wgpu::Adapter) -> Self {
+        let info = raw.get_info();
+        Self {
             api: info.backend.to_string(),
             kind: Kind::new(info.device_type),
             driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
-            passthrough: has_passthrough(&info, adapter.features()),
-            canary: open(adapter, Route::Auto).map(drop),
+            passthrough: has_passthrough(&info, raw.features()),
             name: info.name,
+            raw,
         }
-    };
-    enumerate().iter().map(report).collect()
+    }
+
+    /// Opens it, and asks it the canary, by the route that [`Route::Auto`] takes.
+    ///
+    /// # Errors
+    /// It cannot be opened, or computes other numbers than the CPU.
+    pub fn open(&self) -> Result<Gpu, Error> {
+        Gpu::of(open(&self.raw, Route::Auto)?, None)
+    }
+}
+
+/// All adapters in the order in which [`crate::Gpu::new`] would try them; none is opened.
+/// `WGPU_BACKEND` and `WGPU_POWER_PREF` in the environment have the meaning that wgpu gives them. Their
+/// position here is their number in [`Options::adapter`].
+pub fn adapters() -> Vec<Adapter> {
+    enumerate().into_iter().map(Adapter::new).collect()
 }
 
 /// Opens the adapter that the options ask for, or else the first that can be used.

@@ -96,7 +96,13 @@ impl Buffers {
 
     /// Makes what the dispatches of a frame bind, where that is not there yet. `layers` are what
     /// layers get for the numbers of the frame.
-    pub fn bind(&mut self, device: &Device, frame: &Frame, pipelines: &[Pipeline], layers: &[wgpu::Buffer]) {
+    pub fn bind(
+        &mut self,
+        device: &Device,
+        frame: &Frame,
+        pipelines: &[Option<Pipeline>],
+        layers: &[wgpu::Buffer],
+    ) {
         let Self { slots, groups, .. } = self;
         groups.make(&device.device, frame, pipelines, layers, |slot| slots[slot as usize].as_ref());
     }

@@ -3,7 +3,7 @@
 use crate::adapter::{Kind, has_passthrough, label};
 use crate::barriers::with_barriers;
 use crate::pipeline::{Access, PASSES, Pipeline, bind_group_layout};
-use crate::{Error, Route};
+use crate::{Error, FEATURES, Route};
 use rtrt_core::layout::{Material, View};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -23,9 +23,6 @@ pub(crate) struct Device {
     lost: Arc<Mutex<Option<String>>>,
 }
 
-/// Features that make a difference, where an adapter has them.
-const USEFUL: wgpu::Features = wgpu::Features::PASSTHROUGH_SHADERS.union(wgpu::Features::TIMESTAMP_QUERY);
-
 /// Bytes of the smallest buffer: the largest element of any fits.
 const LARGEST: u64 = 512;
 const _: () = assert!(size_of::<Material>() <= LARGEST as usize && size_of::<View>() <= LARGEST as usize);
@@ -35,7 +32,7 @@ impl Device {
     pub fn open(adapter: &wgpu::Adapter, route: Route) -> Result<Self, Error> {
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: None,
-            required_features: adapter.features() & USEFUL,
+            required_features: adapter.features() & FEATURES,
             required_limits: adapter.limits(),
             experimental_features: wgpu::ExperimentalFeatures::disabled(),
             memory_hints: wgpu::MemoryHints::Performance,

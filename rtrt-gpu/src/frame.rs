@@ -29,7 +29,8 @@ const PIXELS: u64 = 512;
 /// Everything that renders frames on one device.
 pub(crate) struct Renderer {
     pub device: Device,
-    pipelines: Vec<Pipeline>,
+    /// For each row of [`PASSES`], once a frame has needed it.
+    pipelines: Vec<Option<Pipeline>>,
     buffers: Buffers,
     /// The numbers of the frame for each layer of surfaces behind the first.
     layers: Vec<wgpu::Buffer>,
@@ -44,13 +45,13 @@ pub(crate) struct Renderer {
 }
 
 impl Renderer {
-    /// Compiles all entry points.
+    /// A renderer that has compiled nothing yet.
     pub fn new(device: Device, band_bytes: Option<u64>) -> Result<Self, Error> {
-        let (pipelines, timer) = watched(&device.device, || Ok((pipelines(&device), Timer::new(&device)?)))?;
+        let timer = watched(&device.device, || Timer::new(&device))?;
         Ok(Self {
             band_bytes: band_bytes.unwrap_or(u64::MAX).min(device.limit),
             device,
-            pipelines,
+            pipelines: vec![None; PASSES.len()],
             buffers: Buffers::default(),
             layers: Vec::new(),
             read_back: None,
@@ -197,6 +198,7 @@ impl Renderer {
             self.read_back = Some(device.buffer("read back", bytes, usage)?);
         }
 
+        compile(device, frame, &mut self.pipelines);
         self.buffers.bind(device, frame, &self.pipelines, &self.layers);
         let mut commands = device.device.create_command_encoder(&Default::default());
         for stage in first_stage..STAGES.len() {
@@ -285,8 +287,10 @@ impl Renderer {
         let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
         for (row, (of, pipeline)) in PASSES.iter().zip(&self.pipelines).enumerate() {
             let groups = groups((of.work)(frame));
-            let group = self.buffers.group(row, layer).filter(|_| of.stage == stage && !groups.contains(&0));
-            if let Some(group) = group {
+            if of.stage != stage || groups.contains(&0) {
+                continue;
+            }
+            if let (Some(pipeline), Some(group)) = (pipeline, self.buffers.group(row, layer)) {
                 pipeline.dispatch(&mut pass, group, groups);
             }
         }
@@ -336,17 +340,15 @@ impl Renderer {
     }
 }
 
-/// The pipelines of all passes; one that is in the table twice is compiled once.
-fn pipelines(device: &Device) -> Vec<Pipeline> {
-    let mut pipelines: Vec<Pipeline> = Vec::with_capacity(PASSES.len());
-    for (number, pass) in PASSES.iter().enumerate() {
-        let known = PASSES[..number].iter().position(|earlier| earlier.entry == pass.entry);
-        pipelines.push(match known {
-            Some(earlier) => pipelines[earlier].clone(),
-            None => device.pipeline(pass.entry, pass.accesses()),
-        });
+/// Compiles what the frame dispatches and was not there; what is in the table twice, once.
+fn compile(device: &Device, frame: &Frame, pipelines: &mut [Option<Pipeline>]) {
+    for (row, pass) in PASSES.iter().enumerate() {
+        if pipelines[row].is_none() && !groups((pass.work)(frame)).contains(&0) {
+            let same = PASSES.iter().zip(&*pipelines).filter(|(other, _)| other.entry == pass.entry);
+            let known = same.filter_map(|(_, pipeline)| pipeline.clone()).next();
+            pipelines[row] = Some(known.unwrap_or_else(|| device.pipeline(pass.entry, pass.accesses())));
+        }
     }
-    pipelines
 }
 
 /// Whether a buffer of [`ZEROED`] has to be zero in this frame.

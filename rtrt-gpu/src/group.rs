@@ -26,7 +26,7 @@ impl Groups {
         &mut self,
         device: &wgpu::Device,
         frame: &Frame,
-        pipelines: &[Pipeline],
+        pipelines: &[Option<Pipeline>],
         layers: &[wgpu::Buffer],
         buffer: impl Fn(Slot) -> Option<&'a wgpu::Buffer>,
     ) {
@@ -35,9 +35,10 @@ impl Groups {
             self.0.resize(count, None);
         }
         for (row, (pass, pipeline)) in PASSES.iter().zip(pipelines).enumerate() {
-            if groups((pass.work)(frame)).contains(&0) {
+            let Some(pipeline) = pipeline.as_ref().filter(|_| !groups((pass.work)(frame)).contains(&0))
+            else {
                 continue;
-            }
+            };
             let repeats = if pass.stage == LAYERS { frame.layers.max(1) as usize - 1 } else { 1 };
             for layer in 0..repeats {
                 let group = &mut self.0[layer * PASSES.len() + row];

@@ -27,9 +27,13 @@ mod pipeline;
 mod texture;
 mod timer;
 
-pub use adapter::{AdapterReport, Kind, adapters};
+pub use adapter::{Adapter, Kind, adapters};
 pub use error::Error;
 pub use wgpu;
+
+/// Features that a device is to have where its adapter has them; see [`Gpu::with_device`].
+pub const FEATURES: wgpu::Features =
+    wgpu::Features::PASSTHROUGH_SHADERS.union(wgpu::Features::TIMESTAMP_QUERY);
 
 /// The compiled stages, as they are handed to a device: SPIR-V.
 pub const SHADERS: &[u8] = rtrt_shaders::SPIRV;
@@ -75,13 +79,16 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens an adapter, asks it the canary, and compiles the stages.
+    /// Opens an adapter, and asks it the canary. A stage is compiled when a frame first needs it.
     ///
     /// # Errors
     /// No adapter is there or can be used, or the one that was asked for cannot; see [`Error`].
     pub fn new(options: Options) -> Result<Self, Error> {
-        let device = adapter::choose(&options)?;
-        Ok(Self { renderer: Renderer::new(device, options.band_bytes)?, setup: Setup::default() })
+        Self::of(adapter::choose(&options)?, options.band_bytes)
+    }
+
+    fn of(device: device::Device, band_bytes: Option<u64>) -> Result<Self, Error> {
+        Ok(Self { renderer: Renderer::new(device, band_bytes)?, setup: Setup::default() })
     }
 
     /// Renders on a device that an application has opened for itself, with the same wgpu ([`wgpu`]). It is asked
@@ -99,7 +106,7 @@ impl Gpu {
     pub fn with_device(device: wgpu::Device, queue: wgpu::Queue, route: Route) -> Result<Self, Error> {
         let device = device::Device::new(device, queue, route)?;
         canary::check(&device)?;
-        Ok(Self { renderer: Renderer::new(device, None)?, setup: Setup::default() })
+        Self::of(device, None)
     }
 
     /// Renders a frame into a texture of the same device. No pixel passes through the host, which only waits for

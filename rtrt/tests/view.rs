@@ -205,18 +205,22 @@ fn a_screenshot_is_the_picture_that_the_printed_command_renders() {
 
 #[test]
 fn the_window_shows_the_picture_pixel_for_pixel() {
-    let folder = folder("window");
-    let Some(display) = Display::start(&folder) else { return };
     // Messages are gone after some seconds; then the window stays open until the test is done.
     let recording =
         "rtrt input 1\nsize 403 217 1\nframe 0.1\npress F12\nframe 0.1\nframes 10 5\nframes 1000000 0.02\n";
-    fs::write(folder.join("input.txt"), recording).unwrap();
-    let line = "view demo:glass --size 403x217 --samples 1 --backend cpu --replay input.txt -o shot.png";
-    let mut window = Window::open(&display, &folder, line);
-    window.until("the screenshot is shown", || {
-        let shot = folder.join("shot.png");
-        shot.exists() && display.pixels([403, 217]) == pixels(&folder, "shot.png")
-    });
+    for (backend, is_here) in [("cpu", false), ("gpu", true)] {
+        let folder = folder(&format!("window_{backend}"));
+        let Some(display) = Display::start(&folder) else { return };
+        fs::write(folder.join("input.txt"), recording).unwrap();
+        let line = "view demo:glass --size 403x217 --samples 1 --verbose --replay input.txt -o shot.png";
+        let mut window = Window::open(&display, &folder, &format!("{line} --backend {backend}"));
+        window.until("the screenshot is shown", || {
+            let shot = folder.join("shot.png");
+            shot.exists() && display.pixels([403, 217]) == pixels(&folder, "shot.png")
+        });
+        let said = fs::read_to_string(folder.join("stderr")).unwrap();
+        assert_eq!(said.contains("pictures stay on the window's device"), is_here, "{said}");
+    }
 }
 
 /// A triangle that moves to the right in two seconds.

@@ -7,7 +7,7 @@ use crate::suite::{Failed, Failure, Suite};
 use crate::variants::{Missing, Variant};
 use rtrt_core::backend::Description;
 use rtrt_core::compare::Place;
-use rtrt_gpu::AdapterReport;
+use rtrt_gpu::Adapter;
 use serde::Serialize;
 use std::io;
 use std::path::Path;
@@ -133,7 +133,7 @@ impl Ran {
     fn new(
         suite: &Suite,
         Variant { name, backend }: Variant,
-        adapters: &[AdapterReport],
+        adapters: &[Adapter],
         requires_gpu: bool,
     ) -> io::Result<Self> {
         let none = Self {
@@ -159,7 +159,7 @@ impl Ran {
                 return Ok(Self { skipped: Some(itself.to_string()), is_missing: true, ..none });
             }
         };
-        let named = |report: &&AdapterReport| adapter == format!("{} ({})", report.name, report.api);
+        let named = |report: &&Adapter| adapter == format!("{} ({})", report.name, report.api);
         let driver = adapters.iter().find(named).map(|report| report.driver.clone()).unwrap_or_default();
         let mut cases = vec![];
         for ((case, ..), ms) in suite.pictures().zip(outcome.times_ms) {

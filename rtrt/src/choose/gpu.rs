@@ -2,7 +2,7 @@
 
 use super::fallback::Fallback;
 use super::{ChooseError, Chosen, Options, cpu};
-use rtrt_gpu::{AdapterReport, Gpu, Kind, Route};
+use rtrt_gpu::{Adapter, Gpu, Kind, Route};
 
 /// The GPU that was asked for.
 pub(super) fn gpu(options: &Options) -> Result<Chosen, ChooseError> {
@@ -14,21 +14,19 @@ pub(super) fn gpu(options: &Options) -> Result<Chosen, ChooseError> {
 /// there, so it is taken only where it is asked for by name.
 pub(super) fn auto(options: &Options) -> Result<Chosen, ChooseError> {
     let mut passed_over = Vec::new();
-    for (number, report) in rtrt_gpu::adapters().into_iter().enumerate() {
-        let name = &report.name;
+    for (number, adapter) in rtrt_gpu::adapters().iter().enumerate() {
+        let name = &adapter.name;
         let wanted = options.adapter.as_ref();
-        let is_wanted = wanted.is_some_and(|wanted| is_called(&report, number, wanted));
+        let is_wanted = wanted.is_some_and(|wanted| is_called(adapter, number, wanted));
         if wanted.is_some() && !is_wanted {
             passed_over.push(format!("{name} has another name"));
             continue;
         }
-        if !is_wanted && report.kind > Kind::Virtual {
-            passed_over.push(format!("{name} is {}", report.kind));
+        if !is_wanted && adapter.kind > Kind::Virtual {
+            passed_over.push(format!("{name} is {}", adapter.kind));
             continue;
         }
-        let adapter = Some(number.to_string());
-        let gpu = report.canary.and_then(|()| Gpu::new(rtrt_gpu::Options { adapter, ..Default::default() }));
-        match gpu {
+        match adapter.open() {
             Ok(gpu) if is_wanted => return Ok(opened(gpu, "its adapter was asked for")),
             Ok(gpu) => {
                 let Chosen { backend, why, is_software } =
@@ -49,8 +47,8 @@ pub(super) fn auto(options: &Options) -> Result<Chosen, ChooseError> {
 }
 
 /// Whether an adapter is the one that [`rtrt_gpu::Options::adapter`] would name.
-pub fn is_called(report: &AdapterReport, number: usize, wanted: &str) -> bool {
-    let label = format!("{} ({})", report.name, report.api).to_lowercase();
+pub fn is_called(adapter: &Adapter, number: usize, wanted: &str) -> bool {
+    let label = format!("{} ({})", adapter.name, adapter.api).to_lowercase();
     label.contains(&wanted.to_lowercase()) || wanted.parse() == Ok(number)
 }
 

@@ -5,7 +5,7 @@ use super::output::print;
 use super::report::Machine;
 use rtrt::choose::{Options, choose};
 use rtrt_cpu::Cpu;
-use rtrt_gpu::AdapterReport;
+use rtrt_gpu::Adapter;
 
 /// Lists backends, and which of them `auto` would choose.
 pub fn run() -> Result<(), Error> {
@@ -26,13 +26,13 @@ pub fn run() -> Result<(), Error> {
     print(format_args!("auto chooses {}: {}", Machine::from(chosen.backend.describe()), chosen.why))
 }
 
-fn print_adapter(number: usize, adapter: &AdapterReport) -> Result<(), Error> {
-    let AdapterReport { name, api, kind, driver, passthrough, canary } = adapter;
+fn print_adapter(number: usize, adapter: &Adapter) -> Result<(), Error> {
+    let Adapter { name, api, kind, driver, passthrough, .. } = adapter;
     print(format_args!("gpu, adapter {number}, {name}: {kind}, {api}, {driver}"))?;
     let route = if *passthrough { "available" } else { "not available, naga translates" };
     print(format_args!("    SPIR-V passthrough: {route}"))?;
-    match canary {
-        Ok(()) => print("    canary: equal to the CPU"),
+    match adapter.open() {
+        Ok(_) => print("    canary: equal to the CPU"),
         Err(error) => print(format_args!("    canary: refused: {error}")),
     }
 }

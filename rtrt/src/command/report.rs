@@ -20,6 +20,11 @@ impl Machine {
     pub fn kind(&self) -> &str {
         &self.backend
     }
+
+    /// The processor or adapter.
+    pub fn adapter(&self) -> &str {
+        &self.adapter
+    }
 }
 
 impl From<Description> for Machine {

@@ -2,6 +2,7 @@
 
 mod camera;
 mod controls;
+mod engine;
 mod input;
 mod overlay;
 mod pace;
@@ -37,7 +38,7 @@ pub fn run(options: &View) -> Result<(), Error> {
     // Before anything is loaded: without a display there is nobody to show it to.
     let events = caught(|| EventLoop::new().map_err(|error| plain(&error))).map_err(refused)?;
     let viewer = Viewer::new(options)?;
-    let mut app = App::new(options, viewer, replay)?;
+    let mut app = App::new(options, viewer, replay, events.create_proxy())?;
     events.run_app(&mut app).map_err(|error| refused(plain(&error)))?;
     app.result
 }

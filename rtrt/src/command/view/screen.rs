@@ -20,8 +20,8 @@ pub struct Screen {
     instance: wgpu::Instance,
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
     renderer: Renderer,
     picture: Option<Shown>,
     failure: Arc<Mutex<Option<String>>>,
@@ -45,15 +45,18 @@ impl Screen {
         let surface = instance
             .create_surface(Arc::clone(&window))
             .map_err(|error| format!("no graphics driver draws in windows: {error}"))?;
+        let preference = wgpu::PowerPreference::from_env().unwrap_or(wgpu::PowerPreference::HighPerformance);
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
-            power_preference: wgpu::PowerPreference::HighPerformance,
+            power_preference: preference,
             compatible_surface: Some(&surface),
             ..Default::default()
         }))
         .map_err(|error| format!("no adapter draws in windows: {error}"))?;
         let info = adapter.get_info();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            required_limits: wgpu::Limits::downlevel_defaults().using_resolution(adapter.limits()),
+            // All that it has: a renderer may share the device.
+            required_features: adapter.features() & rtrt_gpu::FEATURES,
+            required_limits: adapter.limits(),
             ..Default::default()
         }))
         .map_err(|error| format!("{}: {error}", info.name))?;
@@ -85,34 +88,40 @@ impl Screen {
     }
 
     /// Takes a new picture: pixels of red, green, blue and alpha, row by row.
-    pub fn upload(&mut self, pixels: &[u8], [width, height]: [u32; 2]) {
-        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-        if self.picture.as_ref().is_none_or(|shown| shown.texture.size() != size) {
-            let texture = self.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("picture"),
-                size,
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: TextureFormat::Rgba8Unorm,
-                usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-                view_formats: &[],
-            });
-            let view = texture.create_view(&Default::default());
-            let (renderer, nearest) = (&mut self.renderer, wgpu::FilterMode::Nearest);
-            let id = match self.picture.take() {
-                Some(Shown { id, .. }) => {
-                    renderer.update_egui_texture_from_wgpu_texture(&self.device, &view, nearest, id);
-                    id
-                }
-                None => renderer.register_native_texture(&self.device, &view, nearest),
-            };
-            self.picture = Some(Shown { texture, id });
-        }
-        let Some(Shown { texture, .. }) = &self.picture else { return };
+    pub fn upload(&mut self, pixels: &[u8], size: [u32; 2]) {
+        let texture = self.texture(size);
         let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None };
-        self.queue.write_texture(texture.as_image_copy(), pixels, layout, size);
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0]), rows_per_image: None };
+        self.queue.write_texture(texture.as_image_copy(), pixels, layout, texture.size());
+    }
+
+    /// What a picture of this size is drawn into, to be shown.
+    pub fn texture(&mut self, [width, height]: [u32; 2]) -> wgpu::Texture {
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        if let Some(shown) = self.picture.as_ref().filter(|shown| shown.texture.size() == size) {
+            return shown.texture.clone();
+        }
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("picture"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TextureFormat::Rgba8Unorm,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&Default::default());
+        let (renderer, nearest) = (&mut self.renderer, wgpu::FilterMode::Nearest);
+        let id = match self.picture.take() {
+            Some(Shown { id, .. }) => {
+                renderer.update_egui_texture_from_wgpu_texture(&self.device, &view, nearest, id);
+                id
+            }
+            None => renderer.register_native_texture(&self.device, &view, nearest),
+        };
+        self.picture = Some(Shown { texture: texture.clone(), id });
+        texture
     }
 
     /// Shows the picture at so many pixels, and what lies over it.

@@ -1,12 +1,13 @@
 //! What is looked at, and how: everything about a viewer but its window.
 
 use super::controls::{Action, Controls, Free, Rig};
+use super::engine::Engine;
 use super::input::Event;
 use super::pace::{Detail, Pace};
 use super::reproduce::{self, Shot};
 use crate::command::Error;
 use crate::command::console::Console;
-use crate::command::job::{Job, open, rays};
+use crate::command::job::{Job, rays};
 use crate::command::names::{filled, is_numbered};
 use crate::command::options::{self, Common};
 use crate::command::output::{self, png};
@@ -17,7 +18,7 @@ use glam::DVec3;
 use image::ExtendedColorType::Rgba8;
 use rtrt::choose::Choice;
 use rtrt::debug::{Shown, View};
-use rtrt_core::backend::{Backend, Picture, STAGES, Shadows};
+use rtrt_core::backend::{Picture, STAGES, Shadows};
 use rtrt_core::scene::Camera;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -44,9 +45,9 @@ pub struct Settings {
 
 /// All that a picture depends on, the scene by the number of its changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Wanted {
+pub struct Wanted {
     camera: Camera,
-    detail: Detail,
+    pub detail: Detail,
     shadows: Shadows,
     layers: u32,
     debug: Option<View>,
@@ -58,7 +59,7 @@ struct Wanted {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Timing {
     pub detail: Detail,
-    /// Wall clock, milliseconds, readback included.
+    /// Wall clock, milliseconds, readback included where there is one.
     pub frame_ms: f64,
     pub stages_ms: [f64; STAGES.len()],
 }
@@ -88,8 +89,10 @@ pub struct Viewer {
     passed_on: Vec<String>,
     output: PathBuf,
     console: Console,
-    backends: Vec<(Box<dyn Backend>, Machine)>,
+    backends: Vec<Engine>,
     current: usize,
+    /// The window's device.
+    window: Option<(wgpu::Device, wgpu::Queue)>,
     controls: Controls,
     start: Camera,
     /// Whether the camera is where the scene has it.
@@ -121,7 +124,7 @@ impl Viewer {
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
         let job = Job::load(&common, SAMPLES, false, common.start(), &console)?;
-        let backend = open(&common.backend, &console)?;
+        let backend = Engine::open(&common.backend, &console)?;
         console.finish();
         Ok(Self {
             settings: Settings {
@@ -141,6 +144,7 @@ impl Viewer {
             console,
             backends: vec![backend],
             current: 0,
+            window: None,
             controls: Controls::default(),
             start: job.camera,
             is_at_start: true,
@@ -177,7 +181,7 @@ impl Viewer {
 
     /// The backend that renders.
     pub fn machine(&self) -> &Machine {
-        &self.backends[self.current].1
+        self.backends[self.current].machine()
     }
 
     /// The scene that was loaded last.
@@ -198,6 +202,12 @@ impl Viewer {
     /// When, of the animation, and when it ends.
     pub fn time(&self) -> Option<(f64, f64)> {
         self.time.zip(self.job.end())
+    }
+
+    /// There is a window, on this device.
+    pub fn share(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) {
+        self.backends.iter_mut().for_each(|backend| backend.share(device, queue, &self.console));
+        self.window = Some((device.clone(), queue.clone()));
     }
 
     /// The picture has another size.
@@ -243,9 +253,8 @@ impl Viewer {
         self.is_playing || self.controls.is_busy() || self.still < SETTLE || self.message.is_some()
     }
 
-    /// Renders, if there is something new to see. Gives the pixels of a new picture, row by row, red,
-    /// green, blue and alpha, and its size.
-    pub fn render(&mut self) -> Option<(&[u8], [u32; 2])> {
+    /// The picture that is to be seen next, if it is another one.
+    pub fn next(&mut self) -> Option<Wanted> {
         let full = self.full();
         let detail = if self.is_exact || self.still >= SETTLE {
             full
@@ -253,16 +262,27 @@ impl Viewer {
             self.pace.detail(full, 1e3 / self.settings.fps)
         };
         let wanted = self.wanted(detail);
-        if self.given == Some(wanted) {
+        // Once, whatever comes of it: what fails is not tried again and again.
+        (self.given.replace(wanted) != Some(wanted)).then_some(wanted)
+    }
+
+    /// Whether the picture can be rendered into a texture of the window's device.
+    pub fn is_drawn_here(&mut self, wanted: &Wanted) -> bool {
+        self.backends[self.current].here().is_some()
+            && wanted.debug.is_none()
+            && self.drawn.as_ref() != Some(wanted)
+    }
+
+    /// Renders the picture, into a texture of the window's device if there is one, and takes note if
+    /// that fails. Gives the size of a picture that is not in the texture.
+    pub fn render(&mut self, wanted: Wanted, texture: Option<wgpu::Texture>) -> Option<[u32; 2]> {
+        if texture.is_some_and(|texture| self.draw_here(wanted, &texture)) {
             return None;
         }
-        // Tried, whatever comes of it: what fails is not tried again and again.
-        self.given = Some(wanted);
-        if let Err(error) = self.draw(wanted) {
-            self.note(Err(error));
-            return None;
-        }
-        Some((self.pixels(), detail.size))
+        let drawn = self.draw(wanted);
+        let is_drawn = drawn.is_ok();
+        self.note(drawn);
+        is_drawn.then_some(wanted.detail.size)
     }
 
     /// Loads the scene again, or another one. If that fails, the scene stays as it is.
@@ -343,7 +363,11 @@ impl Viewer {
         if self.backends.len() == 1 {
             let mut options = self.options.backend.clone();
             options.backend = if self.machine().kind() == "cpu" { Choice::Gpu } else { Choice::Cpu };
-            self.backends.push(open(&options, &self.console)?);
+            let mut backend = Engine::open(&options, &self.console)?;
+            if let Some((device, queue)) = &self.window {
+                backend.share(device, queue, &self.console);
+            }
+            self.backends.push(backend);
         }
         self.current = (self.current + 1) % self.backends.len();
         self.pace = Pace::default();
@@ -398,24 +422,71 @@ impl Viewer {
         if self.drawn == Some(wanted) {
             return Ok(());
         }
-        self.drawn = None;
-        let Wanted { detail, shadows, layers, debug, .. } = wanted;
-        rays(detail.size, detail.samples, debug.is_some())?;
-        let job = &mut self.job;
-        (job.size, job.samples, job.shadows, job.layers) = (detail.size, detail.samples, shadows, layers);
+        self.begin(wanted)?;
         let start = Instant::now();
-        let request = job.request(debug.is_some());
-        let (backend, _) = &mut self.backends[self.current];
-        job.render(&mut **backend, &request, &mut self.picture)?;
-        self.shown = debug.map(|view| job.show(view, &self.picture)).transpose()?;
-        let frame_ms = start.elapsed().as_secs_f64() * 1e3;
-        self.pace.measured(detail.rays(), frame_ms);
-        self.timing = Some(Timing { detail, frame_ms, stages_ms: self.picture.stages_ms });
+        let request = self.job.request(wanted.debug.is_some());
+        let backend = &mut self.backends[self.current];
+        let rendered = self.job.render(backend.backend(), &request, &mut self.picture);
+        match rendered {
+            Err(error) if backend.here().is_some() => {
+                self.part(error);
+                let request = self.job.request(wanted.debug.is_some());
+                self.job.render(self.backends[self.current].backend(), &request, &mut self.picture)?;
+            }
+            rendered => rendered?,
+        }
+        let job = &self.job;
+        self.shown = wanted.debug.map(|view| job.show(view, &self.picture)).transpose()?;
+        self.measured(wanted.detail, start, self.picture.stages_ms);
         self.drawn = Some(wanted);
         Ok(())
     }
 
-    fn pixels(&self) -> &[u8] {
+    /// Renders the picture into a texture of the window's device. Where that fails, the device is no
+    /// longer shared, and the picture is still to be rendered.
+    fn draw_here(&mut self, wanted: Wanted, texture: &wgpu::Texture) -> bool {
+        if self.begin(wanted).is_err() {
+            return false;
+        }
+        let start = Instant::now();
+        let Some(gpu) = self.backends[self.current].here() else { return false };
+        match gpu.render_into(texture, &self.job.scene, &self.job.request(false)) {
+            Ok(stages_ms) => {
+                self.measured(wanted.detail, start, stages_ms);
+                true
+            }
+            Err(error) => {
+                self.part(&error);
+                false
+            }
+        }
+    }
+
+    /// Leaves the window's device, which has failed.
+    fn part(&mut self, why: impl std::fmt::Display) {
+        self.console.say(format_args!("warning: {why}; pictures are read back from here on"));
+        let parted = self.backends[self.current].part(&self.console);
+        self.note(parted);
+    }
+
+    /// Makes the job that of a picture.
+    fn begin(&mut self, Wanted { detail, shadows, layers, debug, .. }: Wanted) -> Result<(), Error> {
+        (self.drawn, self.shown) = (None, None);
+        rays(detail.size, detail.samples, debug.is_some())?;
+        let job = &mut self.job;
+        (job.size, job.samples, job.shadows, job.layers) = (detail.size, detail.samples, shadows, layers);
+        Ok(())
+    }
+
+    /// Takes note of how long a picture took.
+    fn measured(&mut self, detail: Detail, start: Instant, stages_ms: [f64; STAGES.len()]) {
+        let frame_ms = start.elapsed().as_secs_f64() * 1e3;
+        self.pace.measured(detail.rays(), frame_ms);
+        self.timing = Some(Timing { detail, frame_ms, stages_ms });
+    }
+
+    /// The pixels of the picture that was rendered last, row by row: red, green, blue, alpha.
+    pub fn pixels(&self) -> &[u8] {
         match &self.shown {
             Some(shown) => cast_slice(&shown.pixels),
             None => self.picture.bytes(),

@@ -11,13 +11,15 @@ use crate::command::options;
 use egui::{Context, FullOutput, PointerButton, Popup, Pos2, RawInput, Rect, pos2, vec2};
 use std::fs::File;
 use std::io::Write;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::thread::JoinHandle;
 use std::time::Instant;
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::keyboard::{Key, PhysicalKey};
 use winit::window::{Window, WindowId};
 
@@ -30,7 +32,11 @@ const NOTCH: f64 = 40.0;
 
 /// The viewer in its window.
 pub struct App {
-    viewer: Viewer,
+    /// Not here while it renders.
+    viewer: Option<Viewer>,
+    away: Option<Away>,
+    /// Wakes the window when it is back.
+    proxy: EventLoopProxy<()>,
     /// What the window's title says, and what is watched.
     scene: PathBuf,
     screen: Option<Screen>,
@@ -56,9 +62,22 @@ pub struct App {
     pub result: Result<(), Error>,
 }
 
+/// A frame that is being rendered, by a thread of its own: the window goes on telling what happens.
+/// The thread has the whole viewer, so nothing changes under what it renders.
+struct Away {
+    /// Gives the viewer back, and the size of a picture that is not on the screen yet.
+    thread: JoinHandle<(Viewer, Option<[u32; 2]>)>,
+    over: FullOutput,
+}
+
 impl App {
     /// A viewer that is ready to have a window.
-    pub fn new(options: &options::View, viewer: Viewer, replay: Option<Replay>) -> Result<Self, Error> {
+    pub fn new(
+        options: &options::View,
+        viewer: Viewer,
+        replay: Option<Replay>,
+        proxy: EventLoopProxy<()>,
+    ) -> Result<Self, Error> {
         let record = options.record.as_ref().map(|path| -> Result<_, Error> {
             let begin = |mut file: File| file.write_all(header().as_bytes()).map(|()| file);
             let refused = |source| Error::Record { path: path.clone(), source };
@@ -70,7 +89,9 @@ impl App {
         context.options_mut(|options| options.zoom_with_keyboard = false);
         Ok(Self {
             watch: options.watch.then(|| Watch::new(&scene, viewer.job.files())),
-            viewer,
+            viewer: Some(viewer),
+            away: None,
+            proxy,
             screen: None,
             context,
             events: vec![Event::Size(options.common.size, 1.0)],
@@ -96,48 +117,82 @@ impl App {
             .with_inner_size(PhysicalSize::new(width, height));
         let window = events.create_window(attributes).map_err(|error| plain(&error))?;
         let screen = Screen::new(Arc::new(window), events)?;
-        if let Some(name) = &screen.software {
-            self.viewer.announce(format_args!("warning: the window is drawn by a software adapter: {name}"));
+        if let Some(viewer) = &mut self.viewer {
+            if let Some(name) = &screen.software {
+                viewer.announce(format_args!("warning: the window is drawn by a software adapter: {name}"));
+            }
+            viewer.share(&screen.device, &screen.queue);
         }
         Ok(screen)
     }
 
-    /// A frame: events, what lies over the picture, the picture.
-    fn frame(&mut self) -> Result<(), Error> {
-        let Some(step) = self.step()? else {
-            self.viewer.is_closed = true;
-            return Ok(());
+    /// A frame: events, what lies over the picture, the picture. While one is being rendered, what
+    /// happens waits for it.
+    fn frame(&mut self, events: &ActiveEventLoop) {
+        let Some(mut viewer) = self.viewer.take() else { return };
+        let over = match self.step(&mut viewer) {
+            Ok(Some(step)) => self.happen(&mut viewer, &step),
+            Ok(None) => return self.end(events, Ok(())),
+            Err(error) => return self.end(events, Err(error)),
         };
-        let over = self.overlay(&step);
+        let Some(wanted) = viewer.next() else { return self.finish(events, viewer, over, None) };
+        let screen = self.screen.as_mut().filter(|_| viewer.is_drawn_here(&wanted));
+        let texture = screen.map(|screen| screen.texture(wanted.detail.size));
+        if self.replay.is_some() {
+            let new = viewer.render(wanted, texture);
+            return self.finish(events, viewer, over, new);
+        }
+        let proxy = self.proxy.clone();
+        let thread = std::thread::spawn(move || {
+            let new = viewer.render(wanted, texture);
+            // Without a window there is nobody to wake.
+            _ = proxy.send_event(());
+            (viewer, new)
+        });
+        self.away = Some(Away { thread, over });
+    }
+
+    /// Lets what happened in a step happen. Gives what lies over the picture.
+    fn happen(&mut self, viewer: &mut Viewer, step: &Step) -> FullOutput {
+        let over = self.overlay(viewer, step);
         // What lies over the picture has the first say.
         let free = Free {
             keys: !self.context.egui_wants_keyboard_input() && !Popup::is_any_open(&self.context),
             pointer: !self.context.is_pointer_over_egui() && !self.context.egui_is_using_pointer(),
         };
         for event in &step.events {
-            self.viewer.handle(event, free);
+            viewer.handle(event, free);
         }
-        self.viewer.advance(f64::from(step.seconds));
-        let Some(screen) = &mut self.screen else { return Ok(()) };
-        if let Some((pixels, size)) = self.viewer.render() {
-            screen.upload(pixels, size);
+        viewer.advance(f64::from(step.seconds));
+        over
+    }
+
+    /// Shows a frame; `new` is the size of the viewer's picture, if that is not on the screen yet.
+    fn finish(&mut self, events: &ActiveEventLoop, viewer: Viewer, over: FullOutput, new: Option<[u32; 2]>) {
+        let viewer = self.viewer.insert(viewer);
+        let Some(screen) = &mut self.screen else { return };
+        if let Some(size) = new {
+            screen.upload(viewer.pixels(), size);
         }
         let delay = over.viewport_output.values().map(|output| output.repaint_delay).min();
         self.wake = delay.and_then(|delay| Instant::now().checked_add(delay));
-        if self.scene != self.viewer.scene() {
-            self.scene = self.viewer.scene().to_owned();
+        if self.scene != viewer.scene() {
+            self.scene = viewer.scene().to_owned();
             screen.window.set_title(&title(&self.scene));
         }
         if let Some(watch) = &mut self.watch {
-            watch.follow(&self.scene, self.viewer.job.files());
+            watch.follow(&self.scene, viewer.job.files());
         }
         let shown = screen.show(&self.context, over, self.size);
-        shown.map_err(|why| Error::Window { scene: self.scene.clone(), why })?;
-        self.viewer.failure().map_or(Ok(()), Err)
+        let shown = shown.map_err(|why| Error::Window { scene: self.scene.clone(), why });
+        let result = shown.and_then(|()| viewer.failure().map_or(Ok(()), Err));
+        if result.is_err() || viewer.is_closed {
+            self.end(events, result);
+        }
     }
 
     /// What happened before this frame; none at the end of a recording.
-    fn step(&mut self) -> Result<Option<Step>, Error> {
+    fn step(&mut self, viewer: &mut Viewer) -> Result<Option<Step>, Error> {
         let now = Instant::now();
         // What begins after a rest begins now.
         let longest = if self.is_idle { FRAME } else { LONGEST };
@@ -156,7 +211,7 @@ impl App {
         for event in &step.events {
             if let Event::Size(size, scale) = event {
                 (self.size, self.scale) = (*size, *scale);
-                self.viewer.resize(*size);
+                viewer.resize(*size);
                 if let (Some(_), Some(screen)) = (&self.replay, &self.screen) {
                     // The system may have its own idea; the picture has its size all the same.
                     _ = screen.window.request_inner_size(PhysicalSize::new(size[0], size[1]));
@@ -167,7 +222,7 @@ impl App {
     }
 
     /// Lets what lies over the picture see the events.
-    fn overlay(&mut self, step: &Step) -> FullOutput {
+    fn overlay(&mut self, viewer: &mut Viewer, step: &Step) -> FullOutput {
         self.time += f64::from(step.seconds);
         let [width, height] = self.size.map(|side| side as f32 / self.scale);
         let mut input = RawInput {
@@ -181,9 +236,9 @@ impl App {
             viewport.native_pixels_per_point = Some(self.scale);
         }
         self.context.run_ui(input, |ui| {
-            overlay::show(ui.ctx(), &self.viewer);
-            if self.viewer.settings.panel {
-                panel::show(ui.ctx(), &mut self.viewer);
+            overlay::show(ui.ctx(), viewer);
+            if viewer.settings.panel {
+                panel::show(ui.ctx(), viewer);
             }
         })
     }
@@ -298,6 +353,10 @@ impl App {
         if self.result.is_ok() {
             self.result = result;
         }
+        // Nothing is to be rendered while the process ends.
+        if let Some(Away { thread, .. }) = self.away.take() {
+            _ = thread.join();
+        }
         events.exit();
     }
 }
@@ -355,13 +414,7 @@ impl ApplicationHandler for App {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match &event {
             WindowEvent::CloseRequested => return self.end(events, Ok(())),
-            WindowEvent::RedrawRequested => {
-                let shown = self.frame();
-                if shown.is_err() || self.viewer.is_closed {
-                    self.end(events, shown);
-                }
-                return;
-            }
+            WindowEvent::RedrawRequested => return self.frame(events),
             _ => self.told(&event),
         }
         if let Some(screen) = &self.screen {
@@ -369,12 +422,25 @@ impl ApplicationHandler for App {
         }
     }
 
+    /// The viewer is back.
+    fn user_event(&mut self, events: &ActiveEventLoop, (): ()) {
+        let Some(Away { thread, over }) = self.away.take() else { return };
+        let (viewer, new) = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+        self.finish(events, viewer, over, new);
+        // For what happened in the meantime, and for how long the picture took.
+        if let Some(screen) = &self.screen {
+            screen.window.request_redraw();
+        }
+    }
+
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        let Some(screen) = &self.screen else { return };
+        let (Some(screen), Some(viewer)) = (&self.screen, &mut self.viewer) else {
+            return events.set_control_flow(ControlFlow::Wait);
+        };
         let now = Instant::now();
-        let mut is_due = self.replay.is_some() || self.viewer.is_busy();
+        let mut is_due = self.replay.is_some() || viewer.is_busy();
         if self.watch.as_mut().is_some_and(|watch| watch.has_changed(now)) {
-            self.viewer.load(None);
+            viewer.load(None);
             is_due = true;
         }
         self.is_idle = !is_due;
