@@ -4,7 +4,8 @@ use crate::Error;
 use crate::band::{Band, bands, shadow_words};
 use crate::buffers::{Buffers, Slot};
 use crate::device::{Device, watched};
-use crate::pipeline::{FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, groups};
+use crate::pipeline::{DRAWN, FIRST_OF_BAND, LAYERS, PASSES, Pass, Pipeline, ZEROED, groups};
+use crate::raster::Raster;
 use crate::texture::{check, copy};
 use crate::timer::Timer;
 use bytemuck::Pod;
@@ -35,6 +36,8 @@ pub(crate) struct Renderer {
     layers: Vec<wgpu::Buffer>,
     read_back: Option<wgpu::Buffer>,
     timer: Timer,
+    /// What draws the closest surfaces, if they are not to be traced.
+    raster: Option<Raster>,
     capacity: u32,
     /// The most bytes that a buffer of a band may have.
     band_bytes: u64,
@@ -52,8 +55,20 @@ impl Renderer {
             layers: Vec::new(),
             read_back: None,
             timer,
+            raster: None,
             capacity: FIRST_CAPACITY,
         })
+    }
+
+    /// Has the closest surfaces drawn instead of traced, or traced again.
+    pub fn set_hybrid(&mut self, is_hybrid: bool) -> Result<(), Error> {
+        if is_hybrid != self.raster.is_some() {
+            self.raster = None;
+            if is_hybrid {
+                self.raster = Some(watched(&self.device.device, || Ok(Raster::new(&self.device)))?);
+            }
+        }
+        Ok(())
     }
 
     /// Renders the frame that was set up into the picture, or into a texture: the picture then holds
@@ -84,7 +99,7 @@ impl Renderer {
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
-        let frame = setup.frame;
+        let frame = Frame { is_drawn: u32::from(self.raster.is_some()), ..setup.frame };
         match texture {
             Some(texture) => check(texture, &frame)?,
             None => {
@@ -105,6 +120,9 @@ impl Renderer {
         let covers = u64::from(stage::prepare::count(&frame));
         self.buffers.reserve::<Cover>(&self.device, Slot::Covers, covers)?;
         self.buffers.reserve::<u32>(&self.device, Slot::Counts, u64::from(frame.blocks))?;
+        if let Some(raster) = &mut self.raster {
+            raster.begin(scene, setup);
+        }
 
         let mut bands = bands(&frame, self.band_bytes);
         let Some(first) = bands.next() else { return Ok(()) };
@@ -152,7 +170,11 @@ impl Renderer {
             self.layers.push(device.buffer("frame of a layer", size_of::<Frame>() as u64, usage)?);
         }
         for (layers, buffer) in (1..frame.layers).rev().zip(&self.layers) {
-            device.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&Frame { layers, ..*frame }));
+            device.queue.write_buffer(
+                buffer,
+                0,
+                bytemuck::bytes_of(&Frame { layers, is_drawn: 0, ..*frame }),
+            );
         }
         self.buffers.reserve::<Entry>(device, Slot::Placed, u64::from(frame.capacity))?;
         self.buffers.reserve::<u32>(device, Slot::Lists, list_words)?;
@@ -165,6 +187,9 @@ impl Renderer {
         self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;
         self.buffers.reserve::<[f32; 4]>(device, Slot::Colors, rays)?;
         self.buffers.reserve::<u32>(device, Slot::Pixels, u64::from(pixel_count))?;
+        if let Some(raster) = &mut self.raster {
+            raster.reserve(device, &mut self.buffers, frame)?;
+        }
         let bytes = PIXELS + if texture.is_some() { 0 } else { 4 * u64::from(pixel_count) };
         if self.read_back.as_ref().is_none_or(|buffer| buffer.size() < bytes) {
             let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
@@ -219,6 +244,15 @@ impl Renderer {
                 commands.clear_buffer(buffer, 0, None);
             }
         }
+        if let (FIRST_OF_BAND, Some(raster)) = (stage, &self.raster) {
+            raster.encode(&self.device, commands, (stage, &self.timer), frame, &self.buffers);
+            let timestamp_writes = self.timer.writes_of(stage, false, true);
+            let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(STAGES[stage]),
+                timestamp_writes,
+            });
+            return self.dispatch(&mut pass, frame, DRAWN.iter().zip(&raster.pipelines), None);
+        }
         if stage != LAYERS {
             return self.encode_pass(commands, frame, stage, None, self.timer.writes(stage));
         }
@@ -254,7 +288,19 @@ impl Renderer {
     ) {
         let label = Some(STAGES[stage]);
         let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-        for (row, pipeline) in PASSES.iter().zip(&self.pipelines).filter(|(row, _)| row.stage == stage) {
+        let passes = PASSES.iter().zip(&self.pipelines).filter(|(row, _)| row.stage == stage);
+        self.dispatch(&mut pass, frame, passes, uniform);
+    }
+
+    /// Appends dispatches to a pass.
+    fn dispatch<'a>(
+        &'a self,
+        pass: &mut wgpu::ComputePass<'_>,
+        frame: &Frame,
+        passes: impl Iterator<Item = (&'a Pass, &'a Pipeline)>,
+        uniform: Option<&'a wgpu::Buffer>,
+    ) {
+        for (row, pipeline) in passes {
             let groups = groups((row.work)(frame));
             if groups.contains(&0) {
                 continue;
@@ -263,7 +309,7 @@ impl Renderer {
                 (Slot::Frame, Some(uniform)) => Some(uniform),
                 _ => self.buffers.get(slot),
             });
-            pipeline.dispatch(&self.device.device, &mut pass, buffers, groups);
+            pipeline.dispatch(&self.device.device, pass, buffers, groups);
         }
     }
 
@@ -327,7 +373,7 @@ fn pipelines(device: &Device) -> Vec<Pipeline> {
 /// Whether a buffer of [`ZEROED`] has to be zero in this frame.
 fn is_zeroed(frame: &Frame, slot: Slot) -> bool {
     match slot {
-        Slot::Hits => frame.layers > 0,
+        Slot::Hits => frame.layers > 0 && frame.is_drawn == 0,
         Slot::Masks => frame.layers == 0,
         _ => true,
     }

@@ -23,6 +23,7 @@ mod device;
 mod error;
 mod frame;
 mod pipeline;
+mod raster;
 mod texture;
 mod timer;
 
@@ -133,6 +134,22 @@ impl Gpu {
         self.renderer
             .render(scene, &self.setup, deferred, texture, picture)
             .map_err(|source| RenderError::Backend { backend: "gpu", source: Box::new(source) })
+    }
+
+    /// Renders hybrid frames, or, as ever, frames that are traced: the paper's conclusion. The closest surfaces on
+    /// the camera's rays are then drawn by the device's rasterizer; shadows, light, and what is seen through
+    /// something are traced.
+    ///
+    /// Such frames are outside the promise of equal bits. A device's rasterizer decides at edges, and between
+    /// surfaces that are nearly as far away, which triangle it is that a ray meets; where and how the ray meets that
+    /// one is asked of the kernel that traces, and all that follows is as ever. So a frame differs at edges from the
+    /// one that is traced, and a little from device to device. What is nearer than 2⁻²² of the frame's magnitude
+    /// is not seen.
+    ///
+    /// # Errors
+    /// The device cannot draw.
+    pub fn set_hybrid(&mut self, is_hybrid: bool) -> Result<(), Error> {
+        self.renderer.set_hybrid(is_hybrid)
     }
 
     /// What the adapter is.

@@ -160,12 +160,13 @@ pub struct Frame {
     /// The most rays that a penumbra reaches aside (see [`penumbra`](crate::stage::penumbra));
     /// 0 for a frame without soft shadows.
     pub window: u32,
+    /// 1 where the closest surfaces were drawn, and only the rays of which the picture tells nothing
+    /// are traced (see [`raster`](crate::stage::raster)).
+    pub is_drawn: u32,
     /// Unused: a uniform block is a multiple of 16 bytes.
     pub unused_0: u32,
     /// Unused.
     pub unused_1: u32,
-    /// Unused.
-    pub unused_2: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 112 && offset_of!(Frame, ambient_r) == 48);
 

@@ -68,7 +68,7 @@ pub fn run(options: &Bench) -> Result<(), Error> {
     );
     let mut job = Job::load(&options.common, SAMPLES, true, options.common.time, &console)?;
     job.scene.structure = options.structure;
-    let (mut backend, machine) = open(&options.common.backend, &console)?;
+    let (mut backend, machine) = open(&options.common.backend, options.hybrid, &console)?;
     let mut picture = Picture::default();
     let mut frames: Vec<[f64; STAGES.len()]> = Vec::new();
     let mut frame_ms = Vec::new();

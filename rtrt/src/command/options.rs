@@ -59,6 +59,10 @@ pub struct Render {
     /// deferred buffer
     #[arg(long)]
     pub hash: bool,
+    /// Let the GPU draw what the camera sees, and trace shadows, light and what is seen through something. The
+    /// picture is not the same to the bit: some pixels at edges are others
+    #[arg(long)]
+    pub hybrid: bool,
     #[command(flatten)]
     pub common: Common,
 }
@@ -83,6 +87,10 @@ pub struct Bench {
     /// these are worth. That the picture is the same is checked
     #[arg(long, default_value = "blocks", value_parser = structure())]
     pub structure: Structure,
+    /// Let the GPU draw what the camera sees, and trace shadows, light and what is seen through something. The
+    /// picture is not the same to the bit: some pixels at edges are others
+    #[arg(long)]
+    pub hybrid: bool,
     #[command(flatten)]
     pub common: Common,
 }
@@ -264,6 +272,7 @@ impl BackendOptions {
             adapter: self.adapter.clone(),
             lanes: self.lanes,
             threads: self.threads(),
+            hybrid: false,
             tell,
         }
     }

@@ -53,7 +53,7 @@ pub fn run(options: &Render) -> Result<(), Error> {
     if let (Some(Background::Color(color)), None) = (options.background, &options.common.environment) {
         job.scene.background = color.into();
     }
-    let (mut backend, machine) = open(&options.common.backend, &console)?;
+    let (mut backend, machine) = open(&options.common.backend, options.hybrid, &console)?;
     let mut picture = Picture::default();
     for frame in 0..options.frames {
         if let Some(start) = start.filter(|_| frame > 0) {

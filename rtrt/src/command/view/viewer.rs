@@ -121,7 +121,7 @@ impl Viewer {
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
         let job = Job::load(&common, SAMPLES, false, common.time, &console)?;
-        let backend = open(&common.backend, &console)?;
+        let backend = open(&common.backend, false, &console)?;
         console.finish();
         Ok(Self {
             settings: Settings {
@@ -343,7 +343,7 @@ impl Viewer {
         if self.backends.len() == 1 {
             let mut options = self.options.backend.clone();
             options.backend = if self.machine().kind() == "cpu" { Choice::Gpu } else { Choice::Cpu };
-            self.backends.push(open(&options, &self.console)?);
+            self.backends.push(open(&options, false, &self.console)?);
         }
         self.current = (self.current + 1) % self.backends.len();
         self.pace = Pace::default();
