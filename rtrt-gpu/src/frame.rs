@@ -383,35 +383,89 @@ fn is_zeroed(frame: &Frame, slot: Slot) -> bool {
 mod tests {
     use super::*;
     use crate::{Gpu, Options};
+    use glam::{Mat4, Vec3};
     use rtrt_core::backend::{Backend, Request, Shadows};
-    use rtrt_core::scene::{Camera, Projection};
+    use rtrt_core::layout::{Attribute, Texture};
+    use rtrt_core::scene::{Camera, Mesh, MeshTree, Projection, Sequential, phong};
+    use rtrt_core::stage::raster::is_untraced;
+
+    const CAMERA: Camera = Camera {
+        eye: Vec3::ZERO,
+        look_at: Vec3::ONE,
+        up: Vec3::Y,
+        projection: Projection::Perspective { fov_y: 1.0 },
+    };
+    const REQUEST: Request<'_> = Request {
+        camera: &CAMERA,
+        size: [40, 30],
+        samples: 1,
+        shadows: Shadows::Soft,
+        layers: 8,
+        deferred: false,
+    };
+
+    fn open() -> Option<Gpu> {
+        match Gpu::new(Options::default()) {
+            Ok(gpu) => Some(gpu),
+            Err(error) if std::env::var_os("RTRT_REQUIRE_GPU").is_some() => panic!("{error}"),
+            Err(error) => {
+                println!("skipped: {error}");
+                None
+            }
+        }
+    }
 
     #[test]
     fn a_buffer_beyond_the_limit_is_an_error_and_the_next_frame_is_not() {
-        let mut gpu = match Gpu::new(Options::default()) {
-            Ok(gpu) => gpu,
-            Err(error) if std::env::var_os("RTRT_REQUIRE_GPU").is_some() => panic!("{error}"),
-            Err(error) => return println!("skipped: {error}"),
-        };
-        let camera = Camera {
-            eye: [0.0; 3].into(),
-            look_at: [1.0; 3].into(),
-            up: [0.0, 1.0, 0.0].into(),
-            projection: Projection::Perspective { fov_y: 1.0 },
-        };
-        let request = Request {
-            camera: &camera,
-            size: [40, 30],
-            samples: 1,
-            shadows: Shadows::Soft,
-            layers: 8,
-            deferred: false,
-        };
+        let Some(mut gpu) = open() else { return };
         let limit = std::mem::replace(&mut gpu.renderer.device.limit, 10_000);
         let mut picture = Picture::default();
-        let error = gpu.render(&Scene::new(), &request, &mut picture).unwrap_err();
+        let error = gpu.render(&Scene::new(), &REQUEST, &mut picture).unwrap_err();
         assert!(error.to_string().contains("the device allows 10000"), "{error}");
         gpu.renderer.device.limit = limit;
-        gpu.render(&Scene::new(), &request, &mut picture).unwrap();
+        gpu.render(&Scene::new(), &REQUEST, &mut picture).unwrap();
+    }
+
+    /// A square of `2 · steps²` triangles, in the x–y plane within ±1.
+    fn square(steps: u32) -> Mesh {
+        let side = steps + 1;
+        let place = |i: u32| [(i % side) as f32, (i / side) as f32].map(|x| 2.0 * x / steps as f32 - 1.0);
+        let positions: Vec<_> = (0..side * side).map(place).map(|[x, y]| [x, y, 0.0]).collect();
+        let attribute = Attribute { normal: [0.0, 0.0, 1.0], uv: [0.0; 2], color: u32::MAX };
+        let cells = (0..steps * steps).map(|i| i / steps * side + i % steps);
+        let indices = cells.flat_map(|a| [a, a + 1, a + side, a + 1, a + side + 1, a + side]).collect();
+        Mesh::new(positions, vec![attribute; (side * side) as usize], indices).unwrap()
+    }
+
+    #[test]
+    fn what_is_drawn_is_not_traced_but_at_edges_and_in_blocks_of_spheres() {
+        let Some(mut gpu) = open() else { return };
+        let mut scene = Scene::new();
+        let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]));
+        let mesh = square(100);
+        let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
+        scene.add_object(mesh, white, Mat4::from_rotation_z(0.3)).unwrap();
+        let camera = Camera { eye: Vec3::new(0.2, 0.3, 4.0), look_at: Vec3::ZERO, ..CAMERA };
+        let request = Request { camera: &camera, size: [320, 240], deferred: true, ..REQUEST };
+        gpu.set_hybrid(true).unwrap();
+        // What is not known stays unknown.
+        gpu.renderer.raster.as_mut().unwrap().pipelines.truncate(1);
+        let mut picture = Picture::default();
+        let mut count = |scene: &Scene| {
+            gpu.render(scene, &request, &mut picture).unwrap();
+            let hits = &picture.deferred.as_ref().unwrap().hits;
+            let unknown = hits.iter().filter(|hit| is_untraced(hit)).count();
+            (unknown, hits.iter().filter(|hit| hit.t != f32::MAX).count() - unknown)
+        };
+        let (unknown, known) = count(&scene);
+        // A triangle covers half a pixel. Rasterizers round corners, most of them to 1/256 of a pixel.
+        assert!(known > 10_000 && unknown * 20 < known, "{unknown} {known}");
+        let behind = Mat4::from_translation(Vec3::new(0.0, 0.0, -3.0)) * Mat4::from_scale(Vec3::splat(0.5));
+        let sphere = scene.add_sphere(white, behind).unwrap();
+        let (same, _) = count(&scene);
+        assert_eq!(same, unknown, "a sphere that is hidden is not looked for");
+        scene.set_transforms([(sphere, Mat4::from_scale(Vec3::splat(0.5)))]).unwrap();
+        let (more, _) = count(&scene);
+        assert!(more > unknown + 1000 && more < known, "{more} {unknown} {known}");
     }
 }
