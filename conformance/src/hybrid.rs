@@ -16,8 +16,9 @@ pub struct Differences {
     pub met: usize,
     /// Those that meet another triangle, or something and nothing.
     pub other: usize,
-    /// Of these, those that are not beside a ray that meets something else when all is traced, and do not
-    /// meet two surfaces at nearly the same distance.
+    /// Of these, those that meet two triangles at nearly the same distance.
+    pub near: usize,
+    /// Of the rest, those that are not beside a ray that meets something else when all is traced.
     pub strange: usize,
     /// Those that meet the same triangle, but not with the same bits.
     pub uneven: usize,
@@ -63,6 +64,7 @@ impl Differences {
                     let mut around = (y.max(1) - 1..(y + 2).min(height))
                         .flat_map(|y| (x.max(1) - 1..(x + 2).min(width)).map(move |x| [x, y]));
                     let is_near = (a.t - b.t).abs() <= a.t * NEAR;
+                    found.near += usize::from(is_near);
                     found.strange += usize::from(!is_near && around.all(|place| is_same(a, at(place))));
                 } else if a != b {
                     found.uneven += 1;

@@ -20,9 +20,8 @@ pub struct Window {
 }
 const _: () = assert!(size_of::<Window>() == 16);
 
-/// What is nearer than this share of a frame's magnitude is not drawn: 2⁻²², about what the
-/// rounding of its largest coordinate is.
-pub const NEAR: f32 = 1.0 / 4_194_304.0;
+/// What is nearer than this share of a frame's magnitude is not drawn: 2⁻⁴⁰.
+pub const NEAR: f32 = f32::from_bits((127 - 40) << 23);
 
 /// How many magnitudes a camera of parallel rays sees: more than the diagonal of all there is.
 const FAR: f32 = 4.0;
