@@ -30,6 +30,7 @@
 mod case;
 pub mod cases;
 pub mod golden;
+pub mod hybrid;
 mod image;
 pub mod oracle;
 pub mod report;

@@ -2,7 +2,8 @@
 
 use crate::adapter::{Kind, has_passthrough, label};
 use crate::barriers::with_barriers;
-use crate::pipeline::{Access, PASSES, Pipeline, bind_group_layout};
+use crate::pipeline::{Access, DRAWN, PASSES, Pipeline, bind_group, bind_group_layout};
+use crate::raster::{FRAGMENT, VERTEX};
 use crate::{Error, FEATURES, Route};
 use rtrt_core::layout::{Material, View};
 use std::borrow::Cow;
@@ -17,8 +18,9 @@ pub(crate) struct Device {
     pub queue: wgpu::Queue,
     /// The most bytes a storage buffer may have.
     pub limit: u64,
-    module: wgpu::ShaderModule,
-    zero: Option<Zero>,
+    pub module: wgpu::ShaderModule,
+    /// What the module's barriers read, if it has any.
+    pub zero: Option<Zero>,
     /// Why the device is gone, where it tells.
     lost: Arc<Mutex<Option<String>>>,
 }
@@ -146,12 +148,13 @@ impl Zero {
             usage: wgpu::BufferUsages::UNIFORM,
             mapped_at_creation: false,
         });
-        let layout = bind_group_layout(device, "zero", [Access::Uniform].into_iter());
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("zero"),
-            layout: &layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
-        });
+        let layout = bind_group_layout(
+            device,
+            "zero",
+            wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::VERTEX_FRAGMENT,
+            [Access::Uniform].into_iter(),
+        );
+        let group = bind_group(device, &layout, [buffer.as_entire_binding()].into_iter());
         Self { layout, group }
     }
 }
@@ -187,10 +190,10 @@ fn module(device: &wgpu::Device, route: Route) -> wgpu::ShaderModule {
             name: Cow::Borrowed(name),
             workgroup_size: (rtrt_shaders::GROUP, 1, 1),
         };
-        let passes = PASSES.iter().map(|pass| entry(pass.entry));
+        let passes = PASSES.iter().chain(DRAWN).map(|pass| entry(pass.entry));
         let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
             label: None,
-            entry_points: passes.chain(["kernels", "layout"].map(entry)).collect(),
+            entry_points: passes.chain(["kernels", "layout", VERTEX, FRAGMENT].map(entry)).collect(),
             spirv: Some(Cow::Borrowed(&words)),
             ..Default::default()
         };

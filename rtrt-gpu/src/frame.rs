@@ -4,7 +4,8 @@ use crate::Error;
 use crate::band::{Band, bands, shadow_words};
 use crate::buffers::{Buffers, Slot};
 use crate::device::{Device, watched};
-use crate::pipeline::{FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, groups};
+use crate::pipeline::{DRAWN, FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, groups};
+use crate::raster::Raster;
 use crate::texture::{check, copy};
 use crate::timer::{HostClock, Timer};
 use bytemuck::Pod;
@@ -36,6 +37,8 @@ pub(crate) struct Renderer {
     layers: Vec<wgpu::Buffer>,
     read_back: Option<wgpu::Buffer>,
     timer: Timer,
+    /// What draws the closest surfaces, if they are not to be traced.
+    raster: Option<Raster>,
     capacity: u32,
     /// What the lists were made of that are there, the blocks that they have, and their room.
     source: Source,
@@ -56,10 +59,22 @@ impl Renderer {
             layers: Vec::new(),
             read_back: None,
             timer,
+            raster: None,
             capacity: FIRST_CAPACITY,
             source: Source::default(),
             listed: None,
         })
+    }
+
+    /// Has the closest surfaces drawn instead of traced, or traced again.
+    pub fn set_hybrid(&mut self, is_hybrid: bool) -> Result<(), Error> {
+        if is_hybrid != self.raster.is_some() {
+            self.raster = None;
+            if is_hybrid {
+                self.raster = Some(watched(&self.device.device, || Ok(Raster::new(&self.device)))?);
+            }
+        }
+        Ok(())
     }
 
     /// Renders the frame that was set up into the picture, or into a texture: the picture then holds
@@ -94,7 +109,7 @@ impl Renderer {
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
-        let frame = setup.frame;
+        let frame = Frame { is_drawn: u32::from(self.raster.is_some()), ..setup.frame };
         match texture {
             Some(texture) => check(texture, &frame)?,
             None => {
@@ -115,6 +130,9 @@ impl Renderer {
         let covers = u64::from(stage::prepare::count(&frame));
         self.buffers.reserve::<Cover>(&self.device, Slot::Covers, covers)?;
         self.buffers.reserve::<u32>(&self.device, Slot::Counts, u64::from(frame.blocks))?;
+        if let Some(raster) = &mut self.raster {
+            raster.begin(scene, setup);
+        }
 
         let mut kept = self.source.kept(setup, scene);
         if self.listed.take() != Some([frame.blocks, self.capacity]) {
@@ -178,7 +196,11 @@ impl Renderer {
         }
         if self.buffers.renew(device, Slot::Frame, &[*frame])? {
             for (layers, buffer) in (1..frame.layers).rev().zip(&self.layers) {
-                device.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&Frame { layers, ..*frame }));
+                device.queue.write_buffer(
+                    buffer,
+                    0,
+                    bytemuck::bytes_of(&Frame { layers, is_drawn: 0, ..*frame }),
+                );
             }
         }
         self.buffers.reserve::<Entry>(device, Slot::Placed, u64::from(frame.capacity))?;
@@ -192,6 +214,9 @@ impl Renderer {
         self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;
         self.buffers.reserve::<[f32; 4]>(device, Slot::Colors, rays)?;
         self.buffers.reserve::<u32>(device, Slot::Pixels, u64::from(pixel_count))?;
+        if let Some(raster) = &mut self.raster {
+            raster.reserve(device, &mut self.buffers, frame)?;
+        }
         let bytes = PIXELS + if texture.is_some() { 0 } else { 4 * u64::from(pixel_count) };
         if self.read_back.as_ref().is_none_or(|buffer| buffer.size() < bytes) {
             let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
@@ -251,6 +276,10 @@ impl Renderer {
                 commands.clear_buffer(buffer, 0, None);
             }
         }
+        if let (FIRST_OF_BAND, Some(raster)) = (stage, &self.raster) {
+            raster.encode(&self.device, commands, (stage, &self.timer), frame, &self.buffers);
+            return self.encode_drawn(commands, raster, frame, stage);
+        }
         if stage != LAYERS {
             return self.encode_pass(commands, frame, stage, 0, self.timer.writes(stage));
         }
@@ -293,6 +322,27 @@ impl Renderer {
             if let (Some(pipeline), Some(group)) = (pipeline, self.buffers.group(row, layer)) {
                 pipeline.dispatch(&mut pass, group, groups);
             }
+        }
+    }
+
+    /// Appends the dispatches that follow what was drawn.
+    fn encode_drawn(
+        &self,
+        commands: &mut wgpu::CommandEncoder,
+        raster: &Raster,
+        frame: &Frame,
+        stage: usize,
+    ) {
+        let timestamp_writes = self.timer.writes_of(stage, false, true);
+        let label = Some(STAGES[stage]);
+        let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+        for (row, pipeline) in DRAWN.iter().zip(&raster.pipelines) {
+            let groups = groups((row.work)(frame));
+            if groups.contains(&0) {
+                continue;
+            }
+            let buffers = row.slots().filter_map(|slot| self.buffers.get(slot));
+            pipeline.dispatch(&mut pass, &pipeline.group(&self.device.device, buffers), groups);
         }
     }
 
@@ -354,7 +404,7 @@ fn compile(device: &Device, frame: &Frame, pipelines: &mut [Option<Pipeline>]) {
 /// Whether a buffer of [`ZEROED`] has to be zero in this frame.
 fn is_zeroed(frame: &Frame, slot: Slot) -> bool {
     match slot {
-        Slot::Hits => frame.layers > 0,
+        Slot::Hits => frame.layers > 0 && frame.is_drawn == 0,
         Slot::Masks => frame.layers == 0,
         _ => true,
     }
@@ -364,35 +414,89 @@ fn is_zeroed(frame: &Frame, slot: Slot) -> bool {
 mod tests {
     use super::*;
     use crate::{Gpu, Options};
+    use glam::{Mat4, Vec3};
     use rtrt_core::backend::{Backend, Request, Shadows};
-    use rtrt_core::scene::{Camera, Projection};
+    use rtrt_core::layout::{Attribute, Texture};
+    use rtrt_core::scene::{Camera, Mesh, MeshTree, Projection, Sequential, phong};
+    use rtrt_core::stage::raster::is_untraced;
+
+    const CAMERA: Camera = Camera {
+        eye: Vec3::ZERO,
+        look_at: Vec3::ONE,
+        up: Vec3::Y,
+        projection: Projection::Perspective { fov_y: 1.0 },
+    };
+    const REQUEST: Request<'_> = Request {
+        camera: &CAMERA,
+        size: [40, 30],
+        samples: 1,
+        shadows: Shadows::Soft,
+        layers: 8,
+        deferred: false,
+    };
+
+    fn open() -> Option<Gpu> {
+        match Gpu::new(Options::default()) {
+            Ok(gpu) => Some(gpu),
+            Err(error) if std::env::var_os("RTRT_REQUIRE_GPU").is_some() => panic!("{error}"),
+            Err(error) => {
+                println!("skipped: {error}");
+                None
+            }
+        }
+    }
 
     #[test]
     fn a_buffer_beyond_the_limit_is_an_error_and_the_next_frame_is_not() {
-        let mut gpu = match Gpu::new(Options::default()) {
-            Ok(gpu) => gpu,
-            Err(error) if std::env::var_os("RTRT_REQUIRE_GPU").is_some() => panic!("{error}"),
-            Err(error) => return println!("skipped: {error}"),
-        };
-        let camera = Camera {
-            eye: [0.0; 3].into(),
-            look_at: [1.0; 3].into(),
-            up: [0.0, 1.0, 0.0].into(),
-            projection: Projection::Perspective { fov_y: 1.0 },
-        };
-        let request = Request {
-            camera: &camera,
-            size: [40, 30],
-            samples: 1,
-            shadows: Shadows::Soft,
-            layers: 8,
-            deferred: false,
-        };
+        let Some(mut gpu) = open() else { return };
         let limit = std::mem::replace(&mut gpu.renderer.device.limit, 10_000);
         let mut picture = Picture::default();
-        let error = gpu.render(&Scene::new(), &request, &mut picture).unwrap_err();
+        let error = gpu.render(&Scene::new(), &REQUEST, &mut picture).unwrap_err();
         assert!(error.to_string().contains("the device allows 10000"), "{error}");
         gpu.renderer.device.limit = limit;
-        gpu.render(&Scene::new(), &request, &mut picture).unwrap();
+        gpu.render(&Scene::new(), &REQUEST, &mut picture).unwrap();
+    }
+
+    /// A square of `2 · steps²` triangles, in the x–y plane within ±1.
+    fn square(steps: u32) -> Mesh {
+        let side = steps + 1;
+        let place = |i: u32| [(i % side) as f32, (i / side) as f32].map(|x| 2.0 * x / steps as f32 - 1.0);
+        let positions: Vec<_> = (0..side * side).map(place).map(|[x, y]| [x, y, 0.0]).collect();
+        let attribute = Attribute { normal: [0.0, 0.0, 1.0], uv: [0.0; 2], color: u32::MAX };
+        let cells = (0..steps * steps).map(|i| i / steps * side + i % steps);
+        let indices = cells.flat_map(|a| [a, a + 1, a + side, a + 1, a + side + 1, a + side]).collect();
+        Mesh::new(positions, vec![attribute; (side * side) as usize], indices).unwrap()
+    }
+
+    #[test]
+    fn what_is_drawn_is_not_traced_but_at_edges_and_in_blocks_of_spheres() {
+        let Some(mut gpu) = open() else { return };
+        let mut scene = Scene::new();
+        let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3])).unwrap();
+        let mesh = square(100);
+        let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
+        scene.add_object(mesh, white, Mat4::from_rotation_z(0.3)).unwrap();
+        let camera = Camera { eye: Vec3::new(0.2, 0.3, 4.0), look_at: Vec3::ZERO, ..CAMERA };
+        let request = Request { camera: &camera, size: [320, 240], deferred: true, ..REQUEST };
+        gpu.set_hybrid(true).unwrap();
+        // What is not known stays unknown.
+        gpu.renderer.raster.as_mut().unwrap().pipelines.truncate(1);
+        let mut picture = Picture::default();
+        let mut count = |scene: &Scene| {
+            gpu.render(scene, &request, &mut picture).unwrap();
+            let hits = &picture.deferred.as_ref().unwrap().hits;
+            let unknown = hits.iter().filter(|hit| is_untraced(hit)).count();
+            (unknown, hits.iter().filter(|hit| hit.t != f32::MAX).count() - unknown)
+        };
+        let (unknown, known) = count(&scene);
+        // A triangle covers half a pixel. Rasterizers round corners, most of them to 1/256 of a pixel.
+        assert!(known > 10_000 && unknown * 20 < known, "{unknown} {known}");
+        let behind = Mat4::from_translation(Vec3::new(0.0, 0.0, -3.0)) * Mat4::from_scale(Vec3::splat(0.5));
+        let sphere = scene.add_sphere(white, behind).unwrap();
+        let (same, _) = count(&scene);
+        assert_eq!(same, unknown, "a sphere that is hidden is not looked for");
+        scene.set_transforms([(sphere, Mat4::from_scale(Vec3::splat(0.5)))]).unwrap();
+        let (more, _) = count(&scene);
+        assert!(more > unknown + 1000 && more < known, "{more} {unknown} {known}");
     }
 }

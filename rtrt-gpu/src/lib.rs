@@ -24,6 +24,7 @@ mod error;
 mod frame;
 mod group;
 mod pipeline;
+mod raster;
 mod texture;
 mod timer;
 
@@ -143,6 +144,24 @@ impl Gpu {
         self.renderer
             .render(scene, &self.setup, deferred, clock, texture, picture)
             .map_err(|source| RenderError::Backend { backend: "gpu", source: Box::new(source) })
+    }
+
+    /// Renders hybrid frames, or, as ever, frames that are traced: the paper's conclusion. The closest surfaces on
+    /// the camera's rays are then drawn by the device's rasterizer; shadows, light, and what is seen through
+    /// something are traced.
+    ///
+    /// Such frames are outside the promise of equal bits. A device's rasterizer decides at edges, and between
+    /// surfaces that are nearly as far away, which triangle it is that a ray meets; where and how the ray meets that
+    /// one is asked of the kernel that traces, and all that follows is as ever. So a frame differs at edges from the
+    /// one that is traced, and a little from device to device. What is nearer than 2⁻⁴⁰ of the frame's magnitude
+    /// is not seen.
+    ///
+    /// # Errors
+    /// The device cannot draw.
+    pub fn set_hybrid(&mut self, is_hybrid: bool) -> Result<(), Error> {
+        // What is drawn are objects, not their parts.
+        self.setup.keep_objects_whole(is_hybrid);
+        self.renderer.set_hybrid(is_hybrid)
     }
 
     /// What the adapter is.

@@ -30,6 +30,16 @@ pub(crate) struct Pass {
     pub work: fn(&Frame) -> Work,
 }
 
+/// What finds the closest surfaces where they were drawn, in place of the stage's own passes.
+#[rustfmt::skip]
+pub(crate) const DRAWN: &[Pass] = {
+    use Slot::*;
+    &[
+        Pass { stage: FIRST_OF_BAND, entry: "pick", reads: &[Frame, Views, Objects, Words, Positions, Drawn], writes: &[Hits], work: rays },
+        Pass { stage: FIRST_OF_BAND, entry: "layer", reads: LAYER, writes: &[Hits], work: rays },
+    ]
+};
+
 /// Invocations of a dispatch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Work {
@@ -206,14 +216,8 @@ impl Pipeline {
         accesses: impl Iterator<Item = Access>,
         zero: Option<&Zero>,
     ) -> Self {
-        let layout = bind_group_layout(device, entry, accesses);
-        let layouts: Vec<_> =
-            [Some(&layout)].into_iter().chain(zero.map(|zero| Some(&zero.layout))).collect();
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(entry),
-            bind_group_layouts: &layouts,
-            immediate_size: 0,
-        });
+        let layout = bind_group_layout(device, entry, wgpu::ShaderStages::COMPUTE, accesses);
+        let pipeline_layout = pipeline_layout(device, entry, &layout, zero);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry),
             layout: Some(&pipeline_layout),
@@ -231,16 +235,7 @@ impl Pipeline {
         device: &wgpu::Device,
         buffers: impl Iterator<Item = &'a wgpu::Buffer>,
     ) -> wgpu::BindGroup {
-        let entry = |(binding, buffer): (usize, &'a wgpu::Buffer)| wgpu::BindGroupEntry {
-            binding: binding as u32,
-            resource: buffer.as_entire_binding(),
-        };
-        let entries: Vec<_> = buffers.enumerate().map(entry).collect();
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &self.layout,
-            entries: &entries,
-        })
+        bind_group(device, &self.layout, buffers.map(wgpu::Buffer::as_entire_binding))
     }
 
     /// Dispatches it with what [`Pipeline::group`] has made.
@@ -254,15 +249,42 @@ impl Pipeline {
     }
 }
 
+/// The layout of a pipeline with a group of buffers, and the zero of the module's barriers if it has any.
+pub(crate) fn pipeline_layout(
+    device: &wgpu::Device,
+    label: &str,
+    group: &wgpu::BindGroupLayout,
+    zero: Option<&Zero>,
+) -> wgpu::PipelineLayout {
+    let layouts: Vec<_> = [Some(group)].into_iter().chain(zero.map(|zero| Some(&zero.layout))).collect();
+    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &layouts,
+        immediate_size: 0,
+    })
+}
+
+/// A group of buffers, bound from 0 on.
+pub(crate) fn bind_group<'a>(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl Iterator<Item = wgpu::BindingResource<'a>>,
+) -> wgpu::BindGroup {
+    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+    let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+}
+
 /// The layout of a group of buffers, bound from 0 on.
 pub(crate) fn bind_group_layout(
     device: &wgpu::Device,
     label: &str,
+    visibility: wgpu::ShaderStages,
     accesses: impl Iterator<Item = Access>,
 ) -> wgpu::BindGroupLayout {
     let binding = |(binding, access): (usize, Access)| wgpu::BindGroupLayoutEntry {
         binding: binding as u32,
-        visibility: wgpu::ShaderStages::COMPUTE,
+        visibility,
         ty: wgpu::BindingType::Buffer {
             ty: match access {
                 Access::Uniform => wgpu::BufferBindingType::Uniform,
@@ -283,26 +305,29 @@ pub(crate) fn bind_group_layout(
 mod tests {
     use super::*;
     use crate::canary::{KERNELS, LAYOUT};
+    use crate::raster;
     use rtrt_core::backend::STAGES;
     use rtrt_shaders::reflect::{BindingKind, entry_points};
 
     #[test]
     fn the_module_has_the_entry_points_of_the_table_with_their_bindings() {
         let mut expected: Vec<(&str, Vec<Access>)> =
-            PASSES.iter().map(|pass| (pass.entry, pass.accesses().collect())).collect();
+            PASSES.iter().chain(DRAWN).map(|pass| (pass.entry, pass.accesses().collect())).collect();
         expected.sort_unstable_by_key(|(name, _)| *name);
         expected.dedup();
         expected.extend([("kernels", KERNELS.to_vec()), ("layout", LAYOUT.to_vec())]);
+        expected.extend([(raster::VERTEX, raster::accesses().collect()), (raster::FRAGMENT, vec![])]);
         let found = entry_points(rtrt_shaders::SPIRV).unwrap();
         assert_eq!(found.len(), expected.len());
         for (name, accesses) in expected {
             let entry = found.iter().find(|entry| entry.name == name).unwrap();
             let group = match name {
-                "scan" => 256,
-                "layout" => 1,
-                _ => GROUP,
+                "scan" => Some(256),
+                "layout" => Some(1),
+                raster::VERTEX | raster::FRAGMENT => None,
+                _ => Some(GROUP),
             };
-            assert_eq!(entry.workgroup_size, [group, 1, 1], "{name}");
+            assert_eq!(entry.workgroup_size, group.map(|group| [group, 1, 1]), "{name}");
             for (number, binding) in entry.bindings.iter().enumerate() {
                 assert_eq!((binding.set, binding.binding), (0, number as u32), "{name}");
             }

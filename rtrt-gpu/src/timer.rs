@@ -65,6 +65,20 @@ impl Timer {
         })
     }
 
+    /// What a pass that draws has to write: it is never the last of its stage.
+    pub fn writes_of_drawing(
+        &self,
+        stage: usize,
+        is_first: bool,
+    ) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        let writes = self.writes_of(stage, is_first, false)?;
+        Some(wgpu::RenderPassTimestampWrites {
+            query_set: writes.query_set,
+            beginning_of_pass_write_index: writes.beginning_of_pass_write_index,
+            end_of_pass_write_index: None,
+        })
+    }
+
     /// Ends a stage: without a clock on the device, hands it the commands and waits.
     pub fn end_stage(
         &self,

@@ -8,6 +8,7 @@ use rtrt_core::kernel::traverse::{Best, Geometry};
 use rtrt_core::layout::{Frame, Hit, Lit, Material, Node, Object, Surface, View};
 use rtrt_core::stage;
 use rtrt_core::stage::light::Arriving;
+use rtrt_core::stage::raster::is_untraced;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
@@ -26,7 +27,8 @@ pub fn end(
     }
 }
 
-/// The closest surface behind the last one; the closest of all where the hits are zero.
+/// The closest surface behind the last one; the closest of all where the hits are zero, and only
+/// there if surfaces were drawn.
 #[spirv(compute(threads(64), entry_point_name = "layer"))]
 pub fn layer(
     #[spirv(global_invocation_id)] id: UVec3,
@@ -41,7 +43,7 @@ pub fn layer(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] hits: &mut [Hit],
 ) {
     let index = index(id);
-    if index < frame.rays {
+    if index < frame.rays && (frame.is_drawn == 0 || is_untraced(&hits[index as usize])) {
         let lists = Lists { words: lists, blocks: frame.blocks };
         let geometry = Geometry { objects, nodes, words, positions, texels, magnitude: frame.magnitude };
         let ray = RayIndex(frame.first_ray + index);

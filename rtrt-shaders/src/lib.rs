@@ -20,6 +20,7 @@ pub mod light;
 pub mod occlusion;
 pub mod penumbra;
 pub mod prepare;
+pub mod raster;
 pub mod resolve;
 pub mod shade;
 pub mod surface;

@@ -5,13 +5,13 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use rspirv::dr::{self, Function, Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, ExecutionMode, Op, StorageClass, Word};
 
-/// One compute shader of a module.
+/// One shader of a module.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryPoint {
     /// The name to create a pipeline with.
     pub name: String,
-    /// Invocations per workgroup in x, y and z.
-    pub workgroup_size: [u32; 3],
+    /// Invocations per workgroup in x, y and z; none of what draws.
+    pub workgroup_size: Option<[u32; 3]>,
     /// The buffers it reaches, by set and binding.
     pub bindings: Vec<Binding>,
 }
@@ -53,7 +53,7 @@ pub fn entry_points(spirv: &[u8]) -> Option<Vec<EntryPoint>> {
         let reached = reached(*main, &functions);
         Some(EntryPoint {
             name: name.clone(),
-            workgroup_size: workgroup_size(&module, *main)?,
+            workgroup_size: workgroup_size(&module, *main),
             bindings: buffers
                 .iter()
                 .filter(|(id, _)| reached.contains(id))

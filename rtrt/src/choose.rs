@@ -43,6 +43,9 @@ pub struct Options {
     pub lanes: Option<u32>,
     /// Threads of the CPU backend; see [`rtrt_cpu::Options`].
     pub threads: Option<usize>,
+    /// Whether the closest surfaces are to be drawn, not traced; see [`rtrt_gpu::Gpu::set_hybrid`]. Only a
+    /// GPU can, and nothing takes its place when it fails.
+    pub hybrid: bool,
     /// Is told why, when a GPU that [`Choice::Auto`] took fails at a frame. The CPU renders that frame
     /// and the following ones, unless it refuses. A GPU that was asked for by kind or name has no such
     /// substitute.
@@ -79,6 +82,12 @@ pub enum ChooseError {
     #[cfg(not(feature = "gpu"))]
     #[error("this program was built without GPU support")]
     NoGpu,
+    /// Surfaces were to be drawn, and no GPU was chosen.
+    #[error("hybrid frames are drawn by a GPU, and the CPU was chosen: {why}")]
+    Hybrid {
+        /// Why it was.
+        why: String,
+    },
     /// The GPU cannot.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
@@ -112,6 +121,9 @@ pub fn choose(options: &Options) -> Result<Chosen, ChooseError> {
 }
 
 fn cpu(options: &Options, why: String) -> Result<Chosen, ChooseError> {
+    if options.hybrid {
+        return Err(ChooseError::Hybrid { why });
+    }
     let cpu = Cpu::new(options.cpu())?;
     Ok(Chosen { backend: Box::new(cpu), why, is_software: false })
 }

@@ -14,6 +14,7 @@ pub mod mip;
 pub mod offset;
 pub mod pane;
 pub mod penumbra;
+pub mod project;
 pub mod ray;
 pub mod reflect;
 pub mod slab;

@@ -10,6 +10,7 @@ use crate::kernel::texture::{BYTE, Finest, finest};
 use crate::kernel::traverse::Geometry;
 use crate::kernel::triangle::Meeting;
 use crate::lane::{Lane, Mask, Row};
+use crate::layout::Object;
 use crate::num::{clamp, flush};
 
 /// Words of a record.
@@ -44,8 +45,13 @@ pub fn cutoff(geometry: &Geometry<'_>, object: u32) -> f32 {
 /// The [`crate::layout::AlphaMode`] of an object, as a number.
 #[inline(always)]
 pub fn mode(geometry: &Geometry<'_>, object: u32) -> u32 {
-    let pane = geometry.objects[object as usize].pane;
-    if pane == 0 { 0 } else { geometry.words[(pane + MODE) as usize] }
+    mode_of(&geometry.objects[object as usize], geometry.words)
+}
+
+/// The same of an object, where `words` are the scene's.
+#[inline(always)]
+pub fn mode_of(object: &Object, words: &[u32]) -> u32 {
+    if object.pane == 0 { 0 } else { words[(object.pane + MODE) as usize] }
 }
 
 /// Where rays have met a triangle of an object that is not opaque.

@@ -182,12 +182,13 @@ pub struct Frame {
     pub backdrop: u32,
     /// The first block whose list is made: those of lights come first, and may be kept.
     pub first_block: u32,
+    /// 1 where the closest surfaces were drawn, and only the rays of which the picture tells nothing
+    /// are traced (see [`raster`](crate::stage::raster)).
+    pub is_drawn: u32,
     /// Unused: a uniform block is a multiple of 16 bytes.
     pub unused_0: u32,
     /// Unused.
     pub unused_1: u32,
-    /// Unused.
-    pub unused_2: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 128 && offset_of!(Frame, ambient_r) == 48);
 

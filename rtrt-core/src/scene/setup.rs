@@ -104,6 +104,7 @@ pub struct Setup {
     parts: Parts,
     /// The triangles that a part has at most, where the camera's lists hold parts.
     part_triangles: Option<u32>,
+    are_whole: bool,
 }
 
 /// What the views of lights are made of.
@@ -128,6 +129,7 @@ impl Default for Setup {
             chosen: Chosen::default(),
             parts: Parts::default(),
             part_triangles: None,
+            are_whole: false,
         }
     }
 }
@@ -155,6 +157,11 @@ impl Setup {
     /// Those that are whole.
     fn whole<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
         if self.chosen.is_needed { &self.chosen.objects } else { scene.objects() }
+    }
+
+    /// Has lists hold whole objects, whatever [`Structure`] says, or not.
+    pub fn keep_objects_whole(&mut self, are_whole: bool) {
+        self.are_whole = are_whole;
     }
 
     /// The triangles that a part of an object has at most; none where lists hold whole objects.
@@ -218,6 +225,7 @@ impl Setup {
         let has_bounds = self.chosen.is_needed && !self.chosen.bounds.is_empty();
         let bounds = if has_bounds { self.chosen.bounds } else { *scene.bounds() };
         self.part_triangles = match scene.structure {
+            _ if self.are_whole => None,
             Structure::Blocks => parts::triangles(self.whole(scene)),
             Structure::Parts(triangles) => Some(triangles.max(1)),
             Structure::Objects | Structure::None => None,

@@ -7,7 +7,7 @@ use rtrt_gpu::{Adapter, Gpu, Kind, Route};
 /// The GPU that was asked for.
 pub(super) fn gpu(options: &Options) -> Result<Chosen, ChooseError> {
     let gpu = rtrt_gpu::Options { adapter: options.adapter.clone(), ..Default::default() };
-    Ok(opened(Gpu::new(gpu)?, "asked for"))
+    opened(Gpu::new(gpu)?, options, "asked for")
 }
 
 /// The first that works. A software adapter is never better than the CPU, which is always
@@ -27,12 +27,13 @@ pub(super) fn auto(options: &Options) -> Result<Chosen, ChooseError> {
             continue;
         }
         match adapter.open() {
-            Ok(gpu) if is_wanted => return Ok(opened(gpu, "its adapter was asked for")),
+            Ok(gpu) if is_wanted => return opened(gpu, options, "its adapter was asked for"),
             Ok(gpu) => {
-                let Chosen { backend, why, is_software } =
-                    opened(gpu, &and("the first GPU that works", &passed_over));
-                let backend = Box::new(Fallback::new(backend, options.cpu(), options.tell));
-                return Ok(Chosen { backend, why, is_software });
+                let mut chosen = opened(gpu, options, &and("the first GPU that works", &passed_over))?;
+                if !options.hybrid {
+                    chosen.backend = Box::new(Fallback::new(chosen.backend, options.cpu(), options.tell));
+                }
+                return Ok(chosen);
             }
             Err(error) => passed_over.push(error.to_string()),
         }
@@ -52,13 +53,15 @@ pub fn is_called(adapter: &Adapter, number: usize, wanted: &str) -> bool {
     label.contains(&wanted.to_lowercase()) || wanted.parse() == Ok(number)
 }
 
-fn opened(gpu: Gpu, why: &str) -> Chosen {
+fn opened(mut gpu: Gpu, options: &Options, why: &str) -> Result<Chosen, ChooseError> {
+    gpu.set_hybrid(options.hybrid)?;
     let route = match gpu.route() {
         Route::Naga => "naga",
         Route::Auto | Route::Passthrough => "SPIR-V passthrough",
     };
-    let why = format!("{why} ({} adapter, {route}, canary equal)", gpu.kind());
-    Chosen { is_software: gpu.kind() == Kind::Software, backend: Box::new(gpu), why }
+    let hybrid = if options.hybrid { ", surfaces drawn" } else { "" };
+    let why = format!("{why} ({} adapter, {route}, canary equal{hybrid})", gpu.kind());
+    Ok(Chosen { is_software: gpu.kind() == Kind::Software, backend: Box::new(gpu), why })
 }
 
 /// The reason, then what was passed over.

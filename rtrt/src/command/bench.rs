@@ -75,7 +75,7 @@ pub fn run(options: &Bench) -> Result<(), Error> {
         u64::from(options.frames + WARM_UP) + 3 + u64::from(options.common.structure != Structure::Blocks),
     );
     let mut job = Job::load(&options.common, SAMPLES, true, options.common.start(), &console)?;
-    let (mut backend, machine) = open(&options.common.backend, &console)?;
+    let (mut backend, machine) = open(&options.common.backend, options.hybrid, &console)?;
     let mut picture = Picture::default();
     let mut frames: Vec<[f64; STAGES.len()]> = Vec::new();
     let (mut frame_ms, mut host_ms) = (Vec::new(), Vec::new());

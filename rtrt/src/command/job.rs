@@ -5,7 +5,7 @@ use super::console::Console;
 use super::options::{BackendOptions, CameraOptions, Common};
 use super::report::Machine;
 use rtrt::cache::Cache;
-use rtrt::choose::{ChooseError, Chosen, choose};
+use rtrt::choose::{self, ChooseError, Chosen, choose};
 use rtrt::debug::{Shown, View, show};
 use rtrt::demo;
 use rtrt::import::{self, Animation, ImportError, Loaded, NamedCamera};
@@ -324,10 +324,16 @@ fn changed(camera: Camera, options: &CameraOptions, scene: &Scene) -> Camera {
     }
 }
 
-/// Opens the backend that the options ask for, and says which it is and why.
-pub fn open(options: &BackendOptions, console: &Console) -> Result<(Box<dyn Backend>, Machine), Error> {
+/// Opens the backend that the options ask for, and says which it is and why. With `hybrid`, it draws what the
+/// camera sees.
+pub fn open(
+    options: &BackendOptions,
+    hybrid: bool,
+    console: &Console,
+) -> Result<(Box<dyn Backend>, Machine), Error> {
     console.step("opening the backend");
-    let Chosen { backend, why, is_software } = choose(&options.choose(console.tells()))?;
+    let Chosen { backend, why, is_software } =
+        choose(&choose::Options { hybrid, ..options.choose(console.tells()) })?;
     let machine = Machine::from(backend.describe());
     console.say(format_args!("backend: {machine}: {why}"));
     if is_software {

@@ -60,6 +60,10 @@ pub struct Render {
     /// deferred buffer
     #[arg(long)]
     pub hash: bool,
+    /// Let the GPU draw what the camera sees, and trace shadows, light and what is seen through something. The
+    /// picture is not the same to the bit: some pixels at edges are others
+    #[arg(long)]
+    pub hybrid: bool,
     #[command(flatten)]
     pub common: Common,
 }
@@ -80,6 +84,10 @@ pub struct Bench {
     /// Frames to measure, after two that are not counted
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
+    /// Let the GPU draw what the camera sees, and trace shadows, light and what is seen through something. The
+    /// picture is not the same to the bit: some pixels at edges are others
+    #[arg(long)]
+    pub hybrid: bool,
     #[command(flatten)]
     pub common: Common,
 }
@@ -284,6 +292,7 @@ impl BackendOptions {
             adapter: self.adapter.clone(),
             lanes: self.lanes,
             threads: self.threads(),
+            hybrid: false,
             tell,
         }
     }

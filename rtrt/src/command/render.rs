@@ -57,7 +57,7 @@ pub fn run(options: &Render) -> Result<(), Error> {
         Some(Background::Transparent) => job.scene.backdrop = Backdrop::Nothing,
         Some(Background::Environment) | None => {}
     }
-    let (mut backend, machine) = open(&options.common.backend, &console)?;
+    let (mut backend, machine) = open(&options.common.backend, options.hybrid, &console)?;
     let mut picture = Picture::default();
     for frame in 0..options.frames {
         if let Some(start) = start.filter(|_| frame > 0) {

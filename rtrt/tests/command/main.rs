@@ -10,6 +10,7 @@ mod environment;
 mod failures;
 mod folder;
 mod help;
+mod hybrid;
 mod layers;
 mod names;
 mod pictures;

@@ -27,7 +27,7 @@ enum Renders {
 impl Engine {
     /// Opens a backend.
     pub fn open(options: &BackendOptions, console: &Console) -> Result<Self, Error> {
-        let (backend, machine) = open(options, console)?;
+        let (backend, machine) = open(options, false, console)?;
         Ok(Self { renders: Renders::Apart(backend), machine, options: options.clone() })
     }
 

@@ -1,0 +1,61 @@
+//! Raster: what the camera sees, drawn instead of traced.
+
+use crate::index;
+use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::cover::Cover;
+use rtrt_core::kernel::project::Window;
+use rtrt_core::layout::{Frame, Hit, Object, View};
+use rtrt_core::stage;
+use rtrt_core::stage::raster::{Drawn, Meshes};
+use spirv_std::glam::{UVec2, UVec3, Vec4};
+use spirv_std::spirv;
+
+/// A vertex of a triangle, three a triangle of the object whose number is that of the instance.
+#[spirv(vertex(entry_point_name = "vertex"))]
+pub fn vertex(
+    #[spirv(vertex_index)] number: u32,
+    #[spirv(instance_index)] object: u32,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(uniform, descriptor_set = 0, binding = 1)] window: &Window,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] covers: &[Cover],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] objects: &[Object],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] positions: &[[f32; 3]],
+    #[spirv(position)] place: &mut Vec4,
+    #[spirv(flat)] drawn: &mut UVec2,
+) {
+    let meshes = Meshes { objects, words, positions };
+    let camera = &views[Frame::CAMERA as usize];
+    let (clip, numbers) = stage::raster::vertex(frame, camera, window, covers, &meshes, object, number);
+    *place = Vec4::new(clip[0], clip[1], clip[2], clip[3]);
+    *drawn = UVec2::new(numbers[0], numbers[1]);
+}
+
+/// What is drawn.
+#[spirv(fragment(entry_point_name = "fragment"))]
+pub fn fragment(#[spirv(flat)] drawn: UVec2, pixel: &mut UVec2) {
+    *pixel = drawn;
+}
+
+/// The surface on each ray, where what was drawn tells.
+#[spirv(compute(threads(64), entry_point_name = "pick"))]
+pub fn pick(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] objects: &[Object],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] positions: &[[f32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] drawn: &[Drawn],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] hits: &mut [Hit],
+) {
+    let index = index(id);
+    if index < frame.rays {
+        let ray = RayIndex(frame.first_ray + index);
+        let meshes = Meshes { objects, words, positions };
+        let camera = &views[Frame::CAMERA as usize];
+        let drawn = drawn[stage::raster::pixel(frame, ray) as usize];
+        hits[index as usize] = stage::raster::pick(frame, camera, &meshes, ray, drawn);
+    }
+}
