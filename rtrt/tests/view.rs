@@ -320,11 +320,22 @@ fn a_scene_that_is_written_again_is_shown_again() {
     let folder = folder("watch");
     let Some(display) = Display::start(&folder) else { return };
     let write = |x: f32| {
-        let scene = format!("v {x} 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n");
+        let scene = format!("mtllib scene.mtl\nusemtl a\nv {x} 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n");
         fs::write(folder.join("scene.obj"), scene).unwrap();
     };
+    let paint = |color: &str| {
+        fs::write(folder.join("scene.mtl"), format!("newmtl a\nKd 0 0 0\nKe {color}\n")).unwrap()
+    };
+    let surround = |tone: [u8; 3]| {
+        RgbaImage::from_fn(8, 4, |x, _| image::Rgba([tone[0], tone[1], tone[2] + x as u8, 255]))
+            .save(folder.join("sky.png"))
+            .unwrap();
+    };
     write(-2.0);
-    let mut window = Window::open(&display, &folder, "view scene.obj --size 160x90 --backend cpu --watch");
+    paint("0.9 0.9 0.9");
+    surround([30, 60, 90]);
+    let line = "view scene.obj --environment sky.png --size 160x90 --backend cpu --watch";
+    let mut window = Window::open(&display, &folder, line);
     let shown = || display.pixels([160, 90]);
     let colors = |picture: RgbaImage| picture.pixels().collect::<std::collections::HashSet<_>>().len();
     window.until("there is a picture", || colors(shown()) > 3);
@@ -332,6 +343,18 @@ fn a_scene_that_is_written_again_is_shown_again() {
     let before = shown();
     write(1.0);
     window.until("the picture is another one", || shown() != before && colors(shown()) > 3);
+    // What the scene was read from is watched too. A message goes over the lower part of the picture.
+    let pixel = |x, y| shown().get_pixel(x, y).0;
+    paint("0.9 0 0");
+    window.until("the triangle is red", || {
+        let [red, green, ..] = pixel(58, 22);
+        red > 200 && green < 50
+    });
+    surround([0, 200, 0]);
+    window.until("the sky is green", || {
+        let [red, green, ..] = pixel(150, 20);
+        green > 150 && red < 50
+    });
     fs::write(folder.join("scene.obj"), "nonsense\nf 1 2 3\n").unwrap();
     let said = || fs::read_to_string(folder.join("stderr")).unwrap();
     window.until("the scene is refused", || said().contains("\nerror: ") && said().contains("scene.obj"));

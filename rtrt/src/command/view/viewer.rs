@@ -390,7 +390,7 @@ impl Viewer {
             time: self.time,
             debug: self.settings.debug,
             lights: self.has_own_lights.then(|| self.job.scene.lights()),
-            colors: self.has_own_colors.then(|| (self.job.scene.ambient, self.job.scene.background)),
+            colors: self.has_own_colors.then_some((self.job.scene.ambient, self.job.scene.background)),
         };
         let command = reproduce::command(&shot, &path);
         if self.options.json {
