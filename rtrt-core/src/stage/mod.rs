@@ -3,6 +3,7 @@
 
 pub mod bin;
 pub mod detail;
+pub mod edges;
 pub mod inspect;
 pub mod layers;
 pub mod light;
@@ -11,5 +12,6 @@ pub mod penumbra;
 pub mod prepare;
 pub mod resolve;
 pub mod shade;
+pub mod soften;
 pub mod surface;
 pub mod visibility;
