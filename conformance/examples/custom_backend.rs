@@ -21,7 +21,9 @@ use rtrt_core::layout::{Frame, Hit, Surface};
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::stage::surface::{Surfaces, Vertices};
 use rtrt_core::stage::visibility::{hit, rays, visibility};
-use rtrt_core::stage::{bin, detail, layers, light, occlusion, penumbra, prepare, resolve, shade, surface};
+use rtrt_core::stage::{
+    bin, detail, layers, light, occlusion, penumbra, prepare, resolve, shade, soften, surface,
+};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut backend = OneByOne::default();
@@ -269,7 +271,10 @@ impl<'a> Job<'a> {
         }
         let tint = |light| {
             if frame.window > 0 {
-                return penumbra::soften(frame, views, &layer.surfaces, &layer.shadows, ray, light);
+                let (surfaces, shadows, at) =
+                    (&layer.surfaces[..], &layer.shadows[..], frame.grid().ray(index));
+                let band = soften::Band { frame, surfaces, shadows, light, at };
+                return soften::soften::<f32, _>(frame, views, &band, light).0;
             }
             let asked = [occlusion::ask(frame, views, light, index, found)];
             let origin = [found.origin];

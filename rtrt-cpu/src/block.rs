@@ -80,6 +80,8 @@ pub struct Block<'a> {
     pub job: &'a Job<'a>,
     pub index: u32,
     pub tile: &'a mut [u32],
+    /// See [`tint_words`].
+    pub tints: &'a mut [u32],
     pub records: Option<Records<'a>>,
 }
 
@@ -88,13 +90,14 @@ impl Work for Block<'_> {
 
     #[inline(always)]
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
-        let Self { job, index, tile, mut records } = self;
+        let Self { job, index, tile, tints, mut records } = self;
         let mut clock = Clock::default();
         let mut colors = [[0.0; 4]; BLOCK_RAYS as usize];
         let packet = L::WIDTH * G;
         for first in (0..BLOCK_RAYS as usize).step_by(packet) {
             let ray = RayIndex(index * BLOCK_RAYS + first as u32);
-            packet_colors::<L, G>(token, job, ray, first, &mut colors, records.as_mut(), &mut clock);
+            let tints = &mut tints[if job.frame.layers == 0 { 0 } else { first }..];
+            packet_colors::<L, G>(token, job, ray, first, &mut colors, tints, records.as_mut(), &mut clock);
         }
         let mut start = Instant::now();
         resolved::<L>(token, job, index, &colors, tile);
@@ -212,9 +215,10 @@ impl Job<'_> {
         first: RayIndex,
         rays: &[Ray<L>; G],
         surfaces: &[Surfaces<L>; G],
-        shadows: &Shadows<L, G>,
+        shadows: &Shadows<'_, L, G>,
     ) -> [Arriving<L>; G] {
         let Job { views, materials, texels, .. } = self;
+        let none = surfaces[0].material.like(0);
         let maps = Maps { materials, texels };
         L::apart(
             token,
@@ -228,9 +232,9 @@ impl Job<'_> {
                             views,
                             &maps,
                             #[inline(always)]
-                            |w| shadows.word(w)[g],
+                            |word| shadows.word(frame, word, none, g),
                             #[inline(always)]
-                            |light| shadows.tints[light as usize][g],
+                            |light| shadows.tint(light, none, g),
                             RayIndex(first.0 + (g * L::WIDTH) as u32),
                             &rays[g],
                             &surfaces[g],
@@ -276,10 +280,11 @@ impl Records<'_> {
         first: usize,
         best: &[Best<L>; G],
         surfaces: &[Surfaces<L>; G],
-        shadows: &Shadows<L, G>,
+        shadows: &Shadows<'_, L, G>,
         arriving: &[Arriving<L>; G],
     ) {
         for g in 0..G {
+            let none = surfaces[g].material.like(0);
             for lane in 0..L::WIDTH {
                 let at = first + g * L::WIDTH + lane;
                 if number > 0 {
@@ -291,10 +296,13 @@ impl Records<'_> {
                 self.surfaces[at] = surfaces[g].lane(lane);
                 let words = frame.mask_words;
                 for w in 0..words {
-                    self.masks[(at as u32 * words + w) as usize] = shadows.word(w)[g].lane(lane);
+                    let mask = shadows.word(frame, w, none, g);
+                    self.masks[(at as u32 * words + w) as usize] = mask.lane(lane);
                 }
-                for (light, tint) in shadows.tints.iter().enumerate() {
-                    self.tints[at * shadows.tints.len() + light] = tint[g].lane(lane);
+                let lights = if frame.is_tinted() { frame.lights } else { 0 };
+                for light in 0..lights {
+                    let tint = shadows.tint(light, none, g);
+                    self.tints[(at as u32 * lights + light) as usize] = tint.lane(lane);
                 }
                 self.lit[at] = arriving[g].lane(lane);
             }
@@ -304,12 +312,14 @@ impl Records<'_> {
 
 /// The colors of one packet: the first layer of surfaces, and those behind it that can be seen.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 fn packet_colors<L: Wide, const G: usize>(
     token: L::Token,
     job: &Job<'_>,
     ray: RayIndex,
     first: usize,
     colors: &mut [[f32; 4]],
+    tints: &mut [u32],
     mut records: Option<&mut Records<'_>>,
     clock: &mut Clock,
 ) {
@@ -333,7 +343,7 @@ fn packet_colors<L: Wide, const G: usize>(
         clock.lap(stage(3), &mut start);
         let surfaces = job.detailed(token, &best, surfaces);
         clock.lap(stage(4), &mut start);
-        let shadows = Shadows::<L, G>::new(token, &frame, job, ray, &surfaces);
+        let shadows = Shadows::<L, G>::new(token, &frame, job, ray, &surfaces, tints);
         clock.lap(stage(5), &mut start);
         let arriving = job.arriving(token, &frame, ray, &rays, &surfaces, &shadows);
         clock.lap(stage(6), &mut start);
@@ -383,27 +393,26 @@ pub fn store<L: Lane, const G: usize>(sums: &[[L; 4]; G], colors: &mut [[f32; 4]
 pub const LAYERS: usize = 7;
 
 /// Which lights reach a packet's surfaces.
-pub struct Shadows<L: Lane, const G: usize> {
-    /// The first word of the shadow mask: the usual scene has no more.
-    first: [L::Bits; G],
-    /// The others.
-    more: Vec<[L::Bits; G]>,
-    /// What is left of each light, where not every object is opaque.
-    tints: Vec<[L::Bits; G]>,
+pub enum Shadows<'a, L: Wide, const G: usize> {
+    /// The words of the shadow mask; the usual scene has only the first.
+    Bits { first: [L::Bits; G], more: Vec<[L::Bits; G]> },
+    /// What is left of each light, where shadows are not bits: a block's words, light after light,
+    /// from the packet's first on.
+    Tints(L::Token, &'a [u32]),
 }
 
-impl<L: Wide, const G: usize> Shadows<L, G> {
+impl<'a, L: Wide, const G: usize> Shadows<'a, L, G> {
+    /// Hard ones; where not every object is opaque, `tints` is what they are kept in.
     #[inline(always)]
     fn new(
         token: L::Token,
         frame: &Frame,
         job: &Job<'_>,
-        first: RayIndex,
+        ray: RayIndex,
         surfaces: &[Surfaces<L>; G],
+        tints: &'a mut [u32],
     ) -> Self {
         let Job { views, lists, geometry, .. } = job;
-        let none = surfaces[0].material.like(0);
-        let mut shadows = Self { first: [none; G], more: Vec::new(), tints: Vec::new() };
         // Loops, not iterators: what is called back is not compiled for the instruction set.
         if frame.layers != 0 {
             let origins = groups(
@@ -414,76 +423,71 @@ impl<L: Wide, const G: usize> Shadows<L, G> {
                 let asked = groups(
                     #[inline(always)]
                     |g| {
-                        let ray = RayIndex(first.0 + (g * L::WIDTH) as u32);
+                        let ray = RayIndex(ray.0 + (g * L::WIDTH) as u32);
                         occlusion::ask(frame, views, light, ray, &surfaces[g])
                     },
                 );
-                shadows.tints.push(L::apart(
+                let left = L::apart(
                     token,
                     #[inline(always)]
-                    || occlusion::tint::<L, G>(frame, views, lists, geometry, light, first, &origins, &asked),
-                ));
+                    || occlusion::tint::<L, G>(frame, views, lists, geometry, light, ray, &origins, &asked),
+                );
+                for (g, words) in left.into_iter().enumerate() {
+                    L::store(words, &mut tints[(light * BLOCK_RAYS) as usize + g * L::WIDTH..]);
+                }
             }
+            return Self::Tints(token, tints);
         }
-        if frame.layers != 0 {
-            shadows.fold(frame, none);
-            return shadows;
-        }
+        let none = surfaces[0].material.like(0);
+        let (mut first, mut more) = ([none; G], Vec::new());
         for word in 0..frame.mask_words {
             let mask = L::apart(
                 token,
                 #[inline(always)]
-                || occlusion::word::<L, G>(frame, views, lists, geometry, word, first, surfaces),
+                || occlusion::word::<L, G>(frame, views, lists, geometry, word, ray, surfaces),
             );
-            shadows.push(word, mask);
+            if word == 0 {
+                first = mask;
+            } else {
+                more.push(mask);
+            }
         }
-        shadows
+        Self::Bits { first, more }
     }
 
-    /// Those of these colors.
+    /// A word of the shadow mask of a group; `none` is 0.
     #[inline(always)]
-    pub fn of(frame: &Frame, none: L::Bits, tints: Vec<[L::Bits; G]>) -> Self {
-        let mut shadows = Self { first: [none; G], more: Vec::new(), tints };
-        shadows.fold(frame, none);
-        shadows
-    }
-
-    /// Makes the mask that follows from the colors.
-    #[inline(always)]
-    fn fold(&mut self, frame: &Frame, none: L::Bits) {
-        for word in 0..frame.mask_words {
-            let tints = &self.tints;
-            let mask = groups(
+    fn word(&self, frame: &Frame, word: u32, none: L::Bits, g: usize) -> L::Bits {
+        match self {
+            Self::Bits { first, .. } if word == 0 => first[g],
+            Self::Bits { more, .. } => more[word as usize - 1][g],
+            Self::Tints(..) => occlusion::mask(
+                frame,
+                word,
+                none,
                 #[inline(always)]
-                |g| {
-                    occlusion::mask(
-                        frame,
-                        word,
-                        none,
-                        #[inline(always)]
-                        |light| tints[light as usize][g],
-                    )
-                },
-            );
-            self.push(word, mask);
+                |light| self.tint(light, none, g),
+            ),
         }
     }
 
-    /// Appends a word of the mask.
+    /// What is left of a light at a group, where shadows are not bits.
     #[inline(always)]
-    fn push(&mut self, word: u32, mask: [L::Bits; G]) {
-        if word == 0 {
-            self.first = mask;
-        } else {
-            self.more.push(mask);
+    fn tint(&self, light: u32, none: L::Bits, g: usize) -> L::Bits {
+        match self {
+            Self::Bits { .. } => none,
+            Self::Tints(token, tints) => {
+                L::load(*token, &tints[(light * BLOCK_RAYS) as usize + g * L::WIDTH..])
+            }
         }
     }
+}
 
-    /// A word of the shadow mask.
-    #[inline(always)]
-    fn word(&self, word: u32) -> &[L::Bits; G] {
-        if word == 0 { &self.first } else { &self.more[word as usize - 1] }
-    }
+/// How many words [`Shadows`] are kept in, a block; no fewer than one, so that every block has
+/// some.
+pub fn tint_words(frame: &Frame) -> usize {
+    let is_kept = frame.layers != 0 && frame.window == 0;
+    if is_kept { (BLOCK_RAYS * frame.lights).max(1) as usize } else { 1 }
 }
 
 /// Copies tiles into rows.

@@ -26,6 +26,7 @@ mod bin;
 mod block;
 mod canary;
 mod level;
+mod planes;
 mod prepare;
 mod soft;
 mod wide;
@@ -99,6 +100,8 @@ struct Memory {
     bins: bin::Bins,
     /// Pixels, block after block.
     tiles: Vec<u32>,
+    /// What is left of lights, block after block, where hard shadows are not bits.
+    tints: Vec<u32>,
     soft: soft::Soft,
 }
 
@@ -157,22 +160,29 @@ impl Memory {
         let tile = (grid.block_pixels() * grid.block_pixels()) as usize;
         self.tiles.clear();
         self.tiles.resize(grid.blocks() as usize * tile, 0);
+        let tint = block::tint_words(&frame);
+        self.tints.resize(grid.blocks() as usize * tint, 0);
         let start = Instant::now();
         let tiles = self.tiles.par_chunks_mut(tile);
-        let block =
-            |(block, (tile, records))| level.run(Block { job: &job, index: block as u32, tile, records });
+        let block = |(index, ((tile, tints), records)): (usize, ((_, _), _))| {
+            level.run(Block { job: &job, index: index as u32, tile, tints, records })
+        };
         let none = || rayon::iter::repeat_n((), grid.blocks() as usize).map(|()| None);
         let deferred = deferred.map(|deferred| {
             deferred_room(deferred, &frame, &self.bins.words);
             block_records(deferred, &frame)
         });
         let busy = match (deferred, frame.window) {
-            (None, 0) => tiles.zip(none()).enumerate().map(block).reduce(Clock::default, Clock::plus),
-            (Some((records, _)), 0) => {
-                tiles.zip(records).enumerate().map(block).reduce(Clock::default, Clock::plus)
+            (None, 0) => {
+                let tiles = tiles.zip(self.tints.par_chunks_mut(tint)).zip(none());
+                tiles.enumerate().map(block).reduce(Clock::default, Clock::plus)
             }
-            (None, _) => self.soft.frame(level, &job, tiles, none().collect(), None),
-            (Some((records, kept)), _) => self.soft.frame(level, &job, tiles, records, Some(kept)),
+            (Some((records, _)), 0) => {
+                let tiles = tiles.zip(self.tints.par_chunks_mut(tint)).zip(records);
+                tiles.enumerate().map(block).reduce(Clock::default, Clock::plus)
+            }
+            (None, _) => self.soft.frame(level, &job, tiles, &mut [], None),
+            (Some((mut records, kept)), _) => self.soft.frame(level, &job, tiles, &mut records, Some(kept)),
         };
         // The stages of a block follow one another on one thread, so a stage's share of
         // the time that passed is its share of the threads' time.

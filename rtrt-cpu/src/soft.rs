@@ -3,29 +3,45 @@
 
 use crate::block::{Clock, Job, LAYERS, Records, Shadows, resolved, store};
 use crate::level::{Level, Work};
+use crate::planes::{OF_SURFACE, Planes, Rows, count};
 use crate::wide::Wide;
-use bytemuck::Zeroable;
+use rayon::iter::repeat_n;
 use rayon::prelude::*;
-use rtrt_core::grid::{BLOCK, BLOCK_RAYS, BlockIndex, RayIndex};
+use rtrt_core::grid::{BLOCK, BLOCK_RAYS, RayIndex, number, place};
 use rtrt_core::kernel::traverse::Best;
-use rtrt_core::lane::{Bits, Lane, Row, groups};
-use rtrt_core::layout::{Frame, Hit, Surface};
+use rtrt_core::lane::{Bits, Mask, Row, Select, groups};
+use rtrt_core::layout::{Frame, NONE};
+use rtrt_core::stage::edges::{Edges, are_soft, edges_at, span};
 use rtrt_core::stage::layers::is_covered;
 use rtrt_core::stage::occlusion::ask;
-use rtrt_core::stage::penumbra::{near, reach, size_at, soften};
+use rtrt_core::stage::penumbra::near;
+use rtrt_core::stage::soften::soften;
 use rtrt_core::stage::visibility::rays;
 use std::time::Instant;
 
 /// Rays in a block.
 const RAYS: usize = BLOCK_RAYS as usize;
+/// Words of a hit.
+const HIT: usize = 5;
 
-/// What a frame leaves from one pass over its blocks to the next, one record a ray.
+/// What a frame leaves from one pass over its blocks to the next, block after block. Words of a
+/// block's rays are word after word, so that groups of rays find theirs side by side.
 #[derive(Debug, Default)]
 pub struct Soft {
-    hits: Vec<Hit>,
-    surfaces: Vec<Surface>,
-    /// See [`rtrt_core::stage::penumbra::left_at`].
-    shadows: Vec<u32>,
+    /// The hits; 0 where nothing has been looked for yet.
+    hits: Vec<u32>,
+    /// Whether no ray of a block looks for more.
+    is_done: Vec<bool>,
+    /// What the blur looks at: see [`count`].
+    cells: Vec<u32>,
+    planes: Planes,
+    /// Of each block and light: see [`edges_at`].
+    edges: Vec<Edges>,
+    /// Whether its shadows are blurred.
+    is_soft: Vec<u32>,
+    /// Whether a block is seen by one whose shadows are.
+    is_seen: Vec<bool>,
+    /// What is left of each light.
     tints: Vec<u32>,
     colors: Vec<[f32; 4]>,
 }
@@ -37,80 +53,169 @@ pub struct Kept<'a> {
 }
 
 impl Soft {
-    /// Fills the tiles, the records, and what is known of shadows before they are blurred.
+    /// Fills the tiles, the records (of all blocks, or none), and what is known of shadows before
+    /// they are blurred.
     pub fn frame<'a>(
         &mut self,
         level: Level,
         job: &Job<'_>,
         tiles: impl IndexedParallelIterator<Item = &'a mut [u32]>,
-        mut records: Vec<Option<Records<'_>>>,
+        records: &mut [Option<Records<'_>>],
         mut kept: Option<Kept<'_>>,
     ) -> Clock {
-        let frame = job.frame;
-        let (all, lights) = (frame.rays as usize, frame.lights as usize);
-        self.hits.clear();
-        self.hits.resize(all, Hit::zeroed());
-        self.surfaces.resize(all, Surface::zeroed());
-        self.shadows.resize(2 * all * lights, 0);
-        self.tints.resize(all * lights, 0);
-        self.colors.clear();
-        self.colors.resize(all, [0.0; 4]);
+        self.reset(job.frame);
+        let blocks = job.frame.grid().blocks() as usize;
         let mut clock = Clock::default();
-        for number in 0..frame.layers.max(1) {
-            let frame = Frame { layers: frame.layers.saturating_sub(number), ..*frame };
+        for number in 0..job.frame.layers.max(1) {
+            let frame = Frame { layers: job.frame.layers.saturating_sub(number), ..*job.frame };
             let shared = Shared { job, frame: &frame, number: number as usize };
-            let (left, sizes) = self.shadows.split_at_mut(all * lights);
-            let found = self
-                .hits
-                .par_chunks_mut(RAYS)
-                .zip(self.surfaces.par_chunks_mut(RAYS))
-                .zip(left.par_chunks_mut(RAYS * lights).zip(sizes.par_chunks_mut(RAYS * lights)))
-                .enumerate()
-                .map(|(block, ((hits, surfaces), (left, sizes)))| {
-                    level.run(Find { shared, index: block as u32, hits, surfaces, left, sizes })
-                })
-                .reduce(Clock::default, Clock::plus);
-            if let Some(Kept { left, penumbras }) = kept.take() {
-                left.extend_from_slice(&self.shadows[..all * lights]);
-                penumbras.extend(self.shadows[all * lights..].iter().map(|&bits| f32::from_bits(bits)));
+            clock = clock.plus(self.find(level, shared));
+            if let Some(kept) = kept.take() {
+                keep(&frame, &self.cells, kept);
             }
-            let edges = Edges::of(&frame, &self.shadows);
-            let (surfaces, shadows) = (&self.surfaces[..], &self.shadows[..]);
-            let (lit, is_done) = self
-                .hits
-                .par_chunks_mut(RAYS)
-                .zip(self.tints.par_chunks_mut(RAYS * lights))
-                .zip(self.colors.par_chunks_mut(RAYS).zip(&mut records))
-                .enumerate()
-                .map(|(block, ((hits, tints), (colors, records)))| {
-                    let index = block as u32;
-                    let start = Instant::now();
-                    blur(&frame, job, surfaces, shadows, &edges, index, tints);
-                    let mut clock = Clock::default();
-                    clock.add(shared.stage(5), start);
-                    let (lit, is_done) =
-                        level.run(Lighten { shared, index, hits, tints, colors, records: records.as_mut() });
-                    (clock.plus(lit), is_done)
-                })
-                .reduce(|| (Clock::default(), true), |(a, first), (b, second)| (a.plus(b), first & second));
-            clock = clock.plus(found).plus(lit);
-            if is_done {
+            clock = clock.plus(self.choose(shared));
+            clock = clock.plus(if records.is_empty() {
+                self.lighten(level, shared, repeat_n((), blocks).map(|()| None))
+            } else {
+                self.lighten(level, shared, records.par_iter_mut().map(Option::as_mut))
+            });
+            if self.is_done.iter().all(|&is_done| is_done) {
                 break;
             }
         }
-        let encoded = tiles
-            .zip(self.colors.par_chunks(RAYS))
-            .zip(records)
-            .enumerate()
-            .map(|(block, ((tile, colors), records))| {
-                if let Some(records) = records {
-                    records.colors.copy_from_slice(colors);
-                }
-                level.run(Encode { job, index: block as u32, colors, tile })
-            })
-            .reduce(Clock::default, Clock::plus);
-        clock.plus(encoded)
+        let encode = |(index, (tile, colors)): (usize, (&mut [u32], &[[f32; 4]]))| {
+            level.run(Encode { job, index: index as u32, colors, tile })
+        };
+        let encoded = tiles.zip(self.colors.par_chunks(RAYS)).enumerate().map(encode);
+        for (records, colors) in records.iter_mut().flatten().zip(self.colors.chunks(RAYS)) {
+            records.colors.copy_from_slice(colors);
+        }
+        clock.plus(encoded.reduce(Clock::default, Clock::plus))
     }
+
+    /// Makes room for a frame in which nothing has been seen.
+    fn reset(&mut self, frame: &Frame) {
+        let (all, blocks) = (frame.rays as usize, frame.grid().blocks() as usize);
+        let lights = frame.lights as usize;
+        self.hits.clear();
+        self.hits.resize(all * HIT, 0);
+        self.is_done.clear();
+        self.is_done.resize(blocks, false);
+        self.cells.resize(all * count(frame), 0);
+        self.edges.resize(blocks * lights, Edges::NONE);
+        self.is_soft.resize(blocks * lights, 0);
+        self.is_seen.resize(blocks, false);
+        self.tints.resize(all * lights, 0);
+        self.colors.clear();
+        self.colors.resize(all, [0.0; 4]);
+    }
+
+    /// Finds the next surfaces, and their shadows before they are blurred.
+    fn find(&mut self, level: Level, shared: Shared<'_>) -> Clock {
+        let frame = shared.frame;
+        let hits = self.hits.par_chunks_mut(RAYS * HIT).zip(&self.is_done);
+        let cells = self.cells.par_chunks_mut(RAYS * count(frame));
+        let edges = self.edges.par_chunks_mut(frame.lights as usize);
+        hits.zip(cells)
+            .zip(edges)
+            .enumerate()
+            .filter(|(_, (((_, is_done), _), _))| !**is_done)
+            .map(|(index, (((hits, _), cells), edges))| {
+                level.run(Find { shared, index: index as u32, hits, cells, edges })
+            })
+            .reduce(Clock::default, Clock::plus)
+    }
+
+    /// Finds the blocks whose shadows are to be blurred, and lays out what is seen from there.
+    fn choose(&mut self, shared: Shared<'_>) -> Clock {
+        let (start, frame) = (Instant::now(), shared.frame);
+        let (lights, columns) = (frame.lights, frame.grid().blocks_x());
+        let (edges, rows) = (&self.edges[..], frame.grid().blocks_y());
+        self.is_soft.par_iter_mut().with_min_len(256).enumerate().for_each(|(at, is_soft)| {
+            *is_soft = are_soft(frame, edges, at as u32 / lights, at as u32 % lights);
+        });
+        self.is_seen.fill(false);
+        for block in 0..columns * rows {
+            let first = edges_at(frame, block, 0);
+            if self.is_soft[first..first + lights as usize].contains(&1) {
+                let [left, right] = span(frame, block % columns, columns);
+                let [top, bottom] = span(frame, block / columns, rows);
+                for y in top..bottom {
+                    self.is_seen[(y * columns + left) as usize..(y * columns + right) as usize].fill(true);
+                }
+            }
+        }
+        self.planes.fill(frame, &self.cells, &self.is_seen);
+        let mut clock = Clock::default();
+        clock.add(shared.stage(5), start);
+        clock
+    }
+
+    /// Blurs the shadows, lights and shades.
+    fn lighten<'a, 'b: 'a>(
+        &mut self,
+        level: Level,
+        shared: Shared<'_>,
+        records: impl IndexedParallelIterator<Item = Option<&'a mut Records<'b>>>,
+    ) -> Clock {
+        let lights = shared.frame.lights as usize;
+        let (planes, is_soft) = (&self.planes, self.is_soft.par_chunks(lights));
+        let cells = self.cells.par_chunks_mut(RAYS * count(shared.frame));
+        let shadows = cells.zip(self.edges.par_chunks_mut(lights)).zip(is_soft);
+        let tints = self.tints.par_chunks_mut(RAYS * lights).zip(self.colors.par_chunks_mut(RAYS));
+        let hits = self.hits.par_chunks_mut(RAYS * HIT).zip(&mut self.is_done);
+        shadows
+            .zip(tints.zip(records))
+            .zip(hits)
+            .enumerate()
+            .filter(|(_, (_, (_, is_done)))| !**is_done)
+            .map(|(index, ((((cells, edges), is_soft), ((tints, colors), records)), (hits, is_done)))| {
+                let index = index as u32;
+                let blur = level.run(Blur { shared, index, planes, is_soft, cells, tints });
+                let lighten = Lighten { shared, index, hits, is_done, tints, colors, records };
+                let lit = level.run(lighten);
+                if *is_done {
+                    clear(cells, edges);
+                }
+                blur.plus(lit)
+            })
+            .reduce(Clock::default, Clock::plus)
+    }
+}
+
+/// Keeps what is left of lights and the sizes of penumbras, ray after ray.
+fn keep(frame: &Frame, cells: &[u32], Kept { left, penumbras }: Kept<'_>) {
+    for block in cells.chunks(RAYS * count(frame)) {
+        for ray in 0..RAYS {
+            for lights in block[OF_SURFACE * RAYS..].chunks(2 * RAYS) {
+                left.push(lights[ray]);
+                penumbras.push(f32::from_bits(lights[RAYS + ray]));
+            }
+        }
+    }
+}
+
+/// Makes a block, of which nothing is left to be seen, one whose rays ask for no light.
+fn clear(cells: &mut [u32], edges: &mut [Edges]) {
+    for (lights, edges) in cells[OF_SURFACE * RAYS..].chunks_mut(2 * RAYS).zip(edges) {
+        let (left, sizes) = lights.split_at_mut(RAYS);
+        left.fill(0);
+        sizes.fill((-1.0_f32).to_bits());
+        *edges = Edges::of(0, -1.0);
+    }
+}
+
+/// What the shadows of a light have in common in a block, so many of whose columns and rows are
+/// in the frame.
+fn common(left: &[u32], sizes: &[u32], inside: [u32; 2]) -> Edges {
+    let mut edges = Edges::NONE;
+    for (ray, (&left, &size)) in (0..).zip(left.iter().zip(sizes)) {
+        let [x, y] = place(ray);
+        if x < inside[0] && y < inside[1] {
+            edges = edges.and(Edges::of(left, f32::from_bits(size)));
+        }
+    }
+    edges
 }
 
 /// What all blocks share in a layer.
@@ -130,35 +235,25 @@ impl Shared<'_> {
     }
 }
 
-/// The hits of a group of rays.
+/// The hits of a group of rays, from one of a block's on.
 #[inline(always)]
-fn load<L: Lane>(token: L::Token, hits: &[Hit]) -> Best<L> {
-    let [t, u, v] = L::gather(
-        token,
-        #[inline(always)]
-        |lane| [hits[lane].t, hits[lane].u, hits[lane].v],
-    );
-    let object = L::bits_from_fn(
-        token,
-        #[inline(always)]
-        |lane| hits[lane].object,
-    );
-    let triangle = L::bits_from_fn(
-        token,
-        #[inline(always)]
-        |lane| hits[lane].triangle,
-    );
-    Best { t, object, triangle, u, v }
+fn load<L: Wide>(token: L::Token, hits: &[u32], first: usize) -> Best<L> {
+    Best {
+        t: L::from_bits(L::load(token, &hits[first..])),
+        object: L::load(token, &hits[RAYS + first..]),
+        triangle: L::load(token, &hits[2 * RAYS + first..]),
+        u: L::from_bits(L::load(token, &hits[3 * RAYS + first..])),
+        v: L::from_bits(L::load(token, &hits[4 * RAYS + first..])),
+    }
 }
 
 /// Finds the next surfaces of a block, and their shadows before they are blurred.
 struct Find<'a> {
     shared: Shared<'a>,
     index: u32,
-    hits: &'a mut [Hit],
-    surfaces: &'a mut [Surface],
-    left: &'a mut [u32],
-    sizes: &'a mut [u32],
+    hits: &'a mut [u32],
+    cells: &'a mut [u32],
+    edges: &'a mut [Edges],
 }
 
 impl Work for Find<'_> {
@@ -166,17 +261,16 @@ impl Work for Find<'_> {
 
     #[inline(always)]
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
-        let Self { shared, index, hits, surfaces: kept, left, sizes } = self;
+        let Self { shared, index, hits, cells, edges } = self;
         let Shared { job, frame, .. } = shared;
         let Job { views, lists, geometry, .. } = job;
         let camera = &views[Frame::CAMERA as usize];
-        let lights = frame.lights as usize;
         let (mut clock, mut start) = (Clock::default(), Instant::now());
         for first in (0..RAYS).step_by(L::WIDTH * G) {
             let ray = RayIndex(index * BLOCK_RAYS + first as u32);
             let last: [Best<L>; G] = groups(
                 #[inline(always)]
-                |g| load(token, &hits[first + g * L::WIDTH..]),
+                |g| load(token, hits, first + g * L::WIDTH),
             );
             let best = job.seen(token, frame, ray, &last);
             clock.lap(shared.stage(2), &mut start);
@@ -186,10 +280,15 @@ impl Work for Find<'_> {
             let surfaces = job.detailed(token, &best, surfaces);
             for g in 0..G {
                 let at = first + g * L::WIDTH;
-                let (found, rows) = (best[g].rows(), surfaces[g].rows());
-                for lane in 0..L::WIDTH {
-                    hits[at + lane] = found.hit(lane);
-                    kept[at + lane] = rows.lane(lane);
+                let Best { t, object, triangle, u, v } = best[g];
+                let hit = [t.to_bits(), object, triangle, u.to_bits(), v.to_bits()];
+                for (plane, word) in hit.into_iter().enumerate() {
+                    L::store(word, &mut hits[plane * RAYS + at..]);
+                }
+                let (origin, normal) = (surfaces[g].origin, surfaces[g].normal);
+                let numbers = [origin.x, origin.y, origin.z, normal.x, normal.y, normal.z];
+                for (plane, number) in numbers.into_iter().enumerate() {
+                    L::store(number.to_bits(), &mut cells[plane * RAYS + at..]);
                 }
             }
             clock.lap(shared.stage(4), &mut start);
@@ -210,122 +309,106 @@ impl Work for Find<'_> {
                     #[inline(always)]
                     || near::<L, G>(frame, views, lists, geometry, light, ray, &origins, &asked),
                 );
+                let plane = (OF_SURFACE + 2 * light as usize) * RAYS;
                 for (g, (word, size)) in found.into_iter().enumerate() {
-                    let (word, size) = (word.row(), size.to_bits().row());
-                    for lane in 0..L::WIDTH {
-                        let at = (first + g * L::WIDTH + lane) * lights + light as usize;
-                        (left[at], sizes[at]) = (word.at(lane), size.at(lane));
-                    }
+                    let at = plane + first + g * L::WIDTH;
+                    L::store(word, &mut cells[at..]);
+                    L::store(size.to_bits(), &mut cells[at + RAYS..]);
                 }
             }
             clock.lap(shared.stage(5), &mut start);
         }
+        let grid = frame.grid();
+        let [x, y] = grid.ray(RayIndex(index * BLOCK_RAYS));
+        let inside = [grid.width * grid.side - x, grid.height * grid.side - y];
+        for (lights, edges) in cells[OF_SURFACE * RAYS..].chunks(2 * RAYS).zip(edges) {
+            let (left, sizes) = lights.split_at(RAYS);
+            *edges = common(left, sizes, inside);
+        }
+        clock.lap(shared.stage(5), &mut start);
         clock
     }
 }
 
-/// Where shadows have edges that are to be blurred.
-struct Edges {
-    /// For each block and light, whether any of its rays has a penumbra, and whether anything of
-    /// the light is left at any.
-    has: Vec<[bool; 2]>,
+/// Blurs the shadows of a block. Where no penumbra reaches, or the same is left everywhere, they
+/// stay as they are.
+struct Blur<'a> {
+    shared: Shared<'a>,
+    index: u32,
+    planes: &'a Planes,
+    is_soft: &'a [u32],
+    cells: &'a [u32],
+    tints: &'a mut [u32],
 }
 
-impl Edges {
-    fn of(frame: &Frame, shadows: &[u32]) -> Self {
-        let lights = frame.lights as usize;
-        let (left, sizes) = shadows.split_at(size_at(frame, 0, 0));
-        let mut has = vec![[false; 2]; frame.grid().blocks() as usize * lights];
-        has.par_chunks_mut(lights)
-            .zip(left.par_chunks(RAYS * lights).zip(sizes.par_chunks(RAYS * lights)))
-            .for_each(|(has, (left, sizes))| {
-                for (at, (&left, &size)) in left.iter().zip(sizes).enumerate() {
-                    has[at % lights][0] |= f32::from_bits(size) > 0.0;
-                    has[at % lights][1] |= left != 0;
+impl Work for Blur<'_> {
+    type Output = Clock;
+
+    #[inline(always)]
+    fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
+        let Self { shared, index, planes, is_soft, cells, tints } = self;
+        let (frame, start) = (shared.frame, Instant::now());
+        let [left, top] = frame.grid().ray(RayIndex(index * BLOCK_RAYS));
+        for (light, tints) in tints.chunks_mut(RAYS).enumerate() {
+            if is_soft[light] == 0 {
+                tints.copy_from_slice(&cells[(OF_SURFACE + 2 * light) * RAYS..][..RAYS]);
+                continue;
+            }
+            for y in 0..BLOCK {
+                for x in (0..BLOCK).step_by(L::WIDTH) {
+                    let rows = Rows::new(token, planes, [left + x, top + y], light as u32);
+                    let words = L::apart(
+                        token,
+                        #[inline(always)]
+                        || soften::<L, _>(frame, shared.job.views, &rows, light as u32),
+                    );
+                    let words = words.row();
+                    for lane in 0..L::WIDTH {
+                        tints[number([x + lane as u32, y]) as usize] = words.at(lane);
+                    }
                 }
-            });
-        Self { has }
-    }
-
-    /// Whether a block sees both a penumbra of the light and something that is left of it.
-    fn are_near(&self, frame: &Frame, block: BlockIndex, light: u32) -> bool {
-        let (columns, rows) = (frame.grid().blocks_x(), frame.grid().blocks_y());
-        let (x, y, around) = (block.0 % columns, block.0 / columns, reach(frame).div_ceil(BLOCK));
-        let near = |at: u32, count: u32| at.saturating_sub(around)..(at + around + 1).min(count);
-        let blocks = || near(y, rows).flat_map(|y| near(x, columns).map(move |x| y * columns + x));
-        (0..2).all(|what| blocks().any(|block| self.has[(block * frame.lights + light) as usize][what]))
-    }
-}
-
-/// Blurs the shadows of a block. Where no penumbra reaches, or all is dark, they stay as they are.
-fn blur(
-    frame: &Frame,
-    job: &Job<'_>,
-    surfaces: &[Surface],
-    shadows: &[u32],
-    edges: &Edges,
-    block: u32,
-    tints: &mut [u32],
-) {
-    let lights = frame.lights;
-    let first = block * BLOCK_RAYS;
-    tints.copy_from_slice(&shadows[(first * lights) as usize..][..tints.len()]);
-    for light in (0..lights).filter(|&light| edges.are_near(frame, BlockIndex(block), light)) {
-        for ray in 0..BLOCK_RAYS {
-            tints[(ray * lights + light) as usize] =
-                soften(frame, job.views, surfaces, shadows, first + ray, light);
+            }
         }
+        let mut clock = Clock::default();
+        clock.add(shared.stage(5), start);
+        clock
     }
 }
 
 /// Lights and shades a block, and makes the rays that nothing shines through look for nothing
-/// more; whether those are all.
+/// more.
 struct Lighten<'a, 'b> {
     shared: Shared<'a>,
     index: u32,
-    hits: &'a mut [Hit],
+    hits: &'a mut [u32],
+    is_done: &'a mut bool,
     tints: &'a [u32],
     colors: &'a mut [[f32; 4]],
     records: Option<&'a mut Records<'b>>,
 }
 
 impl Work for Lighten<'_, '_> {
-    type Output = (Clock, bool);
+    type Output = Clock;
 
     #[inline(always)]
-    fn run<L: Wide, const G: usize>(self, token: L::Token) -> (Clock, bool) {
-        let Self { shared, index, hits, tints, colors, mut records } = self;
+    fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
+        let Self { shared, index, hits, is_done, tints, colors, mut records } = self;
         let Shared { job, frame, number } = shared;
         let camera = &job.views[Frame::CAMERA as usize];
-        let lights = frame.lights as usize;
         let (mut clock, mut start) = (Clock::default(), Instant::now());
-        let mut is_done = true;
+        *is_done = true;
         for first in (0..RAYS).step_by(L::WIDTH * G) {
             let ray = RayIndex(index * BLOCK_RAYS + first as u32);
             let best: [Best<L>; G] = groups(
                 #[inline(always)]
-                |g| load(token, &hits[first + g * L::WIDTH..]),
+                |g| load(token, hits, first + g * L::WIDTH),
             );
             let rays = rays::<L, G>(token, frame, camera, ray);
             let surfaces = job.surfaces(token, &rays, &best);
             clock.lap(shared.stage(3), &mut start);
             let surfaces = job.detailed(token, &best, surfaces);
             clock.lap(shared.stage(4), &mut start);
-            let mut colored = Vec::with_capacity(lights);
-            for light in 0..lights {
-                let group: [L::Bits; G] = groups(
-                    #[inline(always)]
-                    |g| {
-                        L::bits_from_fn(
-                            token,
-                            #[inline(always)]
-                            |lane| tints[(first + g * L::WIDTH + lane) * lights + light],
-                        )
-                    },
-                );
-                colored.push(group);
-            }
-            let shadows = Shadows::of(frame, surfaces[0].material.like(0), colored);
+            let shadows = Shadows::Tints(token, &tints[first..]);
             let arriving = job.arriving(token, frame, ray, &rays, &surfaces, &shadows);
             clock.lap(shared.stage(6), &mut start);
             let mut sums: [[L; 4]; G] = groups(
@@ -343,15 +426,17 @@ impl Work for Lighten<'_, '_> {
             if let Some(records) = &mut records {
                 records.keep(job.frame, number, first, &best, &surfaces, &shadows, &arriving);
             }
-            for at in first..first + L::WIDTH * G {
-                if frame.layers <= 1 || is_covered(colors[at][3]) {
-                    hits[at] = Hit::MISS;
-                }
-                is_done &= hits[at] == Hit::MISS;
+            for g in 0..G {
+                let object = best[g].object;
+                let missing = object.like(NONE);
+                let covered = is_covered(sums[g][3]).select(missing, object);
+                let object = if frame.layers <= 1 { missing } else { covered };
+                L::store(object, &mut hits[RAYS + first + g * L::WIDTH..]);
+                *is_done &= !(!object.equal(missing)).any();
             }
             clock.lap(shared.stage(7), &mut start);
         }
-        (clock, is_done)
+        clock
     }
 }
 

@@ -8,19 +8,31 @@ use fearless_simd::{
     Bytes, ExtractToken, Select as _, Simd, SimdBase, SimdMask, SimdSplit, f32x8, f32x16, mask32x8,
     mask32x16, u32x8, u32x16,
 };
-use rtrt_core::lane::{Bits, Lane, Mask, Select};
+use rtrt_core::lane::{Bits, Lane, Mask, Select, Word};
 
 /// Lanes whose work can be compiled in parts.
 pub trait Wide: Lane {
     /// Runs `work` with the lanes' instructions, as a function of its own: one function of all
     /// stages takes the compiler far longer than one for each.
     fn apart<R>(token: Self::Token, work: impl FnOnce() -> R) -> R;
+    /// The words that a slice begins with.
+    fn load(token: Self::Token, words: &[u32]) -> Self::Bits;
+    /// Makes a slice begin with these words.
+    fn store(words: Self::Bits, to: &mut [u32]);
 }
 
 impl Wide for f32 {
     #[inline(never)]
     fn apart<R>((): (), work: impl FnOnce() -> R) -> R {
         work()
+    }
+    #[inline(always)]
+    fn load((): (), words: &[u32]) -> Word {
+        Word(words[0])
+    }
+    #[inline(always)]
+    fn store(word: Word, to: &mut [u32]) {
+        to[0] = word.0;
     }
 }
 
@@ -145,6 +157,14 @@ macro_rules! lane {
             #[inline(never)]
             fn apart<R>(token: S, work: impl FnOnce() -> R) -> R {
                 token.vectorize(work)
+            }
+            #[inline(always)]
+            fn load(token: S, words: &[u32]) -> $bits<S> {
+                $bits($u::from_slice(token, &words[..$width]))
+            }
+            #[inline(always)]
+            fn store(words: $bits<S>, to: &mut [u32]) {
+                to[..$width].copy_from_slice(&words.row());
             }
         }
 

@@ -1,8 +1,8 @@
 //! A frame in parts, for devices whose buffers are limited.
 
-use rtrt_core::grid::{BLOCK, BLOCK_RAYS};
+use rtrt_core::grid::BLOCK_RAYS;
 use rtrt_core::layout::{Frame, Surface};
-use rtrt_core::stage::penumbra::reach;
+use rtrt_core::stage::edges::around;
 use std::ops::Range;
 
 /// Words a ray of the shadows and of the tints: where either is bound with the starts of shadow
@@ -44,7 +44,7 @@ pub fn bands(frame: &Frame, bytes: u64) -> impl Iterator<Item = Band> + use<> {
     let row = frame.grid().blocks_x() * BLOCK_RAYS;
     let [shadows, tints] = shadow_words(&frame).map(|words| 4 * words);
     let largest = (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words)).max(tints).max(shadows);
-    let around = if frame.window == 0 { 0 } else { reach(&frame).div_ceil(BLOCK) };
+    let around = if frame.window == 0 { 0 } else { around(&frame) };
     let rows = (bytes / largest / u64::from(row)).saturating_sub(2 * u64::from(around)).max(1);
     let step = (rows * u64::from(row)).min(u64::from(frame.rays)) as u32;
     let all = frame.rays;

@@ -10,12 +10,13 @@ use crate::texture::{check, copy};
 use crate::timer::{HostClock, Timer};
 use bytemuck::Pod;
 use rtrt_core::backend::{Deferred, Picture, STAGES};
-use rtrt_core::grid::RayIndex;
+use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
 use rtrt_core::kernel::cover::Cover;
 use rtrt_core::kernel::lists::{Entry, Lists};
 use rtrt_core::layout::{Frame, Hit, Lit, Surface, View};
 use rtrt_core::scene::{Kept, Scene, Setup, Source};
 use rtrt_core::stage;
+use rtrt_core::stage::edges::Edges;
 use std::ops::Range;
 use wgpu::BufferUsages;
 
@@ -209,6 +210,9 @@ impl Renderer {
         self.buffers.reserve::<Surface>(device, Slot::Surfaces, rays)?;
         self.buffers.reserve::<u32>(device, Slot::Masks, rays * u64::from(frame.mask_words))?;
         self.buffers.reserve::<u32>(device, Slot::Shadows, rays * shadows)?;
+        let blocks = if frame.window == 0 { 0 } else { rays / u64::from(BLOCK_RAYS) };
+        self.buffers.reserve::<Edges>(device, Slot::Edges, blocks * u64::from(frame.lights))?;
+        self.buffers.reserve::<u32>(device, Slot::Soft, blocks * u64::from(frame.lights))?;
         self.buffers.reserve::<u32>(device, Slot::Tints, rays * tints)?;
         self.buffers.reserve::<Hit>(device, Slot::Layers, rays * kept)?;
         self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;

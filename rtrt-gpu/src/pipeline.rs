@@ -3,7 +3,7 @@
 use crate::barriers::ZERO_GROUP;
 use crate::buffers::Slot;
 use crate::device::Zero;
-use rtrt_core::grid::RayIndex;
+use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
 use rtrt_core::layout::Frame;
 use rtrt_core::stage;
 use rtrt_shaders::{GROUP, ROW, SHARES};
@@ -58,7 +58,7 @@ impl From<u32> for Work {
 
 /// Stages whose dispatches add to a buffer that has to be zero when they begin.
 /// Hits of zero tell `layer` that nothing has been looked for yet.
-pub(crate) const ZEROED: [(usize, Slot); 3] = [(1, Slot::Counts), (2, Slot::Hits), (4, Slot::Masks)];
+pub(crate) const ZEROED: [(usize, Slot); 3] = [(1, Slot::Counts), (2, Slot::Hits), (5, Slot::Masks)];
 
 impl Pass {
     /// The buffers in the order of their bindings.
@@ -124,7 +124,9 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: 5, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
         Pass { stage: 5, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
         Pass { stage: 5, entry: "near", reads: TINT, writes: &[Shadows], work: soft_lights },
-        Pass { stage: 5, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows], writes: &[Tints], work: soft_lights },
+        Pass { stage: 5, entry: "edges", reads: &[Frame, Shadows], writes: &[Edges], work: soft_blocks },
+        Pass { stage: 5, entry: "choose", reads: &[Frame, Edges], writes: &[Soft], work: soft_blocks },
+        Pass { stage: 5, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows, Soft], writes: &[Tints], work: soft_lights },
         Pass { stage: 5, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: tinted },
         Pass { stage: 6, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
         Pass { stage: 7, entry: "shade", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
@@ -136,8 +138,9 @@ pub(crate) const PASSES: &[Pass] = {
         Pass { stage: LAYERS, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
         Pass { stage: LAYERS, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
         Pass { stage: LAYERS, entry: "near", reads: TINT, writes: &[Shadows], work: soft_lights },
-        Pass { stage: LAYERS, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows], writes: &[Tints], work: soft_lights },
-        Pass { stage: LAYERS, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: rays },
+        Pass { stage: LAYERS, entry: "edges", reads: &[Frame, Shadows], writes: &[Edges], work: soft_blocks },
+        Pass { stage: LAYERS, entry: "choose", reads: &[Frame, Edges], writes: &[Soft], work: soft_blocks },
+        Pass { stage: LAYERS, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows, Soft], writes: &[Tints], work: soft_lights },
         Pass { stage: LAYERS, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
         Pass { stage: LAYERS, entry: "blend", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
         Pass { stage: 9, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
@@ -183,6 +186,11 @@ fn colored_lights(frame: &Frame) -> Work {
 /// The rays and lights of a frame with soft shadows.
 fn soft_lights(frame: &Frame) -> Work {
     Work { invocations: if frame.window == 0 { 0 } else { frame.rays }, layers: frame.lights }
+}
+/// The blocks and lights of such a frame.
+fn soft_blocks(frame: &Frame) -> Work {
+    let rays = soft_lights(frame);
+    Work { invocations: rays.invocations / BLOCK_RAYS, ..rays }
 }
 /// A layer a light: an invocation that asked for all of them would take more loop turns than
 /// some devices allow.

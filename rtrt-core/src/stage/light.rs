@@ -64,8 +64,8 @@ impl<L: Lane> ArrivingRows<L> {
 }
 
 /// The light that arrives at a group of surfaces from all lights, in their order.
-/// `mask(word)` is a word of the shadow mask, `tint(light)` the color of a light's shadow; it
-/// is asked only in frames whose shadows are not bits. The rays are numbered from `first` on.
+/// `mask(word)` is a word of the shadow mask; in frames whose shadows are not bits,
+/// `tint(light)`, the color of a light's shadow, is asked instead. The rays are numbered from `first` on.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 pub fn light<L: Lane>(
@@ -85,9 +85,13 @@ pub fn light<L: Lane>(
     let shininess = exponent(maps, surfaces);
     let mut light = 0;
     while light < frame.lights {
-        let lit = mask(light / LIGHTS_PER_WORD);
-        let left = if frame.is_tinted() { tint(light) } else { lit };
-        sum = add(frame, views, light, lit, left, first, ray, surfaces, shininess, &sum);
+        let left = if frame.is_tinted() {
+            tint(light)
+        } else {
+            let lit = mask(light / LIGHTS_PER_WORD) >> (light % LIGHTS_PER_WORD);
+            lit & lit.like(1)
+        };
+        sum = add(frame, views, light, left, first, ray, surfaces, shininess, &sum);
         light += 1;
     }
     sum
@@ -121,16 +125,14 @@ impl Pick<3> for Gloss {
     }
 }
 
-/// `sum` and what the light adds to it, in the lanes where `lit` has the light's bit.
-/// `lit` is the word of the shadow mask that the light belongs to, `left` what its shadow leaves
-/// of it, in frames whose shadows are not bits.
+/// `sum` and what the light adds to it, in the lanes where anything of it is `left`: its bit of
+/// the shadow mask, or the color of its shadow in frames whose shadows are not bits.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 fn add<L: Lane>(
     frame: &Frame,
     views: &[View],
     light: u32,
-    lit: L::Bits,
     left: L::Bits,
     first: RayIndex,
     ray: &Ray<L>,
@@ -139,8 +141,7 @@ fn add<L: Lane>(
     sum: &Arriving<L>,
 ) -> Arriving<L> {
     let token = surfaces.footprint.token();
-    let bit = (lit >> (light % LIGHTS_PER_WORD)) & lit.like(1);
-    let reached = bit.equal(lit.like(1));
+    let reached = left.like(0).less_than(left);
     if !reached.any() {
         return *sum;
     }

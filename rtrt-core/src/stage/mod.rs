@@ -3,6 +3,7 @@
 
 pub mod bin;
 pub mod detail;
+pub mod edges;
 pub mod inspect;
 pub mod layers;
 pub mod light;
@@ -12,5 +13,6 @@ pub mod prepare;
 pub mod raster;
 pub mod resolve;
 pub mod shade;
+pub mod soften;
 pub mod surface;
 pub mod visibility;

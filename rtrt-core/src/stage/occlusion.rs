@@ -280,14 +280,20 @@ pub fn limit<L: Lane>(frame: &Frame, light: &View, first: RayIndex, surfaces: &S
 /// `first` on.
 #[inline(always)]
 pub fn to_light<L: Lane>(frame: &Frame, light: &View, first: RayIndex, from: V3<L>) -> (V3<L>, L) {
+    let way = to_middle(light, from);
+    let way = if light.disc == 0.0 { way } else { way + aside(frame, light, first, way) };
+    (way, arrival(light, from))
+}
+
+/// The vector to the light's middle.
+#[inline(always)]
+pub fn to_middle<L: Lane>(light: &View, from: V3<L>) -> V3<L> {
     let token = from.x.token();
-    let way = if light.kind == ViewKind::Sun as u32 {
+    if light.kind == ViewKind::Sun as u32 {
         -V3::splat(token, light.along)
     } else {
         V3::splat(token, light.center) - from
-    };
-    let way = if light.disc == 0.0 { way } else { way + aside(frame, light, first, way) };
-    (way, arrival(light, from))
+    }
 }
 
 /// The `t` at which a ray along the vector to the light has arrived.

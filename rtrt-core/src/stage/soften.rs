@@ -1,0 +1,320 @@
+//! Soften: the edges of shadows, blurred as far as a light with a radius makes them.
+//!
+//! On the screen, each ray looks for shadows around it whose penumbras reach it, and takes the
+//! average of what is left of the light within a disc as large as these penumbras are. For an edge
+//! across the light's way, and a surface that goes on, that is the share of the light that is
+//! seen: what the occluder covers of the light, as seen from the surface, is what its hard shadow
+//! covers of the disc.
+//!
+//! The paper blurs so too (Analytical soft shadows). Departures: it does not say how a surface
+//! outside of a hard shadow comes to know of its penumbra, hence the search; and the disc lies
+//! across the light's way, in the world, rather than on the screen, so that a penumbra does not
+//! depend on where it is seen from.
+
+use crate::kernel::tint::{color, packed};
+use crate::lane::{Bits, Lane, Mask, Row, Select, V3, Word};
+use crate::layout::{Frame, Surface, View};
+use crate::num::{clamp, floor, flush, normalize, recip, sqrt, to_integer};
+use crate::stage::occlusion::to_middle;
+use crate::stage::penumbra::{left_at, size_at};
+
+/// What a light leaves at a place where there is no ray.
+pub const MISSING: u32 = u32::MAX;
+
+/// A group of rays, side by side in a row of the frame, and those around them, as a backend keeps
+/// them.
+pub trait Around<L: Lane> {
+    /// Where rays are kept.
+    type Place: Copy;
+
+    /// Where the rays are that lie so many columns and rows aside, which may be negative: they
+    /// wrap.
+    fn place(&self, aside: [u32; 2]) -> Self::Place;
+    /// What the light leaves there, as a word; [`MISSING`] where there is no ray.
+    fn left(&self, place: Self::Place) -> L::Bits;
+    /// Sizes of the penumbras there (see [`near`](super::penumbra::near)); −1 where there is no
+    /// ray.
+    fn size(&self, place: Self::Place) -> L;
+    /// Where the surfaces are that these rays hit; anything where there is no ray.
+    fn origin(&self, place: Self::Place) -> V3<L>;
+    /// Their normals.
+    fn normal(&self, place: Self::Place) -> V3<L>;
+}
+
+/// A ray, and those around it in the buffers of a band: what [`left_at`] and [`size_at`] find
+/// their ways in, and surfaces.
+pub struct Band<'a> {
+    /// The frame, with the rays of the band.
+    pub frame: &'a Frame,
+    /// What each ray has hit.
+    pub surfaces: &'a [Surface],
+    /// What is left of lights, and the sizes of penumbras.
+    pub shadows: &'a [u32],
+    /// The light.
+    pub light: u32,
+    /// Column and row of the ray.
+    pub at: [u32; 2],
+}
+
+impl Around<f32> for Band<'_> {
+    /// The ray's number in the band, or [`MISSING`].
+    type Place = u32;
+
+    #[inline(always)]
+    fn place(&self, aside: [u32; 2]) -> u32 {
+        let at = [self.at[0].wrapping_add(aside[0]), self.at[1].wrapping_add(aside[1])];
+        // What is left of the first column, or above the first row, has wrapped around.
+        if !self.frame.grid().contains(at) {
+            return MISSING;
+        }
+        let ray = self.frame.grid().index(at).0.wrapping_sub(self.frame.first_ray);
+        if ray < self.frame.rays { ray } else { MISSING }
+    }
+    #[inline(always)]
+    fn left(&self, place: u32) -> Word {
+        Word(if place == MISSING { MISSING } else { self.shadows[left_at(self.frame, place, self.light)] })
+    }
+    #[inline(always)]
+    fn size(&self, place: u32) -> f32 {
+        if place == MISSING {
+            -1.0
+        } else {
+            f32::from_bits(self.shadows[size_at(self.frame, place, self.light)])
+        }
+    }
+    #[inline(always)]
+    fn origin(&self, place: u32) -> V3<f32> {
+        V3::splat((), self.surfaces[place as usize].origin)
+    }
+    #[inline(always)]
+    fn normal(&self, place: u32) -> V3<f32> {
+        V3::splat((), self.surfaces[place as usize].normal)
+    }
+}
+
+/// Taps of the search on either side of a ray, along both axes of its lattices.
+const SEARCH: u32 = 4;
+/// Taps of the blur on either side.
+const BLUR: u32 = 5;
+/// What one of them is of all.
+const SHARE: f32 = 1.0 / BLUR as f32;
+
+/// How many rays aside [`soften`] looks, at most.
+#[inline(always)]
+pub fn reach(frame: &Frame) -> u32 {
+    // The wider lattices: those of the blur, whose steps are at most 5 · side (see `steps`).
+    BLUR * (5 * frame.side + 1)
+}
+
+/// Rays that look for others on their surfaces.
+#[derive(Clone, Copy)]
+struct Here<L> {
+    origin: V3<L>,
+    normal: V3<L>,
+    /// Unit vectors to the light's middle.
+    toward: V3<L>,
+}
+
+/// What is left of a light at a group of rays once its shadow is soft, as words.
+///
+/// ```text
+/// radius = average of the penumbras that reach the ray
+/// left   = Σ weight · left there / Σ weight, weight = 1 within the radius, 0 beyond it
+/// ```
+///
+/// Both go through neighbors on lattices that are turned against the pixels' own, so that few of
+/// them see edges along rows and columns come as evenly as others; the second one's steps
+/// grow with the radius. A penumbra ends [`Frame::window`] rays aside. The weight falls from 1
+/// to 0 over a step of the lattice, so that few taps show no steps.
+///
+/// A neighbor is on the same surface if it lies within some 14° of the surface's plane, and its
+/// normal within 41° of the surface's; others have no say, so shadows do not leak over edges.
+///
+/// Where the search sees nothing but what is left here, too, nothing is blurred.
+///
+/// Rays side by side have their neighbors side by side, too, if their lattices have the same
+/// steps. So the search goes tap after tap for all of a group, and the blur once for each step
+/// that a ray of the group wants.
+///
+/// Sums are in the order of the lattice, whoever computes them.
+#[inline(always)]
+pub fn soften<L: Lane, A: Around<L>>(frame: &Frame, views: &[View], around: &A, light: u32) -> L::Bits {
+    let (camera, view) = (&views[Frame::CAMERA as usize], &views[frame.light_view(light) as usize]);
+    let place = around.place([0, 0]);
+    let own = around.left(place);
+    let missing = own.like(MISSING);
+    let asked = is_asked::<L>(own, around.size(place));
+    let mut same = asked;
+    let mut tap = 0;
+    while tap < SEARCHED && same.any() {
+        let left = around.left(around.place(searched(frame, tap)));
+        same = same & (left.equal(own) | left.equal(missing));
+        tap += 1;
+    }
+    let differs = asked & !same;
+    if !differs.any() {
+        return asked.select(own, own.like(0));
+    }
+    let origin = around.origin(place);
+    let toward = normalize(to_middle(view, origin));
+    let here = Here { origin, normal: around.normal(place), toward };
+
+    let none = origin.x.like(0.0);
+    let (mut sum, mut count) = (none, none);
+    let mut tap = 0;
+    while tap < SEARCHED {
+        let place = around.place(searched(frame, tap));
+        let size = around.size(place);
+        if (differs & none.less_than(size)).any() {
+            let aside = distance(&here, around.origin(place), around.normal(place));
+            let reaches =
+                none.less_than(size) & none.less_equal(aside) & aside.less_equal(flush(size * size));
+            sum = sum + reaches.select(size, none);
+            count = count + reaches.select(none.like(1.0), none);
+        }
+        tap += 1;
+    }
+    let blurred = differs & none.less_than(count);
+    if !blurred.any() {
+        return asked.select(own, own.like(0));
+    }
+
+    // How many rays the radius is on the screen, if the surface faces the eye.
+    let token = none.token();
+    let depth = (origin - V3::splat(token, camera.center)).dot(V3::splat(token, camera.depth));
+    let cell = depth * camera.pixel_t + camera.pixel;
+    let slope = here.normal.dot(here.toward);
+    let cell = cell * none.like(LEAST_SLOPE).max(slope);
+    let mean = sum * recip(count);
+    let radius = mean.min(cell * frame.window as f32);
+    let steps = steps(radius * recip(cell), frame.side);
+    let edge = cell.max(radius * SHARE);
+    let sharpness = recip(radius * edge) * 0.5;
+    let square = radius * radius;
+
+    let rows = steps.row();
+    let (mut rest, mut soft) = (blurred, own);
+    let mut lane = 0;
+    while lane < L::WIDTH {
+        let step = rows.at(lane);
+        let now = rest & steps.equal(steps.like(step));
+        if now.any() {
+            if differ(around, step, now, own) {
+                let average = blur(around, &here, step, now, square, sharpness);
+                soft = now.select(average, soft);
+            }
+            rest = rest & !now;
+        }
+        lane += 1;
+    }
+    asked.select(soft, own.like(0))
+}
+
+/// Whether anything but their own is left around the rays of a mask, whose lattices have these
+/// steps.
+#[inline(always)]
+fn differ<L: Lane, A: Around<L>>(around: &A, steps: u32, now: L::Mask, own: L::Bits) -> bool {
+    let mut differ = false;
+    let mut tap = 0;
+    while tap < BLURRED && !differ {
+        let place = around.place(lattice::<BLUR>(steps, tap));
+        let left = around.left(place);
+        let other = now & !left.equal(own);
+        differ = other.any() && (other & is_asked::<L>(left, around.size(place))).any();
+        tap += 1;
+    }
+    differ
+}
+
+/// The average of what is left around the rays of a mask, whose lattices have these steps.
+#[inline(always)]
+fn blur<L: Lane, A: Around<L>>(
+    around: &A,
+    here: &Here<L>,
+    steps: u32,
+    now: L::Mask,
+    square: L,
+    sharpness: L,
+) -> L::Bits {
+    let none = square.like(0.0);
+    let (mut total, mut red, mut green, mut blue) = (none, none, none, none);
+    let mut tap = 0;
+    while tap < BLURRED {
+        let place = around.place(lattice::<BLUR>(steps, tap));
+        let left = around.left(place);
+        let asked = now & is_asked::<L>(left, around.size(place));
+        if asked.any() {
+            let aside = distance(here, around.origin(place), around.normal(place));
+            let weight = clamp((square - aside) * sharpness + 0.5, 0.0, 1.0);
+            let weight = (asked & none.less_equal(aside)).select(weight, none);
+            let light = color::<L>(left);
+            total = total + weight;
+            red = red + light.x * weight;
+            green = green + light.y * weight;
+            blue = blue + light.z * weight;
+        }
+        tap += 1;
+    }
+    let inverse = recip(total);
+    packed([red * inverse, green * inverse, blue * inverse])
+}
+
+/// Whether a light was asked for at rays, by what is left of it there.
+#[inline(always)]
+fn is_asked<L: Lane>(left: L::Bits, size: L) -> L::Mask {
+    !left.equal(left.like(MISSING)) & (!left.equal(left.like(0)) | size.like(0.0).less_equal(size))
+}
+
+/// The least cosine between a surface's normal and the way to the light that is reckoned with.
+const LEAST_SLOPE: f32 = 1.0 / 16.0;
+
+/// The steps of the blur's lattice, so that it covers a disc of this radius, in rays:
+/// `√((radius / BLUR)² − 1)`, rounded up, at most `5 · side`.
+#[inline(always)]
+fn steps<L: Lane>(radius: L, side: u32) -> L::Bits {
+    let ratio = radius * SHARE;
+    let steps = sqrt(ratio * ratio - 1.0);
+    let none = steps.like(0.0);
+    let steps = none.less_than(steps).select(floor(steps) + 1.0, none);
+    to_integer(steps.min(steps.like((5 * side) as f32)))
+}
+
+/// Taps of the blur.
+const BLURRED: u32 = (2 * BLUR + 1) * (2 * BLUR + 1);
+/// Taps of the search.
+const SEARCHED: u32 = 2 * (2 * SEARCH + 1) * (2 * SEARCH + 1);
+
+/// Columns and rows aside of a tap of the search: first of a lattice as narrow as pixels, then of
+/// one as wide as the window.
+#[inline(always)]
+fn searched(frame: &Frame, tap: u32) -> [u32; 2] {
+    let steps = if 2 * tap < SEARCHED { frame.side } else { 6 * frame.side };
+    lattice::<SEARCH>(steps, tap)
+}
+
+/// Columns and rows aside of a tap of a lattice. It goes `N` times along `(steps, 1)` and
+/// `(−1, steps)`, both ways; it is walked row by row, and again from the start.
+#[inline(always)]
+fn lattice<const N: u32>(steps: u32, tap: u32) -> [u32; 2] {
+    let i = (tap % (2 * N + 1)).wrapping_sub(N);
+    let j = (tap / (2 * N + 1) % (2 * N + 1)).wrapping_sub(N);
+    [i.wrapping_mul(steps).wrapping_sub(j), i.wrapping_add(j.wrapping_mul(steps))]
+}
+
+/// How much of the squared distance to the plane of a surface counts: 1 / tan² 14°.
+const FLATNESS: f32 = 16.0;
+/// The least cosine of two normals of one surface.
+const BEND: f32 = 0.75;
+
+/// The squared distance of a surface from here, across the way to the light; −1 if it is another
+/// surface.
+#[inline(always)]
+fn distance<L: Lane>(here: &Here<L>, origin: V3<L>, normal: V3<L>) -> L {
+    let way = origin - here.origin;
+    let (square, height) = (flush(way.dot(way)), here.normal.dot(way));
+    let along = way.dot(here.toward);
+    let is_flat = (flush(height * height) * FLATNESS).less_equal(square);
+    let is_same = is_flat & square.like(BEND).less_equal(here.normal.dot(normal));
+    let aside = flush(square - along * along);
+    is_same.select(aside.max(aside.like(0.0)), aside.like(-1.0))
+}

@@ -1,0 +1,148 @@
+//! What the blur of soft shadows looks at, so that rays side by side find their neighbors side
+//! by side.
+
+use crate::wide::Wide;
+use rayon::prelude::*;
+use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, place};
+use rtrt_core::lane::{Lane, V3};
+use rtrt_core::layout::Frame;
+use rtrt_core::stage::edges::around;
+use rtrt_core::stage::soften::{Around, MISSING};
+
+/// Numbers of a ray that have to do with its surface: three of its origin, three of its normal.
+/// Two a light follow: what is left of it, and the size of the penumbra.
+pub const OF_SURFACE: usize = 6;
+
+/// Along a side of a block.
+const SIDE: usize = BLOCK as usize;
+/// As many rays that follow one another lie in a row.
+const TILE: usize = 4;
+
+/// How many numbers a ray has.
+pub fn count(frame: &Frame) -> usize {
+    OF_SURFACE + 2 * frame.lights as usize
+}
+
+/// The numbers of all rays: row after row of the frame, in a row number after number, and around
+/// the frame a margin as wide as the blur may look.
+#[derive(Debug, Default)]
+pub struct Planes {
+    words: Vec<u32>,
+    /// What the margin was made for.
+    shape: Option<(Grid, u32)>,
+    margin: usize,
+    /// Rays in a row, and words.
+    row: usize,
+    pitch: usize,
+}
+
+impl Planes {
+    /// Takes over the numbers of the blocks that are needed. `cells` are those of all blocks, one
+    /// after another; in a block number after number.
+    pub fn fill(&mut self, frame: &Frame, cells: &[u32], is_needed: &[bool]) {
+        let (grid, count) = (frame.grid(), count(frame));
+        self.reshape(frame);
+        let (margin, row, pitch) = (self.margin, self.row, self.pitch);
+        let columns = grid.blocks_x() as usize;
+        let blocks = cells.par_chunks(columns * count * BLOCK_RAYS as usize);
+        let rows = self.words[margin * pitch..].par_chunks_mut(SIDE * pitch);
+        let rows = rows.zip(blocks).zip(is_needed.par_chunks(columns)).enumerate();
+        rows.for_each(|(y, ((rows, blocks), is_needed))| {
+            let below = (grid.height * grid.side) as usize - y * SIDE;
+            let blocks = blocks.chunks(count * BLOCK_RAYS as usize).zip(is_needed).enumerate();
+            for (x, (block, _)) in blocks.filter(|(_, (_, is_needed))| **is_needed) {
+                let right = (grid.width * grid.side) as usize - x * SIDE;
+                for (number, cells) in block.chunks(BLOCK_RAYS as usize).enumerate() {
+                    let first = number * row + margin + x * SIDE;
+                    for (part, cells) in cells.chunks(TILE).enumerate() {
+                        let [x, y] = place((part * TILE) as u32).map(|at| at as usize);
+                        if y < below && x < right {
+                            let (at, width) = (first + y * pitch + x, (right - x).min(TILE));
+                            rows[at..at + width].copy_from_slice(&cells[..width]);
+                        }
+                    }
+                }
+            }
+        });
+    }
+
+    /// Makes room for a frame, and the margin.
+    fn reshape(&mut self, frame: &Frame) {
+        let (grid, lights) = (frame.grid(), frame.lights);
+        if self.shape.replace((grid, lights)) == Some((grid, lights)) {
+            return;
+        }
+        self.margin = (around(frame) * BLOCK) as usize;
+        self.row = grid.blocks_x() as usize * SIDE + 2 * self.margin;
+        self.pitch = self.row * count(frame);
+        let rows = grid.blocks_y() as usize * SIDE + 2 * self.margin;
+        self.words.clear();
+        self.words.resize(rows * self.pitch, 0);
+        for number in OF_SURFACE..count(frame) {
+            let is_size = (number - OF_SURFACE) % 2 == 1;
+            let word = if is_size { (-1.0_f32).to_bits() } else { MISSING };
+            for row in self.words.chunks_mut(self.pitch) {
+                row[number * self.row..][..self.row].fill(word);
+            }
+        }
+    }
+}
+
+/// Rays in a row of a frame, and those around them.
+pub struct Rows<'a, L: Lane> {
+    token: L::Token,
+    planes: &'a Planes,
+    /// Where the first of the rays is.
+    first: usize,
+    light: usize,
+}
+
+impl<'a, L: Lane> Rows<'a, L> {
+    /// The rays from this column and row on.
+    #[inline(always)]
+    pub fn new(token: L::Token, planes: &'a Planes, [x, y]: [u32; 2], light: u32) -> Self {
+        let first = (y as usize + planes.margin) * planes.pitch + x as usize + planes.margin;
+        Self { token, planes, first, light: light as usize }
+    }
+}
+
+impl<L: Wide> Rows<'_, L> {
+    #[inline(always)]
+    fn number(&self, place: usize, number: usize) -> L::Bits {
+        L::load(self.token, &self.planes.words[place + number * self.planes.row..])
+    }
+    #[inline(always)]
+    fn vector(&self, place: usize, first: usize) -> V3<L> {
+        V3 {
+            x: L::from_bits(self.number(place, first)),
+            y: L::from_bits(self.number(place, first + 1)),
+            z: L::from_bits(self.number(place, first + 2)),
+        }
+    }
+}
+
+impl<L: Wide> Around<L> for Rows<'_, L> {
+    type Place = usize;
+
+    #[inline(always)]
+    fn place(&self, [x, y]: [u32; 2]) -> usize {
+        let (x, y) = (x.cast_signed() as isize, y.cast_signed() as isize);
+        self.first.wrapping_add_signed(y * self.planes.pitch as isize + x)
+    }
+    #[inline(always)]
+    fn left(&self, place: usize) -> L::Bits {
+        self.number(place, OF_SURFACE + 2 * self.light)
+    }
+    #[inline(always)]
+    fn size(&self, place: usize) -> L {
+        L::from_bits(self.number(place, OF_SURFACE + 2 * self.light + 1))
+    }
+    #[inline(always)]
+    fn origin(&self, place: usize) -> V3<L> {
+        self.vector(place, 0)
+    }
+    #[inline(always)]
+    fn normal(&self, place: usize) -> V3<L> {
+        self.vector(place, 3)
+    }
+}
