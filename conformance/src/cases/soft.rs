@@ -54,6 +54,14 @@ pub(super) const CASES: &[Case] = &[
         ..FROM_ABOVE
     },
     Case {
+        name: "soft/far_from_any_penumbra",
+        claim: "Blocks that no penumbra reaches, and those that are as dark all over, are as if they were blurred.",
+        scene: || room(sized(bulb([0.2, 2.0, 0.3]), 0.1)).scene,
+        camera: look([0.5, 2.5, 4.0], [0.6, -0.5, 0.0]),
+        size: [240, 135],
+        ..FROM_ABOVE
+    },
+    Case {
         name: "soft/light_around_an_object",
         claim: "Occluders within a light, and at its middle, cast penumbras of some size.",
         scene: || room(sized(bulb([0.0, 0.0, 0.0]), 0.9)).light(sized(lamp([0.9, 0.6, 0.6], 1.5), 0.3)).scene,
