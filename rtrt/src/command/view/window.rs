@@ -70,6 +70,16 @@ struct Away {
     over: FullOutput,
 }
 
+/// Wakes the window when the thread ends, in whichever way.
+struct Wake(EventLoopProxy<()>);
+
+impl Drop for Wake {
+    fn drop(&mut self) {
+        // Without a window there is nobody to wake.
+        _ = self.0.send_event(());
+    }
+}
+
 impl App {
     /// A viewer that is ready to have a window.
     pub fn new(
@@ -142,11 +152,10 @@ impl App {
             let new = viewer.render(wanted, texture);
             return self.finish(events, viewer, over, new);
         }
-        let proxy = self.proxy.clone();
+        let wake = Wake(self.proxy.clone());
         let thread = std::thread::spawn(move || {
+            let _wake = wake;
             let new = viewer.render(wanted, texture);
-            // Without a window there is nobody to wake.
-            _ = proxy.send_event(());
             (viewer, new)
         });
         self.away = Some(Away { thread, over });
