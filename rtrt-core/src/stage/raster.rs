@@ -110,7 +110,7 @@ fn to_world(object: &Object, position: [f32; 3]) -> V3<f32> {
 /// even number of blocks, because rows that are copied are multiples of 256 bytes.
 #[inline(always)]
 pub fn pitch(frame: &Frame) -> u32 {
-    (frame.grid().blocks_x() + 1 & !1) * BLOCK
+    frame.grid().blocks_x().next_multiple_of(2) * BLOCK
 }
 
 /// Which number of the picture is that of a ray: row by row, the first of them that of the
