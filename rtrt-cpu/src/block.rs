@@ -96,7 +96,9 @@ impl Work for Block<'_> {
         let packet = L::WIDTH * G;
         for first in (0..BLOCK_RAYS as usize).step_by(packet) {
             let ray = RayIndex(index * BLOCK_RAYS + first as u32);
-            let tints = &mut tints[if job.frame.layers == 0 { 0 } else { first }..];
+            // Where none are kept, a block has one word.
+            let kept = first.min(tints.len());
+            let tints = &mut tints[kept..];
             packet_colors::<L, G>(token, job, ray, first, &mut colors, tints, records.as_mut(), &mut clock);
         }
         let mut start = Instant::now();
