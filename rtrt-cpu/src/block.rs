@@ -121,7 +121,7 @@ pub fn resolved<L: Wide>(token: L::Token, job: &Job<'_>, index: u32, colors: &[[
             token,
             grid,
             #[inline(always)]
-            |lane| [left + (first + lane as u32 & across), top + (first + lane as u32 >> down)],
+            |lane| [left + ((first + lane as u32) & across), top + ((first + lane as u32) >> down)],
             #[inline(always)]
             |ray| colors[(ray.0 % BLOCK_RAYS) as usize],
         );
