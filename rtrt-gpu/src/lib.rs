@@ -143,7 +143,7 @@ impl Gpu {
     /// Such frames are outside the promise of equal bits. A device's rasterizer decides at edges, and between
     /// surfaces that are nearly as far away, which triangle it is that a ray meets; where and how the ray meets that
     /// one is asked of the kernel that traces, and all that follows is as ever. So a frame differs at edges from the
-    /// one that is traced, and a little from device to device. What is nearer than 2⁻²² of the frame's magnitude
+    /// one that is traced, and a little from device to device. What is nearer than 2⁻⁴⁰ of the frame's magnitude
     /// is not seen.
     ///
     /// # Errors
