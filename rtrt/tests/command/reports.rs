@@ -72,6 +72,7 @@ fn render_prints_the_documented_keys() {
         "size",
         "stages_ms",
         "threads",
+        "traced_rays_per_second",
         "tree_build_ms",
         "triangles",
     ];
@@ -98,7 +99,6 @@ fn bench_prints_the_documented_keys() {
         "lanes",
         "objects",
         "peak_rss_bytes",
-        "traced_rays_per_second",
         "primary_and_shadow_rays_per_second",
         "primary_rays_per_second",
         "samples",
@@ -107,6 +107,7 @@ fn bench_prints_the_documented_keys() {
         "source_bytes",
         "stages_ms",
         "threads",
+        "traced_rays_per_second",
         "tree_build_ms",
         "triangles",
     ];
