@@ -183,14 +183,14 @@ impl Job<'_> {
         )
     }
 
-    /// The same surfaces, with what normal maps and second texture coordinates tell of them.
+    /// What normal maps and second texture coordinates tell of them.
     #[inline(always)]
-    pub fn detailed<L: Wide, const G: usize>(
+    pub fn detail<L: Wide, const G: usize>(
         &self,
         token: L::Token,
         best: &[Best<L>; G],
-        mut surfaces: [Surfaces<L>; G],
-    ) -> [Surfaces<L>; G] {
+        surfaces: &mut [Surfaces<L>; G],
+    ) {
         let Job { geometry, attributes, materials, texels, .. } = self;
         if self.frame.details != 0 {
             let maps = Maps { materials, texels };
@@ -205,7 +205,6 @@ impl Job<'_> {
                 },
             );
         }
-        surfaces
     }
 
     /// The light that arrives there.
@@ -341,9 +340,9 @@ fn packet_colors<L: Wide, const G: usize>(
         best = job.seen(token, &frame, ray, &best);
         clock.lap(stage(2), &mut start);
         let rays = rays::<L, G>(token, &frame, camera, ray);
-        let surfaces = job.surfaces(token, &rays, &best);
+        let mut surfaces = job.surfaces(token, &rays, &best);
         clock.lap(stage(3), &mut start);
-        let surfaces = job.detailed(token, &best, surfaces);
+        job.detail(token, &best, &mut surfaces);
         clock.lap(stage(4), &mut start);
         let shadows = Shadows::<L, G>::new(token, &frame, job, ray, &surfaces, tints);
         clock.lap(stage(5), &mut start);

@@ -275,9 +275,9 @@ impl Work for Find<'_> {
             let best = job.seen(token, frame, ray, &last);
             clock.lap(shared.stage(2), &mut start);
             let rays = rays::<L, G>(token, frame, camera, ray);
-            let surfaces = job.surfaces(token, &rays, &best);
+            let mut surfaces = job.surfaces(token, &rays, &best);
             clock.lap(shared.stage(3), &mut start);
-            let surfaces = job.detailed(token, &best, surfaces);
+            job.detail(token, &best, &mut surfaces);
             for g in 0..G {
                 let at = first + g * L::WIDTH;
                 let Best { t, object, triangle, u, v } = best[g];
@@ -404,9 +404,9 @@ impl Work for Lighten<'_, '_> {
                 |g| load(token, hits, first + g * L::WIDTH),
             );
             let rays = rays::<L, G>(token, frame, camera, ray);
-            let surfaces = job.surfaces(token, &rays, &best);
+            let mut surfaces = job.surfaces(token, &rays, &best);
             clock.lap(shared.stage(3), &mut start);
-            let surfaces = job.detailed(token, &best, surfaces);
+            job.detail(token, &best, &mut surfaces);
             clock.lap(shared.stage(4), &mut start);
             let shadows = Shadows::Tints(token, &tints[first..]);
             let arriving = job.arriving(token, frame, ray, &rays, &surfaces, &shadows);

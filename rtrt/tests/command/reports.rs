@@ -72,7 +72,6 @@ fn render_prints_the_documented_keys() {
         "size",
         "stages_ms",
         "threads",
-        "traced_rays_per_second",
         "tree_build_ms",
         "triangles",
     ];
