@@ -3,13 +3,12 @@
 //!
 //! `cargo run --release -p conformance --example growth`
 
-use conformance::shape::{Build, Random, Shape};
+use conformance::shape::{Build, Random, Shape, paved};
 use glam::{Mat4, Vec3};
 use rtrt::demo;
 use rtrt::import::Loaded;
 use rtrt_core::backend::{Backend, LAYERS, Picture, Request, STAGES, Shadows};
-use rtrt_core::layout::Wrap;
-use rtrt_core::scene::{Camera, Image, Light, ObjectIndex, Projection, Scene, Structure, phong};
+use rtrt_core::scene::{Camera, Light, ObjectIndex, Projection, Scene, Structure};
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 9.0, 26.0),
@@ -33,7 +32,7 @@ fn main() {
     }
     println!("{:>9} {:>12} {:>12}", "texels", "shade, ms", "frame, ms");
     for side in [16, 64, 256, 1024, 4096] {
-        let (_, stages) = median(&mut cpu, &textured(side), 15);
+        let (_, stages) = median(&mut cpu, &paved(side), 15);
         let shade = STAGES.iter().position(|name| *name == "shade").expect("a stage");
         println!("{side:>4}^2    {:>12.2} {:>12.2}", stages[shade], stages.iter().sum::<f64>());
     }
@@ -63,18 +62,6 @@ fn cubes(count: u32) -> Scene {
     build
         .light(Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.8), radius: 0.0 })
         .scene
-}
-
-/// A floor up to the horizon with a texture of this side, which repeats.
-fn textured(side: u32) -> Scene {
-    let mut random = Random(7);
-    let mut build = Build::default();
-    let rgba = (0..side * side * 4).map(|_| random.bits() as u8).collect();
-    let texture =
-        build.scene.add_texture(&Image { width: side, height: side, rgba }, [Wrap::Repeat; 2]).expect("room");
-    let floor = Shape::floor(500.0, -2.0).textured([40.0, 40.0], [0.0; 2]);
-    let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.8), radius: 0.0 };
-    build.shape_of(floor, phong([0.9; 3], 0.0, 0.5, texture, [0.0; 3])).light(sun).scene
 }
 
 /// The pixels, and the median time of each stage.

@@ -1,9 +1,9 @@
 //! Meshes and scenes built in code.
 
 use glam::{Mat4, Vec3};
-use rtrt_core::layout::{Attribute, Material, Texture};
+use rtrt_core::layout::{Attribute, Material, Texture, Wrap};
 use rtrt_core::scene::{
-    Light, MaterialIndex, Mesh, MeshIndex, MeshTree, ObjectIndex, Scene, Sequential, phong,
+    Image, Light, MaterialIndex, Mesh, MeshIndex, MeshTree, ObjectIndex, Scene, Sequential, phong,
 };
 
 /// No texture.
@@ -286,4 +286,16 @@ pub fn sized(mut light: Light, size: f32) -> Light {
     let (Light::Point { radius, .. } | Light::Spot { radius, .. } | Light::Sun { radius, .. }) = &mut light;
     *radius = size;
     light
+}
+
+/// A floor up to the horizon with a texture of this side, which repeats: near and far, all of its
+/// levels are looked up.
+pub fn paved(side: u32) -> Scene {
+    let mut random = Random(7);
+    let mut build = Build::default();
+    let rgba = (0..side * side * 4).map(|_| random.bits() as u8).collect();
+    let texture =
+        build.scene.add_texture(&Image { width: side, height: side, rgba }, [Wrap::Repeat; 2]).expect("room");
+    let floor = Shape::floor(500.0, -2.0).textured([40.0, 40.0], [0.0; 2]);
+    build.shape_of(floor, phong([0.9; 3], 0.0, 0.5, texture, [0.0; 3])).light(sun([0.3, -1.0, -0.4])).scene
 }

@@ -1,10 +1,9 @@
 //! What a frame must not cost more for: the number of a texture's texels.
 
-use conformance::shape::{Build, Random, Shape, sun};
+use conformance::shape::paved;
 use glam::Vec3;
 use rtrt_core::backend::{Backend, LAYERS, Picture, Request, STAGES, Shadows};
-use rtrt_core::layout::Wrap;
-use rtrt_core::scene::{Camera, Image, Projection, Scene, phong};
+use rtrt_core::scene::{Camera, Projection, Scene};
 use rtrt_cpu::{Cpu, Options};
 
 const CAMERA: Camera = Camera {
@@ -16,18 +15,6 @@ const CAMERA: Camera = Camera {
 
 /// How often each frame is timed.
 const RUNS: usize = 21;
-
-/// A floor up to the horizon with a texture of this side, which repeats: near and far, all of its
-/// levels are looked up.
-fn textured(side: u32) -> Scene {
-    let mut random = Random(7);
-    let mut build = Build::default();
-    let rgba = (0..side * side * 4).map(|_| random.bits() as u8).collect();
-    let texture =
-        build.scene.add_texture(&Image { width: side, height: side, rgba }, [Wrap::Repeat; 2]).expect("room");
-    let floor = Shape::floor(500.0, -2.0).textured([40.0, 40.0], [0.0; 2]);
-    build.shape_of(floor, phong([0.9; 3], 0.0, 0.5, texture, [0.0; 3])).light(sun([0.3, -1.0, -0.4])).scene
-}
 
 /// The least time that `shade` takes for each of these, milliseconds. They take turns, so that what else
 /// the machine does is no more to blame for one than for another.
@@ -50,7 +37,7 @@ fn least<const N: usize>(frames: [(&Scene, [u32; 2]); N]) -> [f64; N] {
 /// measured as half as long again, but nothing that grows with texels, nor with levels (13 instead of 5).
 #[test]
 fn a_larger_texture_takes_no_longer() {
-    let (small, large) = (textured(16), textured(4096));
+    let (small, large) = (paved(16), paved(4096));
     let [few, many, more_rays] = least([(&small, [320, 180]), (&large, [320, 180]), (&small, [1280, 720])]);
     println!("shade: {few:.3} ms with 16 x 16 texels, {many:.3} ms with 4096 x 4096");
     assert!(many < 3.0 * few, "{many} ms instead of {few}");

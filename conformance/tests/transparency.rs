@@ -3,7 +3,7 @@
 use conformance::reference;
 use conformance::shape::{Build, PLAIN, Shape, sun};
 use glam::Vec3;
-use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
+use rtrt_core::backend::{Backend, Deferred, Picture, Request, STAGES, Shadows};
 use rtrt_core::layout::{AlphaMode, Backdrop, Material, NONE, Wrap};
 use rtrt_core::scene::{Camera, Image, Panorama, Projection, Scene, phong};
 
@@ -177,4 +177,16 @@ fn what_is_behind_everything_is_behind_panes() {
     assert_eq!(picture.pixels[0], 0xffff_0000);
     let (picture, _) = render(&red(Backdrop::Nothing), Vec3::Z * -4.0, Vec3::Z * -5.0, 1);
     assert_eq!(picture.pixels[0], 0);
+}
+
+#[test]
+fn layers_behind_the_first_are_a_stage_of_their_own_in_times() {
+    let stage = STAGES.iter().position(|name| *name == "layers").unwrap();
+    let time = |material: Material| {
+        let scene =
+            Build::default().shape_of(square(0.0), material).shape_of(square(-1.0), unlit([0.5; 3])).scene;
+        render(&scene, Vec3::Z, Vec3::ZERO, 8).0.stages_ms[stage]
+    };
+    assert_eq!(time(unlit([0.2; 3])), 0.0);
+    assert!(time(glass([0.2; 3], 0.5)) > 0.0);
 }

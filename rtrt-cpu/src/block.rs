@@ -1,24 +1,25 @@
 //! All stages of one block, on one thread: what a stage leaves for the next stays in the
 //! first-level cache.
 
+use crate::clock::{Clock, LAYERS};
 use crate::level::Work;
+use crate::records::Records;
 use crate::wide::Wide;
 use rayon::prelude::*;
-use rtrt_core::backend::STAGES;
 use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
 use rtrt_core::kernel::lists::Lists;
 use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::traverse::{Best, Geometry};
 use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, groups};
-use rtrt_core::layout::{Attribute, Frame, Hit, Lit, Material, NONE, Surface, View};
+use rtrt_core::layout::{Attribute, Frame, Material, NONE, View};
 use rtrt_core::stage::detail::detail;
 use rtrt_core::stage::layers::{blend, is_covered, layer};
 use rtrt_core::stage::light::{Arriving, light};
 use rtrt_core::stage::surface::{Surfaces, Vertices, surface};
-use rtrt_core::stage::visibility::{hit, rays, visibility};
+use rtrt_core::stage::visibility::{rays, visibility};
 use rtrt_core::stage::{occlusion, resolve::resolve, shade::shade};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What every block of a frame shares.
 pub struct Job<'a> {
@@ -29,50 +30,6 @@ pub struct Job<'a> {
     pub attributes: &'a [Attribute],
     pub materials: &'a [Material],
     pub texels: &'a [u32],
-}
-
-/// Where a block's deferred records go.
-pub struct Records<'a> {
-    pub hits: &'a mut [Hit],
-    pub surfaces: &'a mut [Surface],
-    pub masks: &'a mut [u32],
-    pub tints: &'a mut [u32],
-    pub lit: &'a mut [Lit],
-    pub colors: &'a mut [[f32; 4]],
-    pub layers: &'a mut [Hit],
-}
-
-/// Time spent in each stage.
-#[derive(Clone, Copy, Default)]
-pub struct Clock([Duration; STAGES.len()]);
-
-impl Clock {
-    /// Adds what has passed since `start`.
-    pub fn add(&mut self, stage: usize, start: Instant) {
-        self.0[stage] += start.elapsed();
-    }
-    /// Adds what has passed since `start`, and starts anew.
-    pub fn lap(&mut self, stage: usize, start: &mut Instant) {
-        let now = Instant::now();
-        self.0[stage] += now - *start;
-        *start = now;
-    }
-    /// The sum of both.
-    pub fn plus(self, other: Self) -> Self {
-        Self(std::array::from_fn(|stage| self.0[stage] + other.0[stage]))
-    }
-    /// Adds `passed`, divided like `busy`.
-    pub fn spread(&mut self, passed: Duration, busy: &Self) {
-        let total: Duration = busy.0.iter().sum();
-        let share = passed.as_secs_f64() / total.as_secs_f64().max(1e-9);
-        for (stage, busy) in self.0.iter_mut().zip(busy.0) {
-            *stage += busy.mul_f64(share);
-        }
-    }
-    /// In milliseconds.
-    pub fn milliseconds(&self) -> [f64; STAGES.len()] {
-        self.0.map(|stage| stage.as_secs_f64() * 1e3)
-    }
 }
 
 /// A block to be rendered, packet after packet, into its pixels and, if wanted, its records.
@@ -271,46 +228,6 @@ impl Job<'_> {
     }
 }
 
-impl Records<'_> {
-    /// Keeps what the packet from `first` on has found in the layer of this number.
-    #[inline(always)]
-    pub fn keep<L: Wide, const G: usize>(
-        &mut self,
-        frame: &Frame,
-        number: usize,
-        first: usize,
-        best: &[Best<L>; G],
-        surfaces: &[Surfaces<L>; G],
-        shadows: &Shadows<'_, L, G>,
-        arriving: &[Arriving<L>; G],
-    ) {
-        for g in 0..G {
-            let none = surfaces[g].material.like(0);
-            for lane in 0..L::WIDTH {
-                let at = first + g * L::WIDTH + lane;
-                if number > 0 {
-                    let behind = frame.layers as usize - 1;
-                    self.layers[at * behind + number - 1] = hit(&best[g], lane);
-                    continue;
-                }
-                self.hits[at] = hit(&best[g], lane);
-                self.surfaces[at] = surfaces[g].lane(lane);
-                let words = frame.mask_words;
-                for w in 0..words {
-                    let mask = shadows.word(frame, w, none, g);
-                    self.masks[(at as u32 * words + w) as usize] = mask.lane(lane);
-                }
-                let lights = if frame.is_tinted() { frame.lights } else { 0 };
-                for light in 0..lights {
-                    let tint = shadows.tint(light, none, g);
-                    self.tints[(at as u32 * lights + light) as usize] = tint.lane(lane);
-                }
-                self.lit[at] = arriving[g].lane(lane);
-            }
-        }
-    }
-}
-
 /// The colors of one packet: the first layer of surfaces, and those behind it that can be seen.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
@@ -390,9 +307,6 @@ pub fn store<L: Lane, const G: usize>(sums: &[[L; 4]; G], colors: &mut [[f32; 4]
     }
 }
 
-/// The stage that layers behind the first belong to.
-pub const LAYERS: usize = 7;
-
 /// Which lights reach a packet's surfaces.
 pub enum Shadows<'a, L: Wide, const G: usize> {
     /// The words of the shadow mask; the usual scene has only the first.
@@ -458,7 +372,7 @@ impl<'a, L: Wide, const G: usize> Shadows<'a, L, G> {
 
     /// A word of the shadow mask of a group; `none` is 0.
     #[inline(always)]
-    fn word(&self, frame: &Frame, word: u32, none: L::Bits, g: usize) -> L::Bits {
+    pub fn word(&self, frame: &Frame, word: u32, none: L::Bits, g: usize) -> L::Bits {
         match self {
             Self::Bits { first, .. } if word == 0 => first[g],
             Self::Bits { more, .. } => more[word as usize - 1][g],
@@ -474,7 +388,7 @@ impl<'a, L: Wide, const G: usize> Shadows<'a, L, G> {
 
     /// What is left of a light at a group, where shadows are not bits.
     #[inline(always)]
-    fn tint(&self, light: u32, none: L::Bits, g: usize) -> L::Bits {
+    pub fn tint(&self, light: u32, none: L::Bits, g: usize) -> L::Bits {
         match self {
             Self::Bits { .. } => none,
             Self::Tints(token, tints) => {

@@ -25,25 +25,26 @@
 mod bin;
 mod block;
 mod canary;
+mod clock;
 mod level;
 mod planes;
 mod prepare;
+mod records;
 mod soft;
 mod wide;
 
 pub use canary::kernels;
 
 use crate::bin::Binning;
-use crate::block::{Block, Clock, Job, Records};
+use crate::block::{Block, Job};
+use crate::clock::Clock;
 use crate::level::Level;
-use bytemuck::Zeroable;
+use crate::records::{block_records, deferred_room};
 use rayon::prelude::*;
 use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request, STAGES};
-use rtrt_core::grid::BLOCK_RAYS;
 use rtrt_core::kernel::cover::Cover;
 use rtrt_core::kernel::lists::Lists;
 use rtrt_core::kernel::traverse::Geometry;
-use rtrt_core::layout::{Frame, Hit};
 use rtrt_core::scene::{Join, Scene, Setup};
 use std::time::Instant;
 
@@ -188,57 +189,6 @@ impl Memory {
         // the time that passed is its share of the threads' time.
         clock.spread(start.elapsed(), &busy);
     }
-}
-
-/// `count` parts of `length` elements; empty ones where there are none.
-fn chunks<T: Send>(all: &mut [T], count: usize, length: usize) -> Vec<&mut [T]> {
-    if length == 0 {
-        return (0..count).map(|_| Default::default()).collect();
-    }
-    all.chunks_mut(length).collect()
-}
-
-/// The parts of the deferred buffers that blocks fill; and those of shadows before they are
-/// blurred, which are filled as a whole.
-fn block_records<'a>(
-    deferred: &'a mut Deferred,
-    frame: &Frame,
-) -> (Vec<Option<Records<'a>>>, soft::Kept<'a>) {
-    let (blocks, rays) = (frame.grid().blocks() as usize, BLOCK_RAYS as usize);
-    let mut surfaces = deferred.surfaces.chunks_mut(rays);
-    let mut masks = deferred.masks.chunks_mut(rays * frame.mask_words as usize);
-    let mut tints = chunks(&mut deferred.tints, blocks, rays * deferred.tint_words as usize).into_iter();
-    let mut lit = deferred.lit.chunks_mut(rays);
-    let mut colors = deferred.colors.chunks_mut(rays);
-    let mut layers = chunks(&mut deferred.layers, blocks, rays * deferred.layer_count as usize).into_iter();
-    let one = |hits| {
-        let (surfaces, masks, tints) = (surfaces.next()?, masks.next()?, tints.next()?);
-        let (lit, colors, layers) = (lit.next()?, colors.next()?, layers.next()?);
-        Some(Records { hits, surfaces, masks, tints, lit, colors, layers })
-    };
-    let records = deferred.hits.chunks_mut(rays).map(one).collect();
-    (records, soft::Kept { left: &mut deferred.left, penumbras: &mut deferred.penumbras })
-}
-
-/// Makes room for a frame.
-fn deferred_room(deferred: &mut Deferred, frame: &Frame, lists: &[u32]) {
-    let rays = frame.rays as usize;
-    deferred.mask_words = frame.mask_words;
-    deferred.tint_words = if frame.is_tinted() { frame.lights } else { 0 };
-    deferred.layer_count = frame.layers.max(1) - 1;
-    deferred.lists.clear();
-    deferred.lists.extend_from_slice(lists);
-    deferred.hits.resize(rays, Hit::MISS);
-    deferred.surfaces.resize(rays, Zeroable::zeroed());
-    deferred.masks.resize(rays * frame.mask_words as usize, 0);
-    deferred.left.clear();
-    deferred.penumbras.clear();
-    deferred.tints.clear();
-    deferred.tints.resize(rays * deferred.tint_words as usize, 0);
-    deferred.layers.clear();
-    deferred.layers.resize(rays * deferred.layer_count as usize, Hit::MISS);
-    deferred.lit.resize(rays, Zeroable::zeroed());
-    deferred.colors.resize(rays, [0.0; 4]);
 }
 
 impl Backend for Cpu {

@@ -1,17 +1,19 @@
 //! Frames with soft shadows. Penumbras reach from block to block, so all blocks find their
 //! shadows before the first one blurs them, layer after layer.
 
-use crate::block::{Clock, Job, LAYERS, Records, Shadows, resolved, store};
+use crate::block::{Job, Shadows, resolved, store};
+use crate::clock::{Clock, LAYERS};
 use crate::level::{Level, Work};
 use crate::planes::{OF_SURFACE, Planes, Rows, count};
+use crate::records::{Kept, Records};
 use crate::wide::Wide;
 use rayon::iter::repeat_n;
 use rayon::prelude::*;
-use rtrt_core::grid::{BLOCK, BLOCK_RAYS, RayIndex, number, place};
+use rtrt_core::grid::{BLOCK, BLOCK_RAYS, RayIndex, number};
 use rtrt_core::kernel::traverse::Best;
 use rtrt_core::lane::{Bits, Mask, Row, Select, groups};
 use rtrt_core::layout::{Frame, NONE};
-use rtrt_core::stage::edges::{Edges, are_soft, edges_at, span};
+use rtrt_core::stage::edges::{Edges, are_soft, common, edges_at, span};
 use rtrt_core::stage::layers::is_covered;
 use rtrt_core::stage::occlusion::ask;
 use rtrt_core::stage::penumbra::near;
@@ -44,12 +46,6 @@ pub struct Soft {
     /// What is left of each light.
     tints: Vec<u32>,
     colors: Vec<[f32; 4]>,
-}
-
-/// Where to keep what the first layer's shadows are before they are blurred.
-pub struct Kept<'a> {
-    pub left: &'a mut Vec<u32>,
-    pub penumbras: &'a mut Vec<f32>,
 }
 
 impl Soft {
@@ -205,19 +201,6 @@ fn clear(cells: &mut [u32], edges: &mut [Edges]) {
     }
 }
 
-/// What the shadows of a light have in common in a block, so many of whose columns and rows are
-/// in the frame.
-fn common(left: &[u32], sizes: &[u32], inside: [u32; 2]) -> Edges {
-    let mut edges = Edges::NONE;
-    for (ray, (&left, &size)) in (0..).zip(left.iter().zip(sizes)) {
-        let [x, y] = place(ray);
-        if x < inside[0] && y < inside[1] {
-            edges = edges.and(Edges::of(left, f32::from_bits(size)));
-        }
-    }
-    edges
-}
-
 /// What all blocks share in a layer.
 #[derive(Clone, Copy)]
 struct Shared<'a> {
@@ -318,12 +301,15 @@ impl Work for Find<'_> {
             }
             clock.lap(shared.stage(5), &mut start);
         }
-        let grid = frame.grid();
-        let [x, y] = grid.ray(RayIndex(index * BLOCK_RAYS));
-        let inside = [grid.width * grid.side - x, grid.height * grid.side - y];
+        let block = RayIndex(index * BLOCK_RAYS);
         for (lights, edges) in cells[OF_SURFACE * RAYS..].chunks(2 * RAYS).zip(edges) {
             let (left, sizes) = lights.split_at(RAYS);
-            *edges = common(left, sizes, inside);
+            *edges = common(
+                frame.grid(),
+                block,
+                #[inline(always)]
+                |ray| Edges::of(left[ray as usize], f32::from_bits(sizes[ray as usize])),
+            );
         }
         clock.lap(shared.stage(5), &mut start);
         clock

@@ -8,7 +8,6 @@ use crate::pipeline::{DRAWN, FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, gr
 use crate::raster::Raster;
 use crate::texture::{check, copy};
 use crate::timer::{HostClock, Timer};
-use bytemuck::Pod;
 use rtrt_core::backend::{Deferred, Picture, STAGES};
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
 use rtrt_core::kernel::cover::Cover;
@@ -17,7 +16,6 @@ use rtrt_core::layout::{Frame, Hit, Lit, Surface, View};
 use rtrt_core::scene::{Kept, Scene, Setup, Source};
 use rtrt_core::stage;
 use rtrt_core::stage::edges::Edges;
-use std::ops::Range;
 use wgpu::BufferUsages;
 
 /// Entries that the lists have room for at first.
@@ -33,7 +31,7 @@ pub(crate) struct Renderer {
     pub device: Device,
     /// For each row of [`PASSES`], once a frame has needed it.
     pipelines: Vec<Option<Pipeline>>,
-    buffers: Buffers,
+    pub buffers: Buffers,
     /// The numbers of the frame for each layer of surfaces behind the first.
     layers: Vec<wgpu::Buffer>,
     read_back: Option<wgpu::Buffer>,
@@ -348,49 +346,6 @@ impl Renderer {
             let buffers = row.slots().filter_map(|slot| self.buffers.get(slot));
             pipeline.dispatch(&mut pass, &pipeline.group(&self.device.device, buffers), groups);
         }
-    }
-
-    /// Appends what a band's first layer has left to the deferred buffers, if they were asked
-    /// for.
-    fn fetch_first_layer(&self, band: &Band, deferred: &mut Option<Deferred>) -> Result<(), Error> {
-        let Some(deferred) = deferred else { return Ok(()) };
-        let (frame, tints) = (&band.frame, deferred.tint_words);
-        self.fetch(Slot::Hits, band.kept(1), &mut deferred.hits)?;
-        self.fetch(Slot::Surfaces, band.kept(1), &mut deferred.surfaces)?;
-        self.fetch(Slot::Masks, band.kept(frame.mask_words), &mut deferred.masks)?;
-        self.fetch(Slot::Lit, band.kept(1), &mut deferred.lit)?;
-        self.fetch(Slot::Tints, band.kept(tints), &mut deferred.tints)?;
-        if frame.window > 0 {
-            let (left, behind) = (band.kept(tints), frame.rays as usize * tints as usize);
-            self.fetch(Slot::Shadows, left.clone(), &mut deferred.left)?;
-            let sizes = left.start + behind..left.end + behind;
-            self.fetch(Slot::Shadows, sizes, &mut deferred.penumbras)?;
-        }
-        Ok(())
-    }
-
-    /// Appends a band's colors and what its layers have hit to the deferred buffers, if they
-    /// were asked for.
-    fn fetch_colors(&self, band: &Band, deferred: &mut Option<Deferred>) -> Result<(), Error> {
-        let Some(deferred) = deferred else { return Ok(()) };
-        let (rays, count) = (band.frame.rays as usize, deferred.layer_count as usize);
-        self.fetch(Slot::Colors, band.kept(1), &mut deferred.colors)?;
-        if count > 0 {
-            let mut layers: Vec<Hit> = Vec::new();
-            self.fetch(Slot::Layers, 0..rays * count, &mut layers)?;
-            let kept = band.kept(deferred.layer_count);
-            deferred.layers.extend(kept.map(|at| layers[at % count * rays + at / count]));
-        }
-        Ok(())
-    }
-
-    /// Appends these elements of a buffer to `to`.
-    fn fetch<T: Pod>(&self, slot: Slot, range: Range<usize>, to: &mut Vec<T>) -> Result<(), Error> {
-        let Some(buffer) = self.buffers.get(slot).filter(|_| !range.is_empty()) else { return Ok(()) };
-        let size = size_of::<T>();
-        let bytes = self.device.fetch(buffer, (range.end * size) as u64)?;
-        to.extend(bytemuck::pod_collect_to_vec::<u8, T>(&bytes[range.start * size..]));
-        Ok(())
     }
 }
 

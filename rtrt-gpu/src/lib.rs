@@ -21,6 +21,7 @@ mod buffers;
 mod canary;
 mod device;
 mod error;
+mod fetch;
 mod frame;
 mod group;
 mod pipeline;

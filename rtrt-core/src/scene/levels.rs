@@ -126,7 +126,7 @@ pub(super) struct Chosen {
     versions: Versions,
     /// The distances from which on the levels are seen that were chosen; 0 for an object's own mesh.
     from: Vec<f32>,
-    pub objects: Vec<Object>,
+    objects: Vec<Object>,
     pub bounds: Bounds,
     /// Another number whenever other objects were chosen.
     pub changes: u32,
@@ -147,6 +147,11 @@ impl Default for Chosen {
 }
 
 impl Chosen {
+    /// The objects of the frame: the scene's, or those with the levels that were chosen.
+    pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
+        if self.is_needed { &self.objects } else { scene.objects() }
+    }
+
     /// Chooses what a camera at `eye` sees. Nothing is done where that is what was chosen last.
     pub fn choose(&mut self, scene: &Scene, eye: Vec3) {
         self.is_needed = !scene.levels.is_empty();

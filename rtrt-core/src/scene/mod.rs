@@ -24,6 +24,7 @@
 //! what is built here.
 
 mod camera;
+mod choice;
 mod cube;
 mod environment;
 mod floor;
@@ -40,8 +41,10 @@ mod setup;
 mod store;
 mod tangent;
 mod tree;
+mod views;
 
 pub use camera::{Camera, Projection};
+pub use choice::{Mip, Occluders, Structure};
 pub use cube::{Cube, CubeError};
 pub use environment::{Panorama, PanoramaError};
 pub use image::{Content, Image, ImageError};
@@ -51,7 +54,5 @@ pub use material::phong;
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};
 pub use motion::Motion;
 pub use setup::{Setup, SetupError};
-pub use store::{
-    MaterialIndex, MeshIndex, Mip, ObjectIndex, Occluders, Scene, SceneError, Structure, Versions,
-};
+pub use store::{MaterialIndex, MeshIndex, ObjectIndex, Scene, SceneError, Versions};
 pub use tree::{Join, MeshTree, Sequential, TreeError};

@@ -4,7 +4,7 @@
 use crate::layout::{Node, Object};
 use crate::scene::place;
 use crate::scene::tree::Bounds;
-use crate::scene::{Scene, Versions};
+use crate::scene::{Scene, SetupError, Structure, Versions};
 use alloc::vec::Vec;
 
 /// Objects, then their parts: kept while nothing changes that they depend on.
@@ -13,13 +13,17 @@ pub(super) struct Parts {
     /// The scene, its versions, which levels of detail were chosen, and the triangles that a part
     /// has at most; none where there are no parts.
     source: Option<(u32, Versions, u32, u32)>,
+    /// The triangles that a part has at most, where there are parts.
+    pub triangles: Option<u32>,
+    /// Whether there are never any.
+    pub are_refused: bool,
     objects: Vec<Object>,
     /// Nodes that may have to be divided.
     waiting: Vec<u32>,
 }
 
 /// The most parts that a frame may have.
-pub(super) const MOST: usize = 1 << 20;
+const MOST: usize = 1 << 20;
 
 /// About so many parts are made of scenes that have fewer objects. Measured: with more, scenes
 /// whose objects stand side by side get slower, those whose objects lie behind one another faster.
@@ -29,7 +33,7 @@ const LEAST: u64 = 64;
 
 /// How many triangles a part of these objects should have at most; none where parts would gain
 /// nothing.
-pub(super) fn triangles(objects: &[Object]) -> Option<u32> {
+fn triangles(objects: &[Object]) -> Option<u32> {
     if objects.len() as u64 >= USUAL {
         return None;
     }
@@ -44,16 +48,34 @@ impl Parts {
         &self.objects
     }
 
-    /// Makes the parts of a frame's objects, unless those at hand are the same; they are more than
-    /// [`MOST`] in the error's case. `chosen` is another number wherever objects are others for the
-    /// same scene.
+    /// Makes the parts of a frame's objects that the scene asks for, unless those at hand are the
+    /// same. `chosen` is another number wherever objects are others for the same scene. Gives the
+    /// first of what the camera's lists choose from, and how many these are.
     pub fn prepare(
         &mut self,
         scene: &Scene,
         objects: &[Object],
         chosen: u32,
+    ) -> Result<[u32; 2], SetupError> {
+        self.triangles = match scene.structure {
+            _ if self.are_refused => None,
+            Structure::Blocks => triangles(objects),
+            Structure::Parts(triangles) => Some(triangles.max(1)),
+            Structure::Objects | Structure::None => None,
+        };
+        let whole = objects.len() as u32;
+        let Some(triangles) = self.triangles else { return Ok([0, whole]) };
+        self.make(scene, objects, chosen, triangles)?;
+        Ok([whole, self.objects.len() as u32 - whole])
+    }
+
+    fn make(
+        &mut self,
+        scene: &Scene,
+        objects: &[Object],
+        chosen: u32,
         triangles: u32,
-    ) -> Result<(), ()> {
+    ) -> Result<(), SetupError> {
         let source = Some((scene.id(), scene.versions(), chosen, triangles));
         if self.source == source {
             return Ok(());
@@ -73,7 +95,13 @@ impl Parts {
     }
 
     /// Adds the parts of an object: nodes from the root down, until they are small enough.
-    fn cut(&mut self, nodes: &[Node], number: u32, object: &Object, triangles: u32) -> Result<(), ()> {
+    fn cut(
+        &mut self,
+        nodes: &[Node],
+        number: u32,
+        object: &Object,
+        triangles: u32,
+    ) -> Result<(), SetupError> {
         let matrix = place::matrix(object).as_dmat4();
         self.waiting.clear();
         self.waiting.push(object.root);
@@ -84,7 +112,7 @@ impl Parts {
                 continue;
             }
             if self.objects.len() >= MOST {
-                return Err(());
+                return Err(SetupError::Parts { triangles, limit: MOST });
             }
             let bounds = Bounds { low: node.low, high: node.high };
             let part = place::part(object, &matrix, &bounds);
@@ -112,7 +140,7 @@ fn held(nodes: &[Node], root: u32, node: &Node) -> u32 {
 mod tests {
     use super::*;
     use crate::layout::{Attribute, Texture};
-    use crate::scene::{Mesh, MeshTree, Sequential, Structure, phong};
+    use crate::scene::{Mesh, MeshTree, Sequential, phong};
     use glam::{Mat4, Vec3};
 
     /// `count` objects of 200 triangles on a strip, each turned.
@@ -136,7 +164,7 @@ mod tests {
         let scene = strips(2);
         for most in [1, 5, 64, 1000] {
             let mut parts = Parts::default();
-            parts.prepare(&scene, scene.objects(), 0, most).unwrap();
+            parts.make(&scene, scene.objects(), 0, most).unwrap();
             let mut seen = alloc::vec![0; 400];
             for part in &parts.objects()[2..] {
                 let (whole, node) =

@@ -2,13 +2,12 @@
 
 use crate::backend::Shadows;
 use crate::grid::{BLOCK_RAYS, Grid};
-use crate::kernel::area::hash;
-use crate::layout::{AlphaMode, Backdrop, Frame, Object, View, ViewKind};
+use crate::layout::{AlphaMode, Backdrop, Frame, Object, View};
 use crate::scene::floor::floored;
 use crate::scene::levels::Chosen;
 use crate::scene::light::is_color;
-use crate::scene::parts::{self, Parts};
-use crate::scene::tree::Bounds;
+use crate::scene::parts::Parts;
+use crate::scene::views::{Lights, light_views, mark};
 use crate::scene::{Camera, Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
@@ -102,22 +101,6 @@ pub struct Setup {
     /// The objects with the levels of detail of this frame, where there are any.
     chosen: Chosen,
     parts: Parts,
-    /// The triangles that a part has at most, where the camera's lists hold parts.
-    part_triangles: Option<u32>,
-    are_whole: bool,
-}
-
-/// What the views of lights are made of.
-#[derive(Debug, Clone, PartialEq)]
-struct Lights {
-    scene: u32,
-    changes: u32,
-    /// The bits of the scene's lower and upper corner.
-    bounds: [[u32; 3]; 2],
-    cells: u32,
-    shadows: Shadows,
-    structure: Structure,
-    occluders: Occluders,
 }
 
 impl Default for Setup {
@@ -128,8 +111,6 @@ impl Default for Setup {
             lights: None,
             chosen: Chosen::default(),
             parts: Parts::default(),
-            part_triangles: None,
-            are_whole: false,
         }
     }
 }
@@ -148,25 +129,17 @@ impl Setup {
     /// The objects of the frame: the scene's, with the levels of detail that the camera sees; then
     /// their parts, where the camera's lists hold those.
     pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
-        match self.part_triangles {
-            Some(_) => self.parts.objects(),
-            None => self.whole(scene),
-        }
-    }
-
-    /// Those that are whole.
-    fn whole<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
-        if self.chosen.is_needed { &self.chosen.objects } else { scene.objects() }
+        if self.parts.triangles.is_some() { self.parts.objects() } else { self.chosen.objects(scene) }
     }
 
     /// Has lists hold whole objects, whatever [`Structure`] says, or not.
     pub fn keep_objects_whole(&mut self, are_whole: bool) {
-        self.are_whole = are_whole;
+        self.parts.are_refused = are_whole;
     }
 
     /// The triangles that a part of an object has at most; none where lists hold whole objects.
     pub fn part_triangles(&self) -> Option<u32> {
-        self.part_triangles
+        self.parts.triangles
     }
 
     /// Another number whenever other levels of detail are seen of the same scene; 0 where it has
@@ -224,25 +197,12 @@ impl Setup {
         self.chosen.choose(scene, camera.eye);
         let has_bounds = self.chosen.is_needed && !self.chosen.bounds.is_empty();
         let bounds = if has_bounds { self.chosen.bounds } else { *scene.bounds() };
-        self.part_triangles = match scene.structure {
-            _ if self.are_whole => None,
-            Structure::Blocks => parts::triangles(self.whole(scene)),
-            Structure::Parts(triangles) => Some(triangles.max(1)),
-            Structure::Objects | Structure::None => None,
-        };
-        let objects = self.whole(scene).len() as u32;
-        let mut seen = [0, objects];
-        if let Some(triangles) = self.part_triangles {
-            let mut parts = core::mem::take(&mut self.parts);
-            let made = parts.prepare(scene, self.whole(scene), self.chosen(), triangles);
-            self.parts = parts;
-            made.map_err(|()| SetupError::Parts { triangles, limit: parts::MOST })?;
-            seen = [objects, self.parts.objects().len() as u32 - objects];
-        }
+        let chosen = self.chosen();
+        let [first_seen, seen] = self.parts.prepare(scene, self.chosen.objects(scene), chosen)?;
         let is_one_list = scene.structure == Structure::None;
         let by_angle = u32::from(scene.mip == Mip::Angle);
         let eye = View { by_angle, ..camera.view(grid)? };
-        let light_blocks = self.light_views(scene, &bounds, shadows, eye)?;
+        let light_blocks = light_views(&mut self.views, &mut self.lights, scene, &bounds, shadows, eye)?;
         let camera = &mut self.views[Frame::CAMERA as usize];
         if is_one_list {
             [camera.width, camera.height] = [1, 1];
@@ -275,8 +235,8 @@ impl Setup {
             background_g,
             background_b,
             magnitude,
-            first_seen: seen[0],
-            seen: seen[1],
+            first_seen,
+            seen,
             details: u32::from(scene.has_details()),
             sky_first: scene.sky().first,
             sky_side: scene.sky().side,
@@ -293,85 +253,6 @@ impl Setup {
         };
         Ok(())
     }
-
-    /// Makes the views: `camera`, and those of lights, if they are not still the same. Gives the
-    /// number of blocks of lights, which come before the camera's: their lists may be kept while a
-    /// camera moves.
-    fn light_views(
-        &mut self,
-        scene: &Scene,
-        bounds: &Bounds,
-        shadows: Shadows,
-        camera: View,
-    ) -> Result<u32, SetupError> {
-        let (lights, structure) = (scene.lights(), scene.structure);
-        let is_one_list = structure == Structure::None;
-        let source = Lights {
-            scene: scene.id(),
-            changes: scene.light_changes(),
-            bounds: [bounds.low, bounds.high].map(|corner| corner.map(f32::to_bits)),
-            cells: if is_one_list { 1 } else { light_cells(scene.objects().len(), lights.len()) },
-            shadows,
-            structure,
-            occluders: scene.occluders,
-        };
-        let blocks = |views: &[View]| views.iter().map(|v| v.width * v.height).sum::<u32>();
-        if self.lights.as_ref() == Some(&source) {
-            self.views[Frame::CAMERA as usize] = camera;
-            return Ok(blocks(&self.views[1..]));
-        }
-        self.lights = None;
-        self.views.clear();
-        self.views.push(camera);
-        let mut first_block = 0;
-        for (number, light) in (0..).zip(lights) {
-            let jitter = match shadows {
-                Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
-                _ => None,
-            };
-            let mut views = light.views(bounds, source.cells, first_block, jitter)?;
-            views.iter_mut().filter(|v| v.kind != ViewKind::Off as u32).for_each(|view| mark(scene, view));
-            first_block += blocks(&views);
-            self.views.extend(views);
-        }
-        self.lights = Some(source);
-        Ok(first_block)
-    }
-}
-
-/// Says in a view how objects keep rays away from others, and which cast shadows.
-fn mark(scene: &Scene, view: &mut View) {
-    view.one_list = u32::from(scene.structure == Structure::None);
-    view.seen_only = u32::from(scene.occluders == Occluders::Seen);
-    view.shadow_distance = match scene.occluders {
-        Occluders::Near(distance) => distance.clamp(LEAST_DISTANCE, MOST_DISTANCE),
-        _ => 0.0,
-    };
-}
-
-/// What the numbers of rays are mixed with to jitter the points of a light; not 0.
-fn key(seed: u32, light: u32) -> u32 {
-    hash(hash(seed) ^ light) | 1
-}
-
-/// The least distance at which shadows end: that of 0 would mean nowhere, and its square must not
-/// be denormal.
-const LEAST_DISTANCE: f32 = 1e-12;
-/// The largest: its square is finite, and nothing is farther away.
-const MOST_DISTANCE: f32 = 1e18;
-
-/// The most blocks of all lights' views together, unless there are thousands of lights.
-const LIGHT_BLOCKS: usize = 1 << 21;
-
-/// Blocks along one side of a light's view. About two for each object that would be beside
-/// another in a square, so that a block sees few of them; of thousands of objects a quarter as
-/// many, because a packet asks every block that its shadow rays end in. Fewer where there are
-/// many lights, to bound the memory of the lists.
-fn light_cells(objects: usize, lights: usize) -> u32 {
-    let side = libm::sqrt(objects as f64) as u32;
-    let wanted = (2 * side).next_power_of_two().min(64).max((side / 2).next_power_of_two());
-    let most = libm::sqrt((LIGHT_BLOCKS / (6 * lights.max(1))) as f64) as u32;
-    wanted.clamp(8, 1 << most.max(8).ilog2())
 }
 
 #[cfg(test)]

@@ -2,19 +2,17 @@
 
 mod change;
 mod panes;
+mod textures;
 
 use crate::kernel::environment::Sky;
-use crate::layout::{
-    AlphaMode, Attribute, Backdrop, COLOR_LIMIT, Kind, Material, Node, Object, Texture, Wrap,
-};
+use crate::layout::{AlphaMode, Attribute, Backdrop, COLOR_LIMIT, Kind, Material, Node, Object, Texture};
 use crate::scene::image::decode_words;
 use crate::scene::levels::Level;
 use crate::scene::material::checked;
 use crate::scene::place::{Stored, place, sphere};
 use crate::scene::tree::Bounds;
 use crate::scene::{
-    Content, Cube, CubeError, Image, ImageError, Light, Mesh, MeshTree, Panorama, PanoramaError, Sequential,
-    phong,
+    CubeError, ImageError, Light, Mesh, MeshTree, Mip, Occluders, PanoramaError, Sequential, Structure, phong,
 };
 use alloc::collections::BTreeMap;
 use alloc::vec;
@@ -87,50 +85,6 @@ pub enum SceneError {
     /// The environment was refused.
     #[error(transparent)]
     Cube(#[from] CubeError),
-}
-
-/// How the levels of textures are chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Mip {
-    /// By the distance of a surface, as in the paper.
-    #[default]
-    Distance,
-    /// By its distance and the angle at which it is seen: its footprint is divided by the cosine
-    /// between ray and normal, so that what is seen at a grazing angle is blurred rather than
-    /// noisy.
-    Angle,
-}
-
-/// What keeps rays from being asked for every object. No picture depends on it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Structure {
-    /// Each block of each view has a list of what its rays may meet: of the camera's views, parts
-    /// of objects while there are few objects with many triangles, or else objects.
-    #[default]
-    Blocks,
-    /// Each block of each view has a list of the objects that its rays may meet.
-    Objects,
-    /// The lists of the camera's blocks hold parts of objects: of their meshes' trees the largest
-    /// nodes that have at most so many triangles; with 1 (or 0), all leaves. Lights have lists of
-    /// objects.
-    Parts(u32),
-    /// Nothing: all blocks of a view share one list of all objects, in their order. To show what
-    /// blocks are worth.
-    None,
-}
-
-/// Which objects cast shadows of suns.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Occluders {
-    /// All.
-    #[default]
-    All,
-    /// Those whose shadows may fall on what the camera sees, by the planes around the picture. No
-    /// picture depends on it.
-    Seen,
-    /// Those within this distance of the camera, world units: the paper's one list for all lights
-    /// of infinite range. Shadows of what is farther away are missing.
-    Near(f32),
 }
 
 /// Counts the changes of each part of a scene, so that a backend that keeps copies renews
@@ -232,62 +186,6 @@ impl Scene {
             background: Vec3::new(0.02, 0.025, 0.035),
             backdrop: Backdrop::default(),
         }
-    }
-
-    /// Adds a texture of colors: its mip chain is built here.
-    ///
-    /// # Errors
-    /// The image is not usable, or the scene is full.
-    pub fn add_texture(&mut self, image: &Image, wrap: [Wrap; 2]) -> Result<Texture, SceneError> {
-        self.add_map(image, wrap, Content::Color)
-    }
-
-    /// Adds a texture of colors or of numbers.
-    ///
-    /// # Errors
-    /// As for [`Scene::add_texture`].
-    pub fn add_map(
-        &mut self,
-        image: &Image,
-        wrap: [Wrap; 2],
-        content: Content,
-    ) -> Result<Texture, SceneError> {
-        if self.texels.len() + image.rgba.len() / 2 > u32::MAX as usize {
-            return Err(SceneError::TooLarge { what: "texels" });
-        }
-        self.versions.texels += 1;
-        Ok(image.append(wrap, content, &mut self.texels)?)
-    }
-
-    /// Surrounds the scene with an environment: rays that hit nothing see it (but see
-    /// [`Scene::backdrop`]), surfaces mirror it, and it takes the place of the ambient light. One that was there before is seen no
-    /// more, but still takes memory.
-    ///
-    /// # Errors
-    /// The panorama is not usable, or the scene is full.
-    pub fn set_environment(&mut self, panorama: &Panorama) -> Result<(), SceneError> {
-        self.surround(|texels| Ok(panorama.append(texels)?))
-    }
-
-    /// [`Scene::set_environment`] with a cube.
-    ///
-    /// # Errors
-    /// The cube is not usable, or the scene is full.
-    pub fn set_cube(&mut self, cube: &Cube) -> Result<(), SceneError> {
-        self.surround(|texels| Ok(cube.append(texels)?))
-    }
-
-    fn surround(
-        &mut self,
-        append: impl FnOnce(&mut Vec<u32>) -> Result<Sky, SceneError>,
-    ) -> Result<(), SceneError> {
-        // A square of at most 1024 texels a side, and less than as many again for the others.
-        if self.texels.len() + (1 << 21) > u32::MAX as usize {
-            return Err(SceneError::TooLarge { what: "texels" });
-        }
-        self.sky = append(&mut self.texels)?;
-        self.versions.texels += 1;
-        Ok(())
     }
 
     /// Adds a material. Numbers too small to count are 0.

@@ -1,6 +1,6 @@
 //! Edges: the blocks in which shadows are blurred, and those that are left alone.
 
-use crate::grid::{BLOCK, BLOCK_RAYS, RayIndex};
+use crate::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, place};
 use crate::layout::Frame;
 use crate::stage::penumbra::{left_at, size_at};
 use crate::stage::soften::reach;
@@ -51,14 +51,29 @@ pub fn edges_at(frame: &Frame, block: u32, light: u32) -> usize {
 /// [`size_at`] find their ways in.
 #[inline(always)]
 pub fn edges(frame: &Frame, shadows: &[u32], block: u32, light: u32) -> Edges {
+    let first = block * BLOCK_RAYS;
+    common(
+        frame.grid(),
+        RayIndex(frame.first_ray + first),
+        #[inline(always)]
+        |ray| {
+            let left = shadows[left_at(frame, first + ray, light)];
+            Edges::of(left, f32::from_bits(shadows[size_at(frame, first + ray, light)]))
+        },
+    )
+}
+
+/// What those rays of a block have in common that are in the frame: `first` is the block's first,
+/// `of` the edges of each, by its number in the block.
+#[inline(always)]
+pub fn common(grid: Grid, first: RayIndex, of: impl Fn(u32) -> Edges) -> Edges {
+    let [left, top] = grid.ray(first);
     let mut edges = Edges::NONE;
-    let mut ray = block * BLOCK_RAYS;
-    let end = ray + BLOCK_RAYS;
-    while ray < end {
-        if frame.grid().contains(frame.grid().ray(RayIndex(frame.first_ray + ray))) {
-            let left = shadows[left_at(frame, ray, light)];
-            let size = f32::from_bits(shadows[size_at(frame, ray, light)]);
-            edges = edges.and(Edges::of(left, size));
+    let mut ray = 0;
+    while ray < BLOCK_RAYS {
+        let [x, y] = place(ray);
+        if grid.contains([left + x, top + y]) {
+            edges = edges.and(of(ray));
         }
         ray += 1;
     }

@@ -1,0 +1,45 @@
+//! What a scene leaves to choose: what no picture, or little of it, depends on.
+
+/// How the levels of textures are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mip {
+    /// By the distance of a surface, as in the paper.
+    #[default]
+    Distance,
+    /// By its distance and the angle at which it is seen: its footprint is divided by the cosine
+    /// between ray and normal, so that what is seen at a grazing angle is blurred rather than
+    /// noisy.
+    Angle,
+}
+
+/// What keeps rays from being asked for every object. No picture depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Structure {
+    /// Each block of each view has a list of what its rays may meet: of the camera's views, parts
+    /// of objects while there are few objects with many triangles, or else objects.
+    #[default]
+    Blocks,
+    /// Each block of each view has a list of the objects that its rays may meet.
+    Objects,
+    /// The lists of the camera's blocks hold parts of objects: of their meshes' trees the largest
+    /// nodes that have at most so many triangles; with 1 (or 0), all leaves. Lights have lists of
+    /// objects.
+    Parts(u32),
+    /// Nothing: all blocks of a view share one list of all objects, in their order. To show what
+    /// blocks are worth.
+    None,
+}
+
+/// Which objects cast shadows of suns.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Occluders {
+    /// All.
+    #[default]
+    All,
+    /// Those whose shadows may fall on what the camera sees, by the planes around the picture. No
+    /// picture depends on it.
+    Seen,
+    /// Those within this distance of the camera, world units: the paper's one list for all lights
+    /// of infinite range. Shadows of what is farther away are missing.
+    Near(f32),
+}

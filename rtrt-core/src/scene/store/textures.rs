@@ -1,0 +1,65 @@
+//! Textures and environments: what fills the texels.
+
+use super::{Scene, SceneError};
+use crate::kernel::environment::Sky;
+use crate::layout::{Texture, Wrap};
+use crate::scene::{Content, Cube, Image, Panorama};
+use alloc::vec::Vec;
+
+impl Scene {
+    /// Adds a texture of colors: its mip chain is built here.
+    ///
+    /// # Errors
+    /// The image is not usable, or the scene is full.
+    pub fn add_texture(&mut self, image: &Image, wrap: [Wrap; 2]) -> Result<Texture, SceneError> {
+        self.add_map(image, wrap, Content::Color)
+    }
+
+    /// Adds a texture of colors or of numbers.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_texture`].
+    pub fn add_map(
+        &mut self,
+        image: &Image,
+        wrap: [Wrap; 2],
+        content: Content,
+    ) -> Result<Texture, SceneError> {
+        if self.texels.len() + image.rgba.len() / 2 > u32::MAX as usize {
+            return Err(SceneError::TooLarge { what: "texels" });
+        }
+        self.versions.texels += 1;
+        Ok(image.append(wrap, content, &mut self.texels)?)
+    }
+
+    /// Surrounds the scene with an environment: rays that hit nothing see it (but see
+    /// [`Scene::backdrop`]), surfaces mirror it, and it takes the place of the ambient light. One that was there before is seen no
+    /// more, but still takes memory.
+    ///
+    /// # Errors
+    /// The panorama is not usable, or the scene is full.
+    pub fn set_environment(&mut self, panorama: &Panorama) -> Result<(), SceneError> {
+        self.surround(|texels| Ok(panorama.append(texels)?))
+    }
+
+    /// [`Scene::set_environment`] with a cube.
+    ///
+    /// # Errors
+    /// The cube is not usable, or the scene is full.
+    pub fn set_cube(&mut self, cube: &Cube) -> Result<(), SceneError> {
+        self.surround(|texels| Ok(cube.append(texels)?))
+    }
+
+    fn surround(
+        &mut self,
+        append: impl FnOnce(&mut Vec<u32>) -> Result<Sky, SceneError>,
+    ) -> Result<(), SceneError> {
+        // A square of at most 1024 texels a side, and less than as many again for the others.
+        if self.texels.len() + (1 << 21) > u32::MAX as usize {
+            return Err(SceneError::TooLarge { what: "texels" });
+        }
+        self.sky = append(&mut self.texels)?;
+        self.versions.texels += 1;
+        Ok(())
+    }
+}

@@ -1,0 +1,101 @@
+//! The views of lights, and what is said in every view.
+
+use crate::backend::Shadows;
+use crate::kernel::area::hash;
+use crate::layout::{Frame, View, ViewKind};
+use crate::scene::tree::Bounds;
+use crate::scene::{Occluders, Scene, SetupError, Structure};
+use alloc::vec::Vec;
+
+/// What the views of lights are made of.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Lights {
+    scene: u32,
+    changes: u32,
+    /// The bits of the scene's lower and upper corner.
+    bounds: [[u32; 3]; 2],
+    cells: u32,
+    shadows: Shadows,
+    structure: Structure,
+    occluders: Occluders,
+}
+
+/// Makes the views: `camera`, and those of lights, if they are not still the same. Gives the
+/// number of blocks of lights, which come before the camera's: their lists may be kept while a
+/// camera moves.
+pub(super) fn light_views(
+    views: &mut Vec<View>,
+    made_of: &mut Option<Lights>,
+    scene: &Scene,
+    bounds: &Bounds,
+    shadows: Shadows,
+    camera: View,
+) -> Result<u32, SetupError> {
+    let (lights, structure) = (scene.lights(), scene.structure);
+    let is_one_list = structure == Structure::None;
+    let source = Lights {
+        scene: scene.id(),
+        changes: scene.light_changes(),
+        bounds: [bounds.low, bounds.high].map(|corner| corner.map(f32::to_bits)),
+        cells: if is_one_list { 1 } else { light_cells(scene.objects().len(), lights.len()) },
+        shadows,
+        structure,
+        occluders: scene.occluders,
+    };
+    let blocks = |views: &[View]| views.iter().map(|v| v.width * v.height).sum::<u32>();
+    if made_of.as_ref() == Some(&source) {
+        views[Frame::CAMERA as usize] = camera;
+        return Ok(blocks(&views[1..]));
+    }
+    *made_of = None;
+    views.clear();
+    views.push(camera);
+    let mut first_block = 0;
+    for (number, light) in (0..).zip(lights) {
+        let jitter = match shadows {
+            Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
+            _ => None,
+        };
+        let mut faces = light.views(bounds, source.cells, first_block, jitter)?;
+        faces.iter_mut().filter(|v| v.kind != ViewKind::Off as u32).for_each(|view| mark(scene, view));
+        first_block += blocks(&faces);
+        views.extend(faces);
+    }
+    *made_of = Some(source);
+    Ok(first_block)
+}
+
+/// Says in a view how objects keep rays away from others, and which cast shadows.
+pub(super) fn mark(scene: &Scene, view: &mut View) {
+    view.one_list = u32::from(scene.structure == Structure::None);
+    view.seen_only = u32::from(scene.occluders == Occluders::Seen);
+    view.shadow_distance = match scene.occluders {
+        Occluders::Near(distance) => distance.clamp(LEAST_DISTANCE, MOST_DISTANCE),
+        _ => 0.0,
+    };
+}
+
+/// What the numbers of rays are mixed with to jitter the points of a light; not 0.
+fn key(seed: u32, light: u32) -> u32 {
+    hash(hash(seed) ^ light) | 1
+}
+
+/// The least distance at which shadows end: that of 0 would mean nowhere, and its square must not
+/// be denormal.
+const LEAST_DISTANCE: f32 = 1e-12;
+/// The largest: its square is finite, and nothing is farther away.
+const MOST_DISTANCE: f32 = 1e18;
+
+/// The most blocks of all lights' views together, unless there are thousands of lights.
+const LIGHT_BLOCKS: usize = 1 << 21;
+
+/// Blocks along one side of a light's view. About two for each object that would be beside
+/// another in a square, so that a block sees few of them; of thousands of objects a quarter as
+/// many, because a packet asks every block that its shadow rays end in. Fewer where there are
+/// many lights, to bound the memory of the lists.
+fn light_cells(objects: usize, lights: usize) -> u32 {
+    let side = libm::sqrt(objects as f64) as u32;
+    let wanted = (2 * side).next_power_of_two().min(64).max((side / 2).next_power_of_two());
+    let most = libm::sqrt((LIGHT_BLOCKS / (6 * lights.max(1))) as f64) as u32;
+    wanted.clamp(8, 1 << most.max(8).ilog2())
+}

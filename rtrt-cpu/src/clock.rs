@@ -1,0 +1,41 @@
+//! How long each stage takes.
+
+use rtrt_core::backend::STAGES;
+use std::time::{Duration, Instant};
+
+/// The stage that layers behind the first belong to.
+pub const LAYERS: usize = 8;
+const _: () = assert!(matches!(STAGES[LAYERS].as_bytes(), b"layers"));
+
+/// Time spent in each stage.
+#[derive(Clone, Copy, Default)]
+pub struct Clock([Duration; STAGES.len()]);
+
+impl Clock {
+    /// Adds what has passed since `start`.
+    pub fn add(&mut self, stage: usize, start: Instant) {
+        self.0[stage] += start.elapsed();
+    }
+    /// Adds what has passed since `start`, and starts anew.
+    pub fn lap(&mut self, stage: usize, start: &mut Instant) {
+        let now = Instant::now();
+        self.0[stage] += now - *start;
+        *start = now;
+    }
+    /// The sum of both.
+    pub fn plus(self, other: Self) -> Self {
+        Self(std::array::from_fn(|stage| self.0[stage] + other.0[stage]))
+    }
+    /// Adds `passed`, divided like `busy`.
+    pub fn spread(&mut self, passed: Duration, busy: &Self) {
+        let total: Duration = busy.0.iter().sum();
+        let share = passed.as_secs_f64() / total.as_secs_f64().max(1e-9);
+        for (stage, busy) in self.0.iter_mut().zip(busy.0) {
+            *stage += busy.mul_f64(share);
+        }
+    }
+    /// In milliseconds.
+    pub fn milliseconds(&self) -> [f64; STAGES.len()] {
+        self.0.map(|stage| stage.as_secs_f64() * 1e3)
+    }
+}
