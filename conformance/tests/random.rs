@@ -98,6 +98,7 @@ fn shape_of_few(random: &mut Random) -> Shape {
 fn see_through(random: &mut Random, build: &mut Build) -> MaterialIndex {
     let mut material = phong((random.vector(0.5) + 0.5).to_array(), 0.0, 0.5, Texture::NONE, [0.0; 3]);
     material.alpha = random.within(0.0, 1.2);
+    material.double_sided = random.below(2);
     material.alpha_mode =
         [AlphaMode::Mask, AlphaMode::Blend, AlphaMode::Blend][random.below(3) as usize] as u32;
     if random.below(2) == 0 {
@@ -111,6 +112,9 @@ fn see_through(random: &mut Random, build: &mut Build) -> MaterialIndex {
 
 fn scene(random: &mut Random) -> Scene {
     let mut build = Build::default();
+    let opaque = phong([0.6; 3], 0.0, 0.7, Texture::NONE, [0.0; 3]);
+    let one_sided = Material { double_sided: 0, ..opaque };
+    let one_sided = build.scene.add_material(one_sided).expect("a case's material");
     let meshes: Vec<_> = (0..1 + random.below(4)).map(|_| shape(random)).map(|s| build.mesh(s)).collect();
     let materials: Vec<_> = (0..3).map(|_| see_through(random, &mut build)).collect();
     // In half of the scenes everything is opaque.
@@ -118,10 +122,11 @@ fn scene(random: &mut Random) -> Scene {
     for _ in 0..1 + random.below(20) {
         let mesh = meshes[random.below(meshes.len() as u32) as usize];
         let place = transform(random);
+        let gray = if random.below(3) == 0 { one_sided } else { build.gray };
         if random.below(6) == 0 {
-            build.scene.add_sphere(build.gray, place).expect("a transform that was tried");
+            build.scene.add_sphere(gray, place).expect("a transform that was tried");
         } else if clear * random.below(3) == 0 {
-            build.object(mesh, place);
+            build.scene.add_object(mesh, gray, place).expect("a transform that was tried");
         } else {
             let material = materials[random.below(3) as usize];
             let added = match random.below(5) {

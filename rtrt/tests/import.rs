@@ -365,6 +365,20 @@ fn materials_say_what_their_alpha_does() {
 }
 
 #[test]
+fn materials_say_which_sides_are_seen() {
+    let Some(folder) = scenes() else { return };
+    let loaded = load(&folder.join("features/TextureSettingsTest.glb"), &Sequential).unwrap();
+    let objects = loaded.scene.objects();
+    // Materials are seen from one side unless they say that they have two.
+    assert_eq!(objects.iter().filter(|object| object.double_sided == 1).count(), 1);
+    assert_eq!(objects.len(), 10);
+    for object in objects {
+        let material = &loaded.scene.materials()[object.material as usize];
+        assert_eq!(object.double_sided, material.double_sided);
+    }
+}
+
+#[test]
 fn spot_lights_have_their_cones() {
     let Some(folder) = scenes() else { return };
     let scene = load(&folder.join("lights/Lights.glb"), &Sequential).unwrap().scene;

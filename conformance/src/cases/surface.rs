@@ -1,8 +1,10 @@
 //! Normals and vertex colors at a hit.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, Random, Shape, bulb};
+use crate::shape::{Build, PLAIN, Random, Shape, bulb, sun};
 use glam::{Mat4, Vec3};
+use rtrt_core::layout::Material;
+use rtrt_core::scene::phong;
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -37,6 +39,34 @@ pub(super) const CASES: &[Case] = &[
         claim: "Surfaces have two sides; normals face the viewer.",
         scene: || Build::default().shape(Shape::ball(7).at([0.0; 3], 2.0)).light(bulb([0.5, 0.8, 0.2])).scene,
         camera: look([0.3, 0.0, 0.4], [0.0, 0.5, -1.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "surface/one_sided",
+        claim: "Of what is not double-sided, the camera sees fronts only, also of what is mirrored, and light all.",
+        scene: || {
+            let mut build = Build::default().shape(Shape::floor(3.0, -1.2));
+            let one_sided = Material { double_sided: 0, ..phong([0.7, 0.4, 0.2], 0.0, 0.5, PLAIN, [0.0; 3]) };
+            let one_sided = build.scene.add_material(one_sided).expect("a case's material");
+            let ball = build.mesh(Shape::ball(6));
+            let sheet = build.mesh(Shape::quad([-0.5, -0.5, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]));
+            let at = |x: f32, y: f32, z: f32| Mat4::from_translation(Vec3::new(x, y, z));
+            let mirrored = Mat4::from_scale(Vec3::new(-0.6, 0.6, 0.6));
+            for (mesh, to_world) in [
+                (ball, at(0.3, 0.0, 3.4)),
+                (ball, at(-1.2, -0.4, 0.0) * mirrored),
+                (sheet, at(0.2, 0.2, 0.0) * Mat4::from_rotation_y(0.4)),
+                (sheet, at(0.2, -0.7, 0.3) * Mat4::from_rotation_y(3.4)),
+                (sheet, at(1.2, 0.2, 0.0) * mirrored * Mat4::from_rotation_y(0.4)),
+                (sheet, at(1.2, -0.7, 0.3) * mirrored * Mat4::from_rotation_y(3.4)),
+            ] {
+                build.scene.add_object(mesh, one_sided, to_world).expect("a case's transform");
+            }
+            let shell = at(0.0, 0.1, 3.6) * Mat4::from_scale(Vec3::splat(0.9));
+            build.scene.add_sphere(one_sided, shell).expect("a case's transform");
+            build.light(bulb([2.0, 2.0, 3.0])).light(sun([-0.4, -1.0, -0.6])).scene
+        },
+        samples: 4,
         ..Case::USUAL
     },
     Case {

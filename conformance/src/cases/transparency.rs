@@ -11,6 +11,23 @@ const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.4, 0.0]),
 
 pub(super) const CASES: &[Case] = &[
     Case {
+        name: "transparency/one_sided",
+        claim: "A glass that is not double-sided is one layer, and takes from light with both sides.",
+        scene: || {
+            let one = |base, alpha| Material { double_sided: 0, ..glass(base, alpha) };
+            let mut build = Build::default()
+                .shape(Shape::floor(3.0, -1.0))
+                .shape_of(Shape::ball(5).at([-0.6, 0.0, 0.0], 0.8), one([0.2, 0.9, 0.4], 0.4))
+                .shape_of(Shape::cube().at([0.9, -0.2, -0.3], 0.6), one([0.9, 0.3, 0.2], 0.3));
+            let round = build.scene.add_material(one([0.2, 0.3, 0.9], 0.5)).expect("a case's material");
+            let place = Mat4::from_translation(Vec3::new(0.2, 0.0, 0.9)) * Mat4::from_scale(Vec3::splat(0.4));
+            build.scene.add_sphere(round, place).expect("a case's sphere");
+            build.light(bulb([0.5, 3.0, 1.5])).light(sun([0.4, -1.0, -0.3])).scene
+        },
+        samples: 4,
+        ..FROM_ABOVE
+    },
+    Case {
         name: "transparency/before_and_behind",
         claim: "A pane in front of a wall covers it in part, one behind it is not seen.",
         scene: || {

@@ -8,7 +8,7 @@ use rtrt_core::kernel::frustum::is_near;
 use rtrt_core::kernel::pane::{cutoff, mode, pane};
 use rtrt_core::kernel::penumbra::Nearest;
 use rtrt_core::kernel::ray::Ray;
-use rtrt_core::kernel::sphere::Chord;
+use rtrt_core::kernel::sphere::{Chord, ENTRY};
 use rtrt_core::kernel::tint::{Crossing, WHITE};
 use rtrt_core::kernel::traverse::{Best, Geometry, Search};
 use rtrt_core::kernel::triangle::{Meeting, meet};
@@ -44,19 +44,20 @@ impl<'a> Brute<'a> {
     }
 
     /// Calls `visit(object, triangle, meeting)` for everything that the ray meets at
-    /// `t ≤ limit`.
-    fn each(&self, ray: &Ray<f32>, limit: f32, mut visit: impl FnMut(u32, u32, &Meeting<f32>)) {
+    /// `t ≤ limit`: from either side, or only the `fronts` of what is not double-sided.
+    fn each(&self, ray: &Ray<f32>, limit: f32, fronts: bool, mut visit: impl FnMut(u32, u32, &Meeting<f32>)) {
         let geometry = self.geometry();
         for (index, object) in (0..).zip(geometry.objects) {
             let local = if object.is_identity == 1 { *ray } else { ray.to_object(object) };
             for id in 0..object.triangles {
-                let found = if object.is_sphere() {
-                    Chord::new(&local).side(local.direction, id, limit)
+                let (found, is_front) = if object.is_sphere() {
+                    (Chord::new(&local).side(local.direction, id, limit), id == ENTRY)
                 } else {
                     let triangle = geometry.triangle(object, id);
-                    meet(&local, &triangle, &triangle.seen_from(local.origin), limit)
+                    let seen = triangle.seen_from(local.origin);
+                    (meet(&local, &triangle, &seen, limit), seen.front(limit))
                 };
-                if found.mask {
+                if found.mask && (!fronts || is_front || object.double_sided == 1) {
                     visit(index, id, &found);
                 }
             }
@@ -76,7 +77,7 @@ impl<'a> Brute<'a> {
         let views = &self.setup.views;
         let (camera, view) =
             (&views[Frame::CAMERA as usize], &views[self.setup.frame.light_view(light) as usize]);
-        self.each(ray, limit, |object, triangle, found| {
+        self.each(ray, limit, false, |object, triangle, found| {
             let near = view.kind != ViewKind::Sun as u32 || is_near(camera, view, &objects[object as usize]);
             if near && !objects[object as usize].shows(light) {
                 visit(object, triangle, found);
@@ -114,7 +115,7 @@ impl<'a> Brute<'a> {
         let at = grid.ray(ray);
         if grid.contains(at) {
             let ray = camera_ray(&self.setup.views[Frame::CAMERA as usize], at[0] as f32, at[1] as f32);
-            self.each(&ray, f32::MAX, |object, triangle, found| {
+            self.each(&ray, f32::MAX, true, |object, triangle, found| {
                 if self.is_there(object, triangle, found) {
                     all.push(Hit { t: found.t, object, triangle, u: found.u, v: found.v });
                 }
@@ -200,7 +201,7 @@ impl<'a> Brute<'a> {
             return best;
         }
         let ray = camera_ray(&self.setup.views[Frame::CAMERA as usize], at[0] as f32, at[1] as f32);
-        self.each(&ray, f32::MAX, |object, triangle, &Meeting { t, u, v, .. }| {
+        self.each(&ray, f32::MAX, true, |object, triangle, &Meeting { t, u, v, .. }| {
             if t < best.t || (t == best.t && (object, triangle) < (best.object, best.triangle)) {
                 best = Hit { t, object, triangle, u, v };
             }

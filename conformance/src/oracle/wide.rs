@@ -50,6 +50,8 @@ struct Triangle {
     shows: Option<u32>,
     /// Of a sphere: its matrix from world space, three rows.
     sphere: Option<[[f64; 4]; 3]>,
+    /// Of an object that is not double-sided: the sign of its matrix's determinant.
+    one_sided: Option<f64>,
 }
 
 struct Ray {
@@ -143,6 +145,8 @@ fn triangles(scene: &Scene, objects: &[Object]) -> Vec<Triangle> {
         let indices = &scene.words()[o.first_index as usize..][..3 * o.triangles as usize];
         for (id, corners) in (0..).zip(indices.chunks_exact(3)) {
             let shows = o.kind.checked_sub(Kind::Light as u32);
+            let [x, y, z] = o.to_world.map(|row| DVec3::from([0, 1, 2].map(|column| f64::from(row[column]))));
+            let one_sided = (o.double_sided == 0).then(|| x.cross(y).dot(z).signum());
             let sphere = o.is_sphere().then(|| o.to_object.map(|row| row.map(f64::from)));
             let [a, b, c] = [0, 1, 2].map(|i| {
                 let p = scene.positions()[(o.first_vertex + corners[i]) as usize].map(f64::from);
@@ -164,6 +168,7 @@ fn triangles(scene: &Scene, objects: &[Object]) -> Vec<Triangle> {
                 size,
                 shows,
                 sphere,
+                one_sided,
             });
         }
     }
@@ -250,6 +255,22 @@ fn side<'a>(triangle: &'a Triangle, to_object: &[[f64; 4]; 3], ray: &Ray) -> Opt
     (t > -doubt).then_some(Candidate { triangle, t, doubt, is_safe: !is_grazing && t > doubt })
 }
 
+/// What a ray of the camera may meet: of an object that is not double-sided, the side from which
+/// corners are counterclockwise, or clockwise where it is mirrored.
+fn seen<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
+    let found = candidate(triangle, ray)?;
+    let Some(sign) = triangle.one_sided else { return Some(found) };
+    if triangle.sphere.is_some() {
+        return (triangle.id == 0).then_some(found);
+    }
+    let &Triangle { corner, ab, ac, .. } = triangle;
+    let from = ray.origin - corner;
+    let height = sign * from.dot(ab.cross(ac));
+    let doubt = MARGIN * from.length() * ab.length() * ac.length();
+    let is_safe = found.is_safe && height > doubt;
+    (height > -doubt).then_some(Candidate { is_safe, ..found })
+}
+
 /// A triangle that the ray sees from its edge, or that has no area, may be met anywhere near
 /// its bounds.
 fn edge_on<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
@@ -283,7 +304,7 @@ fn edge_on<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
 /// The hit that is certainly the nearest, `Some(None)` where there is certainly none, and
 /// `None` where that cannot be told.
 fn nearest<'a>(triangles: &'a [Triangle], ray: &Ray) -> Option<Option<Candidate<'a>>> {
-    let mut candidates: Vec<_> = triangles.iter().filter_map(|t| candidate(t, ray)).collect();
+    let mut candidates: Vec<_> = triangles.iter().filter_map(|t| seen(t, ray)).collect();
     let earliest = |c: &Candidate<'_>| c.t - c.doubt - MARGIN * c.t.abs();
     candidates.sort_by(|a, b| earliest(a).total_cmp(&earliest(b)));
     let mut candidates = candidates.into_iter();

@@ -64,6 +64,7 @@ impl<L: Lane> Nearest<L> {
 
 impl<L: Lane> Search<L> for Nearest<L> {
     const ENDS: bool = false;
+    const FRONTS: bool = false;
 
     #[inline(always)]
     fn keep(

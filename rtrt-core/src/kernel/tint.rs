@@ -110,6 +110,7 @@ pub fn color<L: Lane>(word: L::Bits) -> V3<L> {
 
 impl<L: Lane> Search<L> for Crossing<L> {
     const ENDS: bool = true;
+    const FRONTS: bool = false;
 
     #[inline(always)]
     fn keep(

@@ -128,6 +128,8 @@ impl Best<f32> {
 pub trait Search<L: Lane>: Copy {
     /// Whether rays are done before they have met everything: they then have the limit −1.
     const ENDS: bool;
+    /// Whether only fronts count, of objects that are not double-sided.
+    const FRONTS: bool;
 
     /// Keeps, in `best` or in itself, what a group of rays has met, if any of them has; whether
     /// a limit has changed.
@@ -141,12 +143,13 @@ pub trait Search<L: Lane>: Copy {
     ) -> bool;
 }
 
-/// The least hit, by `(t, object, triangle)`.
+/// The least hit, by `(t, object, triangle)`, of what the camera sees.
 #[derive(Clone, Copy)]
 pub struct Closest;
 
 impl<L: Lane> Search<L> for Closest {
     const ENDS: bool = false;
+    const FRONTS: bool = true;
 
     #[inline(always)]
     fn keep(
@@ -165,12 +168,13 @@ impl<L: Lane> Search<L> for Closest {
     }
 }
 
-/// Whether there is any hit.
+/// Whether there is any hit, from either side.
 #[derive(Clone, Copy)]
 pub struct Any;
 
 impl<L: Lane> Search<L> for Any {
     const ENDS: bool = true;
+    const FRONTS: bool = false;
 
     #[inline(always)]
     fn keep(&mut self, _: &Geometry<'_>, _: u32, _: u32, found: &Meeting<L>, best: &mut Best<L>) -> bool {
@@ -278,6 +282,7 @@ pub fn meet_sphere<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G:
     best: &mut [Best<L>; G],
 ) {
     let object = &geometry.objects[object_index as usize];
+    let last = if is_one_sided::<L, S>(object) { ENTRY } else { EXIT };
     let mut left = among;
     while left != 0 {
         let tile = if G == 1 { 0 } else { left.trailing_zeros() as usize };
@@ -288,7 +293,7 @@ pub fn meet_sphere<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G:
             let ray = if object.is_identity == 1 { rays[g] } else { rays[g].to_object(object) };
             let chord = Chord::new(&ray);
             let mut side = ENTRY;
-            while side <= EXIT {
+            while side <= last {
                 let found = chord.side(ray.direction, side, best[g].t);
                 closer |= searches[g].keep(geometry, object_index, side, &found, &mut best[g]);
                 side += 1;
@@ -318,6 +323,12 @@ fn met<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
     } else {
         tiles.meets::<O>(&node.low, &node.high, limits, among)
     }
+}
+
+/// Whether a search asks for the front of an object only.
+#[inline(always)]
+fn is_one_sided<L: Lane, S: Search<L>>(object: &Object) -> bool {
+    S::FRONTS && object.double_sided == 0
 }
 
 /// The first group of the first tile in `among`.
@@ -377,12 +388,15 @@ fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usize>(
     best: &mut [Best<L>; G],
 ) -> bool {
     let mut changed = false;
+    let one_sided = is_one_sided::<L, S>(object);
     let mut id = node.first;
     let end = id + node.triangles();
     while id < end {
         let triangle = geometry.triangle(object, id);
         let shared = triangle.seen_from(rays[leader::<L, G>(met)].origin);
-        let mut left = met;
+        let is_of_all = G == 1 || O::WIDTH < L::WIDTH;
+        let turns_away = one_sided && is_of_all && !shared.front(best[0].t).any();
+        let mut left = if turns_away { 0 } else { met };
         while left != 0 {
             let tile = if G == 1 { 0 } else { left.trailing_zeros() as usize };
             left &= left - 1;
@@ -390,7 +404,10 @@ fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usize>(
             let mut closer = false;
             while g < end {
                 let seen = if O::WIDTH < L::WIDTH { shared } else { triangle.seen_from(rays[g].origin) };
-                let found = meet(&rays[g], &triangle, &seen, best[g].t);
+                let mut found = meet(&rays[g], &triangle, &seen, best[g].t);
+                if one_sided {
+                    found.mask = found.mask & seen.front(best[g].t);
+                }
                 closer |= searches[g].keep(geometry, object_index, id, &found, &mut best[g]);
                 g += 1;
             }

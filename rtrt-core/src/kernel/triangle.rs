@@ -81,6 +81,19 @@ pub struct Seen<O> {
     distance: O,
 }
 
+impl<O: Lane> Seen<O> {
+    /// Whether it is the front of the triangle that is seen, from where its corners are
+    /// counterclockwise: `(o − a) · (ab × ac) > 0`. `like` is a value of the rays.
+    ///
+    /// The triangle and what it is seen from are in the space of its object, so that the front
+    /// of one that is placed mirrored is that of one that is not, as glTF 2.0 has it (section
+    /// 3.7.4).
+    #[inline(always)]
+    pub fn front<L: Lane + Mul<O, Output = L>>(&self, like: L) -> L::Mask {
+        like.like(0.0).less_than(like.like(1.0) * self.distance)
+    }
+}
+
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy)]
 pub struct Meeting<L: Lane> {

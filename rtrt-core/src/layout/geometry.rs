@@ -107,8 +107,11 @@ pub struct Object {
     pub start: u32,
     /// The object that this is a part of; [`NONE`] for a whole one.
     pub part_of: u32,
+    /// 1 where the camera sees it from both sides, else 0 (see
+    /// [`Material::double_sided`](crate::layout::Material::double_sided)).
+    pub double_sided: u32,
 }
-const _: () = assert!(size_of::<Object>() == 188 && offset_of!(Object, slack) == 160);
+const _: () = assert!(size_of::<Object>() == 192 && offset_of!(Object, slack) == 160);
 const _: () = assert!(offset_of!(Object, low) == 96 && offset_of!(Object, center) == 128);
 const _: () = assert!(offset_of!(Object, first_index) == 144);
 

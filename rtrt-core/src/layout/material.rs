@@ -112,10 +112,14 @@ pub struct Material {
     pub alpha_mode: u32,
     /// [`AlphaMode::Mask`]: the least alpha of what is there.
     pub cutoff: f32,
+    /// 1 for a surface that the camera sees from both sides, 0 for one that it sees only from
+    /// where a triangle's corners are counterclockwise, and a sphere from outside. Light knows no
+    /// such difference: both cast the same shadows.
+    pub double_sided: u32,
     /// [`Material::COLOR`] and so on.
     pub textures: [Texture; Material::TEXTURES],
 }
-const _: () = assert!(size_of::<Material>() == 72 + 5 * 56 && offset_of!(Material, textures) == 72);
+const _: () = assert!(size_of::<Material>() == 76 + 5 * 56 && offset_of!(Material, textures) == 76);
 
 impl Material {
     /// Textures of a material.

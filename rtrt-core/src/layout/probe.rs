@@ -3,7 +3,7 @@
 use crate::layout::{Attribute, Frame, Hit, Material, Node, Object, Surface, View};
 
 /// How many words [`probe`] gives.
-pub const PROBES: usize = 31;
+pub const PROBES: usize = 33;
 
 /// Fields from all over the layouts, as words: of the frame, and of the second element of
 /// each slice. Filled with words that tell where they are, buffers so tell where a device
@@ -43,12 +43,14 @@ pub fn probe(
         object.slack.to_bits(),
         object.kind,
         object.part_of,
+        object.double_sided,
         node.first,
         node.kind,
         attribute.normal[0].to_bits(),
         attribute.color,
         material.specular[0].to_bits(),
         material.cutoff.to_bits(),
+        material.double_sided,
         material.textures[0].first,
         material.textures[4].shift[1].to_bits(),
         surface.material,

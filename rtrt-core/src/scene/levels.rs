@@ -1,7 +1,7 @@
 //! Levels of detail: objects that have another mesh when they are farther away.
 
 use crate::layout::Object;
-use crate::scene::place::{Stored, place};
+use crate::scene::place::{Coat, Stored, matrix, place};
 use crate::scene::tree::Bounds;
 use crate::scene::{MaterialIndex, MeshIndex, ObjectIndex, Scene, SceneError, Versions};
 use alloc::vec::Vec;
@@ -46,7 +46,7 @@ impl Scene {
         levels: &[(f32, MeshIndex, MaterialIndex)],
     ) -> Result<(), SceneError> {
         let (index, own) = self.object(object)?;
-        let mut placed = Vec::with_capacity(levels.len());
+        let mut found = Vec::with_capacity(levels.len());
         for &(from, mesh, MaterialIndex(material)) in levels {
             if !(from > 0.0 && from.is_finite()) {
                 return Err(SceneError::Distance { value: from });
@@ -54,15 +54,16 @@ impl Scene {
             if material as usize >= self.materials().len() {
                 return Err(SceneError::Index { what: "material", index: material });
             }
-            let pane = self.pane(mesh.0, material)?;
-            let shown = place(self.mesh(mesh.0)?, material, super::place::matrix(&own))?;
-            placed.push(Level { from, mesh, placed: Object { pane, ..shown } });
+            let coat = Coat::new(material, &self.materials()[material as usize]);
+            let mut placed = place(self.mesh(mesh.0)?, coat, matrix(&own))?;
+            placed.pane = self.pane(mesh.0, material)?;
+            found.push(Level { from, mesh, placed });
         }
-        placed.sort_by(|a, b| a.from.total_cmp(&b.from));
-        if placed.is_empty() {
+        found.sort_by(|a, b| a.from.total_cmp(&b.from));
+        if found.is_empty() {
             self.levels.remove(&(index as u32));
         } else {
-            self.levels.insert(index as u32, placed);
+            self.levels.insert(index as u32, found);
         }
         self.objects_changed();
         Ok(())
@@ -72,8 +73,7 @@ impl Scene {
     pub(super) fn moved_levels(&self, object: usize, to_world: Mat4) -> Result<Vec<Level>, SceneError> {
         let levels = self.levels.get(&(object as u32)).map_or(&[][..], |levels| levels);
         let moved = levels.iter().map(|level| {
-            let (pane, material) = (level.placed.pane, level.placed.material);
-            let placed = Object { pane, ..place(self.mesh(level.mesh.0)?, material, to_world)? };
+            let placed = place(self.mesh(level.mesh.0)?, Coat::of(&level.placed), to_world)?;
             Ok(Level { placed, ..*level })
         });
         moved.collect()
@@ -89,9 +89,8 @@ impl Scene {
         let mut placed = Vec::new();
         for (&object, levels) in &self.levels {
             for (number, level) in levels.iter().enumerate().filter(|(_, level)| level.mesh == mesh) {
-                let Object { pane, material, .. } = level.placed;
-                let to_world = super::place::matrix(&level.placed);
-                placed.push((object, number, Object { pane, ..place(stored, material, to_world)? }));
+                let own = &level.placed;
+                placed.push((object, number, place(stored, Coat::of(own), matrix(own))?));
             }
         }
         Ok(placed)

@@ -43,6 +43,7 @@ pub fn phong(
         alpha: 1.0,
         alpha_mode: AlphaMode::Opaque as u32,
         cutoff: 0.5,
+        double_sided: 1,
         textures: [texture, Texture::NONE, Texture::NONE, Texture::NONE, Texture::NONE],
     }
 }
@@ -53,6 +54,7 @@ pub fn phong(
 /// A number is not finite, or out of its range.
 pub(super) fn checked(mut material: Material) -> Result<Material, SceneError> {
     let m = &mut material;
+    m.double_sided = u32::from(m.double_sided != 0);
     within("base color", &mut m.base, -COLOR_LIMIT, COLOR_LIMIT)?;
     within("highlight", &mut m.specular, -COLOR_LIMIT, COLOR_LIMIT)?;
     within("emission", &mut m.emission, -LIGHT_LIMIT, LIGHT_LIMIT)?;

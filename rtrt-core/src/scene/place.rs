@@ -1,6 +1,6 @@
 //! A mesh in the scene's arrays, and the object that it is where it is placed.
 
-use crate::layout::{Kind, NONE, Object};
+use crate::layout::{Kind, Material, NONE, Object};
 use crate::num::flush;
 use crate::scene::camera::single;
 use crate::scene::tree::Bounds;
@@ -33,6 +33,26 @@ pub(super) struct Stored {
 /// transform, there and back, can magnify errors.
 const SLACK: f64 = 1.0 / 65536.0;
 
+/// What an object is of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coat {
+    material: u32,
+    pane: u32,
+    double_sided: u32,
+}
+
+impl Coat {
+    /// A material, which is `number` in the scene, without a pane.
+    pub fn new(number: u32, material: &Material) -> Self {
+        Self { material: number, pane: 0, double_sided: material.double_sided }
+    }
+
+    /// That of an object.
+    pub fn of(object: &Object) -> Self {
+        Self { material: object.material, pane: object.pane, double_sided: object.double_sided }
+    }
+}
+
 /// Center and radius of the sphere around a mesh, in the middle of its bounds.
 pub(super) fn sphere(mesh: &Mesh, bounds: &Bounds) -> (DVec3, f64) {
     let [low, high] = [bounds.low, bounds.high].map(|corner| DVec3::from(corner.map(f64::from)));
@@ -48,7 +68,7 @@ pub(super) fn matrix(object: &Object) -> Mat4 {
 }
 
 /// The object of a mesh placed in the world, computed in `f64`.
-pub(super) fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Object, SceneError> {
+pub(super) fn place(mesh: &Stored, coat: Coat, to_world: Mat4) -> Result<Object, SceneError> {
     // So that an object that is placed once more, by what was kept of its transform, is the same.
     let to_world = Mat4::from_cols_array(&to_world.to_cols_array().map(flush));
     let m = to_world.as_dmat4();
@@ -87,13 +107,14 @@ pub(super) fn place(mesh: &Stored, material: u32, to_world: Mat4) -> Result<Obje
         radius: flush(radius as f32),
         first_index: mesh.first_index,
         triangles: mesh.triangles,
-        material,
+        material: coat.material,
         is_identity: u32::from(to_world == Mat4::IDENTITY),
         slack: (SLACK * condition(&m, &inverse)) as f32,
         first_tangent: mesh.first_tangent,
         first_second_uv: mesh.first_second_uv,
-        pane: 0,
+        pane: coat.pane,
         kind: mesh.kind as u32,
+        double_sided: coat.double_sided,
     })
 }
 

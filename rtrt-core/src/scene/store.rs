@@ -9,7 +9,7 @@ use crate::layout::{AlphaMode, Attribute, Backdrop, COLOR_LIMIT, Kind, Material,
 use crate::scene::image::decode_words;
 use crate::scene::levels::Level;
 use crate::scene::material::checked;
-use crate::scene::place::{Stored, place, sphere};
+use crate::scene::place::{Coat, Stored, place, sphere};
 use crate::scene::tree::Bounds;
 use crate::scene::{
     CubeError, ImageError, Light, Mesh, MeshTree, Mip, Occluders, PanoramaError, Sequential, Structure, phong,
@@ -277,10 +277,9 @@ impl Scene {
         if material.0 as usize >= self.materials.len() {
             return Err(SceneError::Index { what: "material", index: material.0 });
         }
-        let stored = self.mesh(mesh.0)?;
-        let object = place(stored, material.0, to_world)?;
-        let pane = self.pane(mesh.0, material.0)?;
-        let object = Object { pane, ..object };
+        let coat = Coat::new(material.0, &self.materials[material.0 as usize]);
+        let mut object = place(self.mesh(mesh.0)?, coat, to_world)?;
+        object.pane = self.pane(mesh.0, material.0)?;
         // Here the bounds only grow; going through all objects for each would take hours for
         // a million of them.
         self.bounds = self.bounds.union(&Bounds { low: object.low, high: object.high });

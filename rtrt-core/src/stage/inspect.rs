@@ -49,7 +49,7 @@ pub fn inspect(lists: &Lists<'_>, geometry: &Geometry<'_>, block: u32, ray: &Ray
             if object.is_sphere() {
                 found.triangles += 1;
                 let chord = Chord::new(&ray);
-                for side in [ENTRY, EXIT] {
+                for side in if object.double_sided == 1 { ENTRY..=EXIT } else { ENTRY..=ENTRY } {
                     let met = chord.side(ray.direction, side, best.t);
                     keep(object.whole(entry.object), side, &met, &mut best);
                 }
@@ -139,7 +139,9 @@ fn leaf(
     for id in node.first..node.first + node.triangles() {
         found.triangles += 1;
         let triangle = geometry.triangle(object, id);
-        let met = meet(ray, &triangle, &triangle.seen_from(ray.origin), best.t);
+        let seen = triangle.seen_from(ray.origin);
+        let mut met = meet(ray, &triangle, &seen, best.t);
+        met.mask &= object.double_sided == 1 || seen.front(best.t);
         keep(object_index, id, &met, best);
         is_met |= met.mask;
     }

@@ -31,6 +31,7 @@ struct Behind<L: Lane> {
 
 impl<L: Lane> Search<L> for Behind<L> {
     const ENDS: bool = false;
+    const FRONTS: bool = true;
 
     #[inline(always)]
     fn keep(

@@ -2,8 +2,8 @@
 //!
 //! The paper's conclusion: rasterized deferred buffers, with shadows and light traced. A rasterizer
 //! draws the number of the nearest triangle, and the ray of each pixel is asked to meet that one.
-//! What a rasterizer cannot answer is traced as ever: a ray that misses the triangle drawn, and
-//! whatever is masked or a sphere. A record is then of a triangle that the ray meets, with the
+//! What a rasterizer cannot answer is traced as ever: a ray that misses the triangle drawn, or meets
+//! a back that is not to be seen, and whatever is masked or a sphere. A record is then of a triangle that the ray meets, with the
 //! bits that [`visibility`](crate::stage::visibility) would give it; only which triangle it is may
 //! differ, where two are as good as equally near, and at the edge of what is seen.
 
@@ -139,6 +139,11 @@ pub fn pick(frame: &Frame, camera: &View, meshes: &Meshes<'_>, ray: RayIndex, dr
     let [a, b, c] = placed.corners(meshes.words, triangle);
     let corner = |vertex: u32| meshes.positions[vertex as usize];
     let shape = Triangle::new(corner(a), corner(b), corner(c));
-    let found = meet(&ray, &shape, &shape.seen_from(ray.origin), f32::MAX);
-    if found.mask { Hit { t: found.t, object, triangle, u: found.u, v: found.v } } else { UNTRACED }
+    let seen = shape.seen_from(ray.origin);
+    let found = meet(&ray, &shape, &seen, f32::MAX);
+    if found.mask && (placed.double_sided == 1 || seen.front(found.t)) {
+        Hit { t: found.t, object, triangle, u: found.u, v: found.v }
+    } else {
+        UNTRACED
+    }
 }

@@ -1,9 +1,9 @@
 //! What changes between frames: where objects are, and the shapes of meshes.
 
 use super::{MeshIndex, ObjectIndex, Scene, SceneError};
-use crate::layout::{Kind, Node, Object};
+use crate::layout::{Kind, Node};
 use crate::scene::Mesh;
-use crate::scene::place::{Stored, matrix, place, sphere};
+use crate::scene::place::{Coat, Stored, matrix, place, sphere};
 use crate::scene::tree::{Bounds, refit};
 use alloc::vec;
 use glam::{DVec3, Mat4};
@@ -29,7 +29,7 @@ impl Scene {
         let result = moved.into_iter().try_for_each(|(object, to_world)| {
             let (index, old) = self.object(object)?;
             let stored = self.mesh(self.object_meshes[index])?;
-            let mut placed = Object { pane: old.pane, ..place(stored, old.material, to_world)? };
+            let mut placed = place(stored, Coat::of(&old), to_world)?;
             if let Some((light, _)) = self.shown.iter().find(|(_, sphere)| **sphere == object.0) {
                 placed.kind = Kind::Light as u32 + light;
             }
@@ -61,7 +61,7 @@ impl Scene {
             radius: 0.0,
             ..*stored
         };
-        self.objects[index] = Object { pane: old.pane, ..place(&nothing, old.material, Mat4::IDENTITY)? };
+        self.objects[index] = place(&nothing, Coat::of(&old), Mat4::IDENTITY)?;
         self.objects_changed();
         Ok(())
     }
@@ -87,8 +87,7 @@ impl Scene {
         let mut placed = vec![];
         for (index, object) in self.objects.iter().enumerate() {
             if self.object_meshes[index] == mesh.0 && object.root == stored.root {
-                let pane = object.pane;
-                placed.push((index, Object { pane, ..place(&stored, object.material, matrix(object))? }));
+                placed.push((index, place(&stored, Coat::of(object), matrix(object))?));
             }
         }
         let levels = self.reshaped_levels(mesh, &stored)?;

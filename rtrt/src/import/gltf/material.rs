@@ -110,6 +110,7 @@ impl<'a> Materials<'a> {
             cutoff: source
                 .alpha_cutoff
                 .map_or(0.5, |cutoff| finite(cutoff.0).clamp(-COLOR_LIMIT, COLOR_LIMIT)),
+            double_sided: u32::from(source.double_sided),
             textures,
             ..see_through(source, a.max(0.0), phong([r, g, b], metallic, roughness, Texture::NONE, emission))
         };

@@ -1,0 +1,98 @@
+//! What the camera sees of objects that are not double-sided, and what light does.
+
+use conformance::reference;
+use conformance::shape::{Build, PLAIN, Shape, sun};
+use glam::{Mat4, Vec3};
+use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
+use rtrt_core::layout::{AlphaMode, Material, NONE};
+use rtrt_core::scene::{Camera, Projection, Scene, phong};
+
+/// A material that is seen from one side.
+fn one_sided() -> Material {
+    Material { double_sided: 0, ..phong([0.8; 3], 0.0, 0.5, PLAIN, [0.0; 3]) }
+}
+
+/// What is seen from `eye` toward the origin, in rays side by side that are 0.02 apart.
+fn seen(scene: &Scene, eye: Vec3) -> Deferred {
+    let projection = Projection::Orthographic { height: 0.3 };
+    let camera = Camera { eye, look_at: Vec3::ZERO, up: Vec3::Y, projection };
+    let (shadows, size) = (Shadows::Hard, [16, 16]);
+    let request = Request { camera: &camera, size, samples: 1, shadows, layers: 4, deferred: true };
+    let mut picture = Picture::default();
+    reference().render(scene, &request, &mut picture).unwrap();
+    picture.deferred.take().unwrap()
+}
+
+/// The object that every ray meets first.
+fn met(scene: &Scene, eye: Vec3) -> u32 {
+    let deferred = seen(scene, eye);
+    let first = deferred.hits[0].object;
+    assert!(deferred.hits.iter().all(|hit| hit.object == first), "an edge is seen");
+    first
+}
+
+/// A square across the view, which faces +z.
+fn square(z: f32) -> Shape {
+    Shape::quad([-3.0, -3.0, z], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0])
+}
+
+#[test]
+fn a_back_is_looked_through() {
+    let scene = Build::default().shape_of(square(0.0), one_sided()).shape(square(-1.0)).scene;
+    assert_eq!(met(&scene, Vec3::Z * 4.0), 0);
+    // From behind, the other square is nearer, and double-sided.
+    assert_eq!(met(&scene, Vec3::Z * -4.0), 1);
+    assert_eq!(met(&scene, Vec3::Z * -0.5), NONE);
+}
+
+#[test]
+fn the_front_of_what_is_mirrored_is_where_it_was() {
+    let mut build = Build::default();
+    let material = build.scene.add_material(one_sided()).unwrap();
+    let mesh = build.mesh(square(0.0));
+    let object = build.scene.add_object(mesh, material, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0))).unwrap();
+    assert_eq!(met(&build.scene, Vec3::Z * 4.0), 0);
+    assert_eq!(met(&build.scene, Vec3::Z * -4.0), NONE);
+    // Moved, it is as before; turned over by a mirror, it faces the other way.
+    build.scene.set_transform(object, Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0))).unwrap();
+    assert_eq!(met(&build.scene, Vec3::Z * 4.0), NONE);
+    assert_eq!(met(&build.scene, Vec3::Z * -4.0), 0);
+}
+
+#[test]
+fn a_sphere_has_no_inside() {
+    let mut build = Build::default();
+    let material = build.scene.add_material(one_sided()).unwrap();
+    let around = Mat4::from_scale(Vec3::splat(2.0));
+    build.scene.add_sphere(material, around).unwrap();
+    assert_eq!(met(&build.scene, Vec3::Z * 4.0), 0);
+    assert_eq!(met(&build.scene, Vec3::Z), NONE);
+}
+
+#[test]
+fn light_meets_both_sides() {
+    // The sun is above the front of a floor, or below its back; another floor is beyond.
+    for (sun_goes, screen) in [(-1.0, 1.0), (1.0, -1.0)] {
+        let lit = |screens: bool| {
+            let floor = Build::default().shape(Shape::floor(3.0, 0.0)).light(sun([0.1, sun_goes, 0.1]));
+            let screened = |build: Build| build.shape_of(Shape::floor(3.0, screen), one_sided());
+            let scene = if screens { screened(floor) } else { floor }.scene;
+            let deferred = seen(&scene, Vec3::new(0.0, 0.5 * screen, 0.01));
+            assert!(deferred.hits.iter().all(|hit| hit.object == 0));
+            deferred.masks.iter().filter(|&&mask| mask == 1).count()
+        };
+        assert_eq!((lit(false), lit(true)), (256, 0));
+    }
+}
+
+#[test]
+fn a_glass_is_as_many_layers_as_it_has_fronts() {
+    let glass = Material { alpha: 0.5, alpha_mode: AlphaMode::Blend as u32, ..one_sided() };
+    let layers = |material| {
+        let scene = Build::default().shape_of(Shape::cube(), material).scene;
+        let deferred = seen(&scene, Vec3::Z * 4.0);
+        deferred.layers[..deferred.layer_count as usize].iter().filter(|hit| hit.object != NONE).count()
+    };
+    assert_eq!(layers(glass), 0);
+    assert_eq!(layers(Material { double_sided: 1, ..glass }), 1);
+}
