@@ -90,6 +90,7 @@ fn scenes() -> Vec<(&'static str, Loaded)> {
         ("demo:glass", rtrt::demo::glass(&Parallel)),
         ("demo:spheres", rtrt::demo::spheres(&Parallel)),
         ("demo:levels", rtrt::demo::levels(&Parallel)),
+        ("demo:moving", rtrt::demo::moving(&Parallel)),
     ];
     let all = files.into_iter().filter_map(load).chain(built);
     all.map(|(name, loaded)| (name, loaded.unwrap_or_else(|why| panic!("{name}: {why}")))).collect()

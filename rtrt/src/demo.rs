@@ -1,7 +1,8 @@
-//! Scenes built in code: `demo:matchbox`, `demo:glass`, `demo:spheres`, `demo:levels`.
+//! Scenes built in code: `demo:matchbox`, `demo:glass`, `demo:spheres`, `demo:levels`, `demo:moving`.
 
 mod glass;
 mod levels;
+mod moving;
 mod noise;
 mod paint;
 mod shape;
@@ -9,6 +10,7 @@ mod spheres;
 
 pub use glass::{GLASS, glass};
 pub use levels::{LEVELS, levels};
+pub use moving::{MOVING, moving};
 pub use spheres::{SPHERES, spheres};
 
 use crate::import::builder::Builder;

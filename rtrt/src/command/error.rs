@@ -208,7 +208,9 @@ impl Error {
     /// What to try instead.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::Demo { .. } => Some("try demo:matchbox, demo:glass, demo:spheres or demo:levels"),
+            Self::Demo { .. } => {
+                Some("try demo:matchbox, demo:glass, demo:spheres, demo:levels or demo:moving")
+            }
             Self::TooLarge { .. } => Some("try a smaller --size or fewer --samples"),
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => {
                 Some("`rtrt doctor` lists what this machine offers")

@@ -243,6 +243,7 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
         Some("glass") => Ok(pool.install(|| demo::glass(&Parallel))?),
         Some("spheres") => Ok(pool.install(|| demo::spheres(&Parallel))?),
         Some("levels") => Ok(pool.install(|| demo::levels(&Parallel))?),
+        Some("moving") => Ok(pool.install(|| demo::moving(&Parallel))?),
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
         None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
     }

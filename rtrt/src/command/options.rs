@@ -120,7 +120,7 @@ pub struct View {
 /// What all commands that render take.
 #[derive(Debug, Clone, Args)]
 pub struct Common {
-    /// A .glb, .gltf or .obj file, demo:matchbox, demo:glass, demo:spheres or demo:levels
+    /// A .glb, .gltf or .obj file, demo:matchbox, demo:glass, demo:spheres, demo:levels or demo:moving
     pub scene: PathBuf,
     /// Width and height in pixels, each at most 16384
     #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size)]

@@ -61,7 +61,7 @@ pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
 }
 
 impl<J: Join> Stage<'_, J> {
-    fn glass(&mut self, color: [f32; 3], alpha: f32) -> Result<MaterialIndex, ImportError> {
+    pub(super) fn glass(&mut self, color: [f32; 3], alpha: f32) -> Result<MaterialIndex, ImportError> {
         let glass = phong(color, 0.0, 0.1, Texture::NONE, [0.0; 3]);
         self.builder.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
     }

@@ -5,11 +5,11 @@ use super::gltf::Track;
 use super::shape::Shape;
 use glam::{DMat4, DQuat, DVec3, Mat4, Vec3};
 use gltf_json::animation::Property;
-use rtrt_core::scene::{Camera, Light, Mesh, MeshIndex, ObjectIndex, Projection, Scene, SceneError};
+use rtrt_core::scene::{Camera, Light, Mesh, MeshIndex, Motion, ObjectIndex, Projection, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
 /// The animations of a file: its nodes, and how they move. The first one is played, unless another
-/// is chosen.
+/// is chosen. Or that of a scene built in code: objects with motions of their own.
 #[derive(Debug, Clone)]
 pub struct Animation {
     path: PathBuf,
@@ -18,6 +18,10 @@ pub struct Animation {
     played: Option<usize>,
     /// Parents come before their children.
     nodes: Vec<Node>,
+    /// Objects that move by themselves, and where they start.
+    motions: Vec<(ObjectIndex, Mat4, Motion)>,
+    /// When these come to rest, seconds.
+    rest: f64,
 }
 
 /// A node, and what hangs on it.
@@ -106,7 +110,12 @@ pub struct Pose {
 
 impl Animation {
     pub(super) fn new(path: &Path, names: Vec<String>, nodes: Vec<Node>) -> Self {
-        Self { path: path.to_owned(), names, played: Some(0), nodes }
+        Self { path: path.to_owned(), names, played: Some(0), nodes, motions: Vec::new(), rest: 0.0 }
+    }
+
+    /// Motions that come to rest after so many seconds.
+    pub(crate) fn of_motions(path: &str, motions: Vec<(ObjectIndex, Mat4, Motion)>, rest: f64) -> Self {
+        Self { motions, rest, ..Self::new(Path::new(path), vec!["motion".into()], Vec::new()) }
     }
 
     /// What the file calls its animations, in their order; empty for one without a name.
@@ -132,7 +141,7 @@ impl Animation {
 
     /// When the last thing comes to rest, seconds.
     pub fn end(&self) -> f64 {
-        self.nodes.iter().flat_map(|node| self.played(node)).map(Track::end).fold(0.0, f64::max)
+        self.nodes.iter().flat_map(|node| self.played(node)).map(Track::end).fold(self.rest, f64::max)
     }
 
     /// Where everything that moves is `time` seconds after the start. What moves by nothing that
@@ -157,6 +166,12 @@ impl Animation {
             let parent = node.parent.map_or(DMat4::IDENTITY, |place| worlds[place]);
             worlds.push(parent * node.local.at(&tracks, time.unwrap_or(0.0)).matrix());
             moving.push(node.parent.is_some_and(|place| moving[place]) || !tracks.is_empty());
+        }
+        if let Some(time) = time {
+            let time = time.clamp(0.0, self.rest);
+            pose.objects.extend(
+                self.motions.iter().map(|(object, start, motion)| (*object, motion.at(*start, time))),
+            );
         }
         for (place, node) in self.nodes.iter().enumerate() {
             let weights = self.played(node).filter(|track| track.property == Property::MorphTargetWeights);

@@ -77,6 +77,21 @@ fn frames_play_the_animation() {
 }
 
 #[test]
+fn objects_fly_and_turn_until_they_rest() {
+    let folder = Folder::new("moving");
+    let line = "demo:moving --size 64x36 --backend cpu --lanes 8";
+    stdout(&folder.run(&format!("render {line} --frames 6 --fps 1 -o {{frame}}.png")));
+    stdout(&folder.run(&format!("render {line} -o start.png")));
+    stdout(&folder.run(&format!("render {line} --time 2 -o alone.png")));
+    let pixels = |name: &str| image::open(folder.0.join(name)).unwrap().into_rgba8();
+    assert_eq!(pixels("start.png"), pixels("0000.png"));
+    assert_eq!(pixels("alone.png"), pixels("0002.png"));
+    assert_ne!(pixels("0003.png"), pixels("0002.png"));
+    assert_ne!(pixels("0004.png"), pixels("0003.png"));
+    assert_eq!(pixels("0005.png"), pixels("0004.png"));
+}
+
+#[test]
 fn one_of_several_animations_is_chosen() {
     let folder = folder("animations");
     // The first moves the triangle, the second gives it its size.
