@@ -207,6 +207,10 @@ impl Frame {
     /// The camera's view.
     pub const CAMERA: u32 = 0;
 
+    /// The most pixels that a soft shadow is blurred aside: it ends there, however large its
+    /// penumbra is.
+    pub const WINDOW: u32 = 24;
+
     /// The frame's grid of rays.
     #[inline(always)]
     pub fn grid(&self) -> crate::grid::Grid {

@@ -122,9 +122,6 @@ impl Setup {
     pub const MAX_LIGHTS: usize = 1024;
     /// The most layers of surfaces that a ray looks at.
     pub const MAX_LAYERS: u32 = 64;
-    /// The most pixels that a soft shadow is blurred aside: it ends there, however large its
-    /// penumbra is.
-    pub const WINDOW: u32 = 24;
 
     /// The objects of the frame: the scene's, with the levels of detail that the camera sees; then
     /// their parts, where the camera's lists hold those.
@@ -248,7 +245,7 @@ impl Setup {
                 AlphaMode::Blend => layers,
             },
             backdrop: scene.backdrop as u32,
-            window: if is_soft { Self::WINDOW * side } else { 0 },
+            window: if is_soft { Frame::WINDOW * side } else { 0 },
             ..Frame::zeroed()
         };
         Ok(())

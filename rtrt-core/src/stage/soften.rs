@@ -92,18 +92,22 @@ impl Around<f32> for Band<'_> {
     }
 }
 
-/// Taps of the search on either side of a ray, along both axes of its lattices.
-const SEARCH: u32 = 4;
-/// Taps of the blur on either side.
-const BLUR: u32 = 5;
+/// Rows of the blur's lattice on either side of a ray.
+const BLUR: u32 = 6;
 /// What one of them is of all.
 const SHARE: f32 = 1.0 / BLUR as f32;
+/// The longest steps of the blur's lattice, in pixels: they cover [`Frame::WINDOW`].
+const LONGEST: u32 = Frame::WINDOW / BLUR;
+
+/// Taps of each lattice of the search: 21.
+const SEARCHED: Disc = Disc::within(5);
+/// Those of the blur, 137: what the weight of some ray may be more than 0 at (see [`soften`]), in steps.
+const BLURRED: Disc = Disc::within(BLUR * BLUR + BLUR - 1);
 
 /// How many rays aside [`soften`] looks, at most.
 #[inline(always)]
 pub fn reach(frame: &Frame) -> u32 {
-    // The wider lattices: those of the blur, whose steps are at most 5 · side (see `steps`).
-    BLUR * (5 * frame.side + 1)
+    BLUR * (LONGEST * frame.side + 1)
 }
 
 /// Rays that look for others on their surfaces.
@@ -122,10 +126,16 @@ struct Here<L> {
 /// left   = Σ weight · left there / Σ weight, weight = 1 within the radius, 0 beyond it
 /// ```
 ///
-/// Both go through neighbors on lattices that are turned against the pixels' own, so that few of
-/// them see edges along rows and columns come as evenly as others; the second one's steps
-/// grow with the radius. A penumbra ends [`Frame::window`] rays aside. The weight falls from 1
-/// to 0 over a step of the lattice, so that few taps show no steps.
+/// The search goes through neighbors on four lattices, each about twice as wide as the one before (see
+/// [`searched`]). What reaches the ray may fall between the taps: where no penumbra does, the least of
+/// those is taken that would if they were wider by half the diagonal of their lattice's cells. If the
+/// ray is beyond it after all, the blur sees nothing but what is left here, too. The least, because
+/// penumbras are narrow where an occluder stands on the surface, and grow from there.
+///
+/// The blur's lattice has steps that grow with the radius. All lattices are turned against the pixels'
+/// own, and against each other, so that few of them see edges and thin shadows come as evenly as
+/// others. A penumbra ends [`Frame::window`] rays aside. The weight falls from 1 to 0 over a step of
+/// the lattice, so that few taps show no steps.
 ///
 /// A neighbor is on the same surface if it lies within some 14° of the surface's plane, and its
 /// normal within 41° of the surface's; others have no say, so shadows do not leak over edges.
@@ -145,11 +155,16 @@ pub fn soften<L: Lane, A: Around<L>>(frame: &Frame, views: &[View], around: &A, 
     let missing = own.like(MISSING);
     let asked = is_asked::<L>(own, around.size(place));
     let mut same = asked;
-    let mut tap = 0;
-    while tap < SEARCHED && same.any() {
-        let left = around.left(around.place(searched(frame, tap)));
-        same = same & (left.equal(own) | left.equal(missing));
-        tap += 1;
+    let mut lattice = 0;
+    while lattice < LATTICES && same.any() {
+        let steps = searched(frame, lattice);
+        let mut tap = SEARCHED.first();
+        while SEARCHED.has(tap) && same.any() {
+            let left = around.left(around.place(aside(steps, tap)));
+            same = same & (left.equal(own) | left.equal(missing));
+            tap = SEARCHED.after(tap);
+        }
+        lattice += 1;
     }
     let differs = asked & !same;
     if !differs.any() {
@@ -159,34 +174,44 @@ pub fn soften<L: Lane, A: Around<L>>(frame: &Frame, views: &[View], around: &A, 
     let toward = normalize(to_middle(view, origin));
     let here = Here { origin, normal: around.normal(place), toward };
 
+    // The distance of two rays on a surface that faces the eye.
     let none = origin.x.like(0.0);
-    let (mut sum, mut count) = (none, none);
-    let mut tap = 0;
-    while tap < SEARCHED {
-        let place = around.place(searched(frame, tap));
-        let size = around.size(place);
-        if (differs & none.less_than(size)).any() {
-            let aside = distance(&here, around.origin(place), around.normal(place));
-            let reaches =
-                none.less_than(size) & none.less_equal(aside) & aside.less_equal(flush(size * size));
-            sum = sum + reaches.select(size, none);
-            count = count + reaches.select(none.like(1.0), none);
+    let token = none.token();
+    let depth = (origin - V3::splat(token, camera.center)).dot(V3::splat(token, camera.depth));
+    let cell = depth * camera.pixel_t + camera.pixel;
+
+    let (mut sum, mut count, mut least) = (none, none, none.like(f32::MAX));
+    let mut lattice = 0;
+    while lattice < LATTICES {
+        let steps = searched(frame, lattice);
+        let half = cell * sqrt((steps[0] * steps[0] + steps[1] * steps[1]) as f32 * 0.5);
+        let mut tap = SEARCHED.first();
+        while SEARCHED.has(tap) {
+            let place = around.place(aside(steps, tap));
+            let size = around.size(place);
+            if (differs & none.less_than(size)).any() {
+                let square = distance(&here, around.origin(place), around.normal(place));
+                let is_penumbra = none.less_than(size) & none.less_equal(square);
+                let reaches = is_penumbra & square.less_equal(flush(size * size));
+                sum = sum + reaches.select(size, none);
+                count = count + reaches.select(none.like(1.0), none);
+                let far = size + half;
+                let is_near = is_penumbra & square.less_equal(flush(far * far));
+                least = is_near.select(least.min(size), least);
+            }
+            tap = SEARCHED.after(tap);
         }
-        tap += 1;
+        lattice += 1;
     }
-    let blurred = differs & none.less_than(count);
+    let blurred = differs & least.less_than(least.like(f32::MAX));
     if !blurred.any() {
         return asked.select(own, own.like(0));
     }
 
-    // How many rays the radius is on the screen, if the surface faces the eye.
-    let token = none.token();
-    let depth = (origin - V3::splat(token, camera.center)).dot(V3::splat(token, camera.depth));
-    let cell = depth * camera.pixel_t + camera.pixel;
     let slope = here.normal.dot(here.toward);
     let cell = cell * none.like(LEAST_SLOPE).max(slope);
-    let mean = sum * recip(count);
-    let radius = mean.min(cell * frame.window as f32);
+    let size = none.less_than(count).select(sum * recip(count), least);
+    let radius = size.min(cell * frame.window as f32);
     let steps = steps(radius * recip(cell), frame.side);
     let edge = cell.max(radius * SHARE);
     let sharpness = recip(radius * edge) * 0.5;
@@ -215,13 +240,13 @@ pub fn soften<L: Lane, A: Around<L>>(frame: &Frame, views: &[View], around: &A, 
 #[inline(always)]
 fn differ<L: Lane, A: Around<L>>(around: &A, steps: u32, now: L::Mask, own: L::Bits) -> bool {
     let mut differ = false;
-    let mut tap = 0;
-    while tap < BLURRED && !differ {
-        let place = around.place(lattice::<BLUR>(steps, tap));
+    let mut tap = BLURRED.first();
+    while BLURRED.has(tap) && !differ {
+        let place = around.place(aside([steps, 1], tap));
         let left = around.left(place);
         let other = now & !left.equal(own);
         differ = other.any() && (other & is_asked::<L>(left, around.size(place))).any();
-        tap += 1;
+        tap = BLURRED.after(tap);
     }
     differ
 }
@@ -238,22 +263,22 @@ fn blur<L: Lane, A: Around<L>>(
 ) -> L::Bits {
     let none = square.like(0.0);
     let (mut total, mut red, mut green, mut blue) = (none, none, none, none);
-    let mut tap = 0;
-    while tap < BLURRED {
-        let place = around.place(lattice::<BLUR>(steps, tap));
+    let mut tap = BLURRED.first();
+    while BLURRED.has(tap) {
+        let place = around.place(aside([steps, 1], tap));
         let left = around.left(place);
         let asked = now & is_asked::<L>(left, around.size(place));
         if asked.any() {
-            let aside = distance(here, around.origin(place), around.normal(place));
-            let weight = clamp((square - aside) * sharpness + 0.5, 0.0, 1.0);
-            let weight = (asked & none.less_equal(aside)).select(weight, none);
+            let there = distance(here, around.origin(place), around.normal(place));
+            let weight = clamp((square - there) * sharpness + 0.5, 0.0, 1.0);
+            let weight = (asked & none.less_equal(there)).select(weight, none);
             let light = color::<L>(left);
             total = total + weight;
             red = red + light.x * weight;
             green = green + light.y * weight;
             blue = blue + light.z * weight;
         }
-        tap += 1;
+        tap = BLURRED.after(tap);
     }
     let inverse = recip(total);
     packed([red * inverse, green * inverse, blue * inverse])
@@ -269,36 +294,88 @@ fn is_asked<L: Lane>(left: L::Bits, size: L) -> L::Mask {
 const LEAST_SLOPE: f32 = 1.0 / 16.0;
 
 /// The steps of the blur's lattice, so that it covers a disc of this radius, in rays:
-/// `√((radius / BLUR)² − 1)`, rounded up, at most `5 · side`.
+/// `√((radius / BLUR)² − 1)`, rounded up, at most [`LONGEST`]` · side`.
 #[inline(always)]
 fn steps<L: Lane>(radius: L, side: u32) -> L::Bits {
     let ratio = radius * SHARE;
     let steps = sqrt(ratio * ratio - 1.0);
     let none = steps.like(0.0);
     let steps = none.less_than(steps).select(floor(steps) + 1.0, none);
-    to_integer(steps.min(steps.like((5 * side) as f32)))
+    to_integer(steps.min(steps.like((LONGEST * side) as f32)))
 }
 
-/// Taps of the blur.
-const BLURRED: u32 = (2 * BLUR + 1) * (2 * BLUR + 1);
-/// Taps of the search.
-const SEARCHED: u32 = 2 * (2 * SEARCH + 1) * (2 * SEARCH + 1);
+/// Lattices of the search.
+const LATTICES: u32 = 4;
 
-/// Columns and rows aside of a tap of the search: first of a lattice as narrow as pixels, then of
-/// one as wide as the window.
+/// The steps of a lattice of the search, the widest first: the taps of the last are pixels side by
+/// side, those of the first go as far as the window.
 #[inline(always)]
-fn searched(frame: &Frame, tap: u32) -> [u32; 2] {
-    let steps = if 2 * tap < SEARCHED { frame.side } else { 6 * frame.side };
-    lattice::<SEARCH>(steps, tap)
+fn searched(frame: &Frame, lattice: u32) -> [u32; 2] {
+    let [x, y] = match lattice {
+        0 => [10, 5],
+        1 => [5, 1],
+        2 => [2, 2],
+        _ => [1, 0],
+    };
+    [x * frame.side, y * frame.side]
 }
 
-/// Columns and rows aside of a tap of a lattice. It goes `N` times along `(steps, 1)` and
-/// `(−1, steps)`, both ways; it is walked row by row, and again from the start.
+/// Columns and rows aside of a tap of a lattice whose steps are `(x, y)` and `(−y, x)`.
 #[inline(always)]
-fn lattice<const N: u32>(steps: u32, tap: u32) -> [u32; 2] {
-    let i = (tap % (2 * N + 1)).wrapping_sub(N);
-    let j = (tap / (2 * N + 1) % (2 * N + 1)).wrapping_sub(N);
-    [i.wrapping_mul(steps).wrapping_sub(j), i.wrapping_add(j.wrapping_mul(steps))]
+fn aside([x, y]: [u32; 2], [i, j]: [u32; 2]) -> [u32; 2] {
+    [i.wrapping_mul(x).wrapping_sub(j.wrapping_mul(y)), i.wrapping_mul(y).wrapping_add(j.wrapping_mul(x))]
+}
+
+/// Taps of a lattice, within a disc around the ray: how many steps aside they are along both axes,
+/// which wrap. They are walked row by row.
+#[derive(Clone, Copy)]
+struct Disc {
+    /// How far each row goes, from the middle one on: four bits each.
+    halves: u32,
+    /// The last row.
+    last: u32,
+}
+
+impl Disc {
+    /// The taps whose squared distance, in steps, is at most this: less than 64.
+    const fn within(square: u32) -> Self {
+        let (mut halves, mut j) = (0, 0);
+        while j * j <= square {
+            let mut i = 0;
+            while (i + 1) * (i + 1) + j * j <= square {
+                i += 1;
+            }
+            halves |= i << (4 * j);
+            j += 1;
+        }
+        Self { halves, last: j - 1 }
+    }
+    /// How far a row goes.
+    #[inline(always)]
+    fn half(self, j: u32) -> u32 {
+        let row = if j > self.last { 0_u32.wrapping_sub(j) } else { j };
+        if row > self.last { 0 } else { (self.halves >> (4 * row)) & 15 }
+    }
+    /// The first tap.
+    #[inline(always)]
+    fn first(self) -> [u32; 2] {
+        let j = 0_u32.wrapping_sub(self.last);
+        [0_u32.wrapping_sub(self.half(j)), j]
+    }
+    /// Whether it is one of the taps, and not what comes after the last.
+    #[inline(always)]
+    fn has(self, [_, j]: [u32; 2]) -> bool {
+        j != self.last + 1
+    }
+    /// What comes after a tap.
+    #[inline(always)]
+    fn after(self, [i, j]: [u32; 2]) -> [u32; 2] {
+        if i != self.half(j) {
+            return [i.wrapping_add(1), j];
+        }
+        let j = j.wrapping_add(1);
+        [0_u32.wrapping_sub(self.half(j)), j]
+    }
 }
 
 /// How much of the squared distance to the plane of a surface counts: 1 / tan² 14°.
@@ -317,4 +394,58 @@ fn distance<L: Lane>(here: &Here<L>, origin: V3<L>, normal: V3<L>) -> L {
     let is_same = is_flat & square.like(BEND).less_equal(here.normal.dot(normal));
     let aside = flush(square - along * along);
     is_same.select(aside.max(aside.like(0.0)), aside.like(-1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+    use std::vec::Vec;
+
+    fn taps(disc: Disc) -> Vec<[i32; 2]> {
+        let mut taps = Vec::new();
+        let mut tap = disc.first();
+        while disc.has(tap) {
+            taps.push(tap.map(u32::cast_signed));
+            tap = disc.after(tap);
+        }
+        taps
+    }
+
+    #[test]
+    fn discs_are_walked_tap_by_tap_and_are_round() {
+        for (disc, square, count) in [(SEARCHED, 5, 21), (BLURRED, 41, 137), (Disc::within(0), 0, 1)] {
+            let side = -8..=8_i32;
+            let all = side.clone().flat_map(|j| side.clone().map(move |i| [i, j]));
+            let expected: Vec<_> = all.filter(|[i, j]| i * i + j * j <= square).collect();
+            assert_eq!((taps(disc), expected.len()), (expected, count));
+        }
+    }
+
+    #[test]
+    fn no_tap_is_farther_aside_than_the_margin() {
+        for side in [1, 2, 4] {
+            let frame = Frame { side, ..Frame::zeroed() };
+            let searched = (0..LATTICES).map(|lattice| (searched(&frame, lattice), SEARCHED));
+            let blurred = (0..=LONGEST * side).map(|steps| ([steps, 1], BLURRED));
+            let mut farthest = 0;
+            for (steps, disc) in searched.chain(blurred) {
+                for tap in taps(disc) {
+                    let aside = aside(steps, tap.map(i32::cast_unsigned)).map(u32::cast_signed);
+                    farthest = aside.map(i32::unsigned_abs).into_iter().fold(farthest, u32::max);
+                }
+            }
+            assert!(farthest <= reach(&frame) && farthest >= Frame::WINDOW * side, "{farthest}");
+        }
+    }
+
+    #[test]
+    fn the_blur_covers_the_window() {
+        for side in [1, 2, 4] {
+            for radius in 1..=Frame::WINDOW * side {
+                let steps = steps::<f32>(radius as f32, side).0 as f32;
+                assert!(BLUR as f32 * (steps * steps + 1.0).sqrt() >= radius as f32 * 0.9999, "{radius}");
+            }
+        }
+    }
 }
