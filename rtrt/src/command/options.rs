@@ -174,9 +174,9 @@ pub struct Common {
     pub ambient: Option<Vec3>,
     /// Surround the scene with this environment: it is the background, is mirrored, and lights in
     /// place of the ambient light. A scene without lights gets none. A picture (Radiance .hdr, PNG
-    /// or JPEG) is a panorama, or, by its shape, a cube: px, nx, py, ny, pz, nz in a row (6:1) or a
-    /// column (1:6), or unfolded to a cross (4:3, 3:4). A folder is a cube, of pictures named px,
-    /// nx, py, ny, pz and nz. pz is in front, which is -z
+    /// or JPEG) is, by its shape, a panorama (2:1) or a cube: px, nx, py, ny, pz, nz in a row (6:1) or a
+    /// column (1:6), or unfolded to a cross (4:3, 3:4) that has nothing beside it. A folder is a cube, of
+    /// pictures named px, nx, py, ny, pz and nz. pz is in front, which is -z
     #[arg(long, value_name = "FILE|DIR")]
     pub environment: Option<PathBuf>,
     /// Play this animation of the file: its number, counted from 0, its name, or all at once. The first
