@@ -13,6 +13,7 @@ mod output;
 mod parse;
 mod render;
 mod report;
+mod usage;
 mod verify;
 mod version;
 #[cfg(feature = "viewer")]
@@ -23,6 +24,7 @@ use clap_complete::Shell;
 pub use error::Error;
 use options::{Bench, Render, Verify};
 use std::io;
+pub use usage::refused;
 
 /// Real-time ray tracing with the same bits on every machine.
 ///

@@ -54,7 +54,7 @@ pub struct Render {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: u32,
     /// Frames a second
-    #[arg(long, value_name = "F", default_value = "24", value_parser = rate)]
+    #[arg(long, value_name = "F", default_value = "24", value_parser = rate, allow_negative_numbers = true)]
     pub fps: f64,
     /// Print the SHA-256 of the pixels (red, green, blue, alpha, row by row) and of each
     /// deferred buffer
@@ -100,7 +100,7 @@ pub struct View {
     #[arg(short, long, value_name = "FILE", default_value = "rtrt-{frame}.png", value_parser = PathBufValueParser::new().try_map(png))]
     pub output: PathBuf,
     /// While something moves, trace fewer rays if fewer frames a second than this could be shown
-    #[arg(long, value_name = "N", default_value = "25", value_parser = rate)]
+    #[arg(long, value_name = "N", default_value = "25", value_parser = rate, allow_negative_numbers = true)]
     pub fps: f64,
     /// Load the scene again when a file changes that it was read from: its own, textures, buffers,
     /// material libraries, the environment
@@ -134,10 +134,10 @@ pub struct Common {
     #[arg(long, value_name = "HOW", default_value = "soft", value_parser = shadows())]
     shadows: Shadows,
     /// Render without shadows, as --shadows off does
-    #[arg(long)]
+    #[arg(long, conflicts_with = "shadows")]
     no_shadows: bool,
     /// Give every point and spot light this radius, world units
-    #[arg(long, value_name = "R", value_parser = radius)]
+    #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
     pub light_radius: Option<f32>,
     /// Look at most so many surfaces that cover one another only in part, the last of which is
     /// then drawn as opaque; 1 draws everything as opaque
@@ -150,7 +150,7 @@ pub struct Common {
     pub structure: Structure,
     /// Let suns have shadows of all objects, of those whose shadows may be seen (the picture is the
     /// same), or of those within this distance of the camera
-    #[arg(long, value_name = "all|seen|DISTANCE", default_value = "all", value_parser = occluders)]
+    #[arg(long, value_name = "all|seen|DISTANCE", default_value = "all", value_parser = occluders, allow_negative_numbers = true)]
     pub sun_shadows: Occluders,
     /// Show point and spot lights that have a radius as spheres
     #[arg(long)]
@@ -186,7 +186,7 @@ pub struct Common {
     /// Play the file's animation until this time, seconds after its start. If not given, the
     /// file is shown at rest. A file without a camera is framed so that the whole animation is in
     /// view
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Keep the trees of large meshes in this folder, and take them from there the next time. Files
     /// that are damaged or of another mesh are built anew
@@ -259,7 +259,7 @@ pub struct CameraOptions {
     #[arg(long, value_name = "DEGREES", value_parser = angle, allow_hyphen_values = true)]
     pub fov_y: Option<f32>,
     /// Look along parallel rays, and show so much from top to bottom, world units
-    #[arg(long, value_name = "HEIGHT", value_parser = height, conflicts_with = "fov_y")]
+    #[arg(long, value_name = "HEIGHT", value_parser = height, conflicts_with = "fov_y", allow_negative_numbers = true)]
     pub parallel: Option<f32>,
 }
 
