@@ -113,6 +113,10 @@ pub struct View {
     /// the file says, all of them at full resolution
     #[arg(long, value_name = "FILE")]
     pub replay: Option<PathBuf>,
+    /// Let a GPU draw what the camera sees, and trace shadows, light and what is seen through something; the
+    /// panel switches it. The picture is not the same to the bit: some pixels at edges are others
+    #[arg(long)]
+    pub hybrid: bool,
     #[command(flatten)]
     pub common: Common,
 }
