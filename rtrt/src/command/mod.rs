@@ -29,7 +29,7 @@ pub use usage::refused;
 /// Real-time ray tracing with the same bits on every machine.
 ///
 /// Exit codes: 0 ok, 1 render failed, 2 usage, 3 input unreadable or invalid, 4 backend or
-/// adapter not available, 5 backends or pictures differ.
+/// adapter not available, 5 backends or pictures differ, 130 interrupted.
 #[derive(Debug, clap::Parser)]
 #[command(name = "rtrt", version, long_version = version::long(), max_term_width = 100, after_help = EXAMPLES)]
 pub enum Command {

@@ -47,11 +47,17 @@ pub struct Render {
     #[arg(long, value_name = "FILE")]
     pub compare: Option<PathBuf>,
     /// Let each channel be off by so many of 256 steps when pictures are compared
-    #[arg(long, value_name = "STEPS", default_value_t = 0, requires = "compare")]
+    #[arg(
+        long,
+        value_name = "STEPS",
+        default_value_t = 0,
+        requires = "compare",
+        allow_negative_numbers = true
+    )]
     pub tolerance: u8,
     /// Render so many frames, from --time on, or from the start, numbered from 0 on: the names of files need {n} or
     /// {frame} in them. --hash and --json print for each frame
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     pub frames: u32,
     /// Frames a second
     #[arg(long, value_name = "F", default_value = "24", value_parser = rate, allow_negative_numbers = true)]
@@ -82,7 +88,7 @@ pub struct Verify {
 #[derive(Debug, Args)]
 pub struct Bench {
     /// Frames to measure, after two that are not counted
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000), allow_negative_numbers = true)]
     pub frames: u32,
     /// Let the GPU draw what the camera sees, and trace shadows, light and what is seen through something. The
     /// picture is not the same to the bit: some pixels at edges are others
@@ -145,7 +151,7 @@ pub struct Common {
     pub light_radius: Option<f32>,
     /// Look at most so many surfaces that cover one another only in part, the last of which is
     /// then drawn as opaque; 1 draws everything as opaque
-    #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)))]
+    #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)), allow_negative_numbers = true)]
     pub transparency_depth: u32,
     /// What keeps rays from being asked for every object: lists of objects for each block of each
     /// view; lists of parts with at most so many triangles, for the camera's blocks; whichever of
@@ -248,7 +254,7 @@ pub enum Background {
 #[command(next_help_heading = "Camera")]
 pub struct CameraOptions {
     /// Take this camera of the scene's, counted from 0
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub camera: Option<usize>,
     /// Where the camera is; without --look-at it looks at the middle of the scene
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
@@ -281,7 +287,7 @@ pub struct BackendOptions {
     #[arg(long, value_name = "NAME", env = "WGPU_ADAPTER_NAME", hide_env_values = true)]
     pub adapter: Option<String>,
     /// Threads for loading, and for rendering on the CPU; as many as run at once if not given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]
     pub threads: Option<u16>,
     /// Numbers side by side in one instruction on the CPU; the fastest if not given
     #[arg(long, value_parser = one_of(["1", "8", "16"]))]

@@ -38,6 +38,9 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         "--parallel -1",
         "--fps -1",
         "--tolerance 1",
+        "--frames -1",
+        "--threads -1",
+        "--transparency-depth -1",
     ] {
         let output = folder.run(&format!("render scene.obj -o out.png --backend cpu --quiet {wrong}"));
         let said = stderr(&output);
