@@ -85,12 +85,22 @@ impl Adapter {
 /// `WGPU_BACKEND` and `WGPU_POWER_PREF` in the environment have the meaning that wgpu gives them. Their
 /// position here is their number in [`Options::adapter`].
 pub fn adapters() -> Vec<Adapter> {
-    enumerate().into_iter().map(Adapter::new).collect()
+    enumerate(wanted()).into_iter().map(Adapter::new).collect()
+}
+
+/// Adapters that are there, but not among [`adapters`], each with why: `WGPU_BACKEND` in the environment
+/// leaves them out.
+pub fn left_out() -> Vec<String> {
+    let Ok(value) = std::env::var("WGPU_BACKEND") else { return Vec::new() };
+    let Some(wanted) = wgpu::Backends::from_env() else { return Vec::new() };
+    let adapters = enumerate(KNOWN - wanted);
+    let label = |adapter: &wgpu::Adapter| label(&adapter.get_info());
+    adapters.iter().map(|adapter| format!("WGPU_BACKEND={value} leaves out {}", label(adapter))).collect()
 }
 
 /// Opens the adapter that the options ask for, or else the first that can be used.
 pub(crate) fn choose(options: &Options) -> Result<Device, Error> {
-    let adapters = enumerate();
+    let adapters = enumerate(wanted());
     let Some(wanted) = &options.adapter else {
         let mut tried = Vec::new();
         for adapter in &adapters {
@@ -99,6 +109,7 @@ pub(crate) fn choose(options: &Options) -> Result<Device, Error> {
                 Err(error) => tried.push(error.to_string()),
             }
         }
+        tried.extend(left_out());
         return Err(Error::NoAdapter { tried });
     };
     let named =
@@ -108,7 +119,7 @@ pub(crate) fn choose(options: &Options) -> Result<Device, Error> {
         Some(adapter) => open(adapter, options.route),
         None => Err(Error::AdapterNotFound {
             wanted: wanted.clone(),
-            names: adapters.iter().map(|adapter| label(&adapter.get_info())).collect(),
+            names: adapters.iter().map(|adapter| label(&adapter.get_info())).chain(left_out()).collect(),
         }),
     }
 }
@@ -120,11 +131,17 @@ fn open(adapter: &wgpu::Adapter, route: Route) -> Result<Device, Error> {
     Ok(device)
 }
 
-/// All adapters, the most promising first. `WGPU_BACKEND` in the environment leaves out those that are reached
-/// otherwise, and with `WGPU_POWER_PREF=low` integrated GPUs come before discrete ones.
-fn enumerate() -> Vec<wgpu::Adapter> {
-    let known = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
-    let backends = wgpu::Backends::from_env().map_or(known, |wanted| wanted & known);
+/// The interfaces that a renderer may use.
+const KNOWN: wgpu::Backends = wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
+
+/// Those of them that `WGPU_BACKEND` in the environment names, or all.
+fn wanted() -> wgpu::Backends {
+    wgpu::Backends::from_env().map_or(KNOWN, |wanted| wanted & KNOWN)
+}
+
+/// All adapters that are reached through one of these, the most promising first. With `WGPU_POWER_PREF=low` in
+/// the environment, integrated GPUs come before discrete ones.
+fn enumerate(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,
         flags: wgpu::InstanceFlags::empty(),

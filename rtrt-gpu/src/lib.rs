@@ -29,7 +29,7 @@ mod raster;
 mod texture;
 mod timer;
 
-pub use adapter::{Adapter, Kind, adapters};
+pub use adapter::{Adapter, Kind, adapters, left_out};
 pub use error::Error;
 pub use wgpu;
 

@@ -9,6 +9,7 @@
 //! | `gpu` | `rtrt-gpu`, for [`choose`](mod@choose) to choose from |
 //! | `import` | the modules `import` and `demo` |
 //! | `command` | the `rtrt` command; takes the other two |
+//! | `viewer` | `rtrt view`, the command with a window; takes `command` |
 //!
 #![cfg_attr(feature = "import", doc = "```")]
 #![cfg_attr(not(feature = "import"), doc = "```ignore")]

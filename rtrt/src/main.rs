@@ -16,7 +16,8 @@ fn main() -> ExitCode {
         rtrt::replace::abandon();
         std::process::exit(INTERRUPTED);
     });
-    match command::run(&command::Command::parse()) {
+    let command = command::Command::try_parse().map_err(command::refused);
+    match command.and_then(|command| command::run(&command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // With standard error closed there is nobody left to tell.

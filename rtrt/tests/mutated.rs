@@ -249,9 +249,9 @@ fn damaged_materials_and_textures_are_drawn() {
 #[test]
 fn damaged_panoramas_are_seen_or_refused() {
     let folder = folder("panoramas");
-    let mut hdr = b"#?RADIANCE\n# made here\nEXPOSURE=1\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 9\n".to_vec();
-    // Run lengths, as programs write them: 9 of a byte, four times a row.
-    hdr.extend((0..4).flat_map(|row| [2, 2, 0, 9, 137, 128 + row, 137, 9, 137, 200, 137, 129]));
+    let mut hdr = b"#?RADIANCE\n# made here\nEXPOSURE=1\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n".to_vec();
+    // Run lengths, as programs write them: 8 of a byte, four times a row.
+    hdr.extend((0..4).flat_map(|row| [2, 2, 0, 8, 136, 128 + row, 136, 9, 136, 200, 136, 129]));
     let (file, mut seen) = (folder.join("damaged.hdr"), 0);
     fs::write(&file, &hdr).unwrap();
     surround(&mut Scene::new(), &file).unwrap();

@@ -38,7 +38,7 @@ pub enum SceneError {
     /// The transform has no inverse, is not affine, or is not finite.
     #[error("the transform of the object cannot be inverted")]
     Transform,
-    /// The object would reach beyond [`COORDINATE_LIMIT`].
+    /// The object would reach beyond [`COORDINATE_LIMIT`](super::COORDINATE_LIMIT).
     #[error("the object reaches to {value}, which is not within ±2^30")]
     Coordinate {
         /// The coordinate.

@@ -38,6 +38,7 @@ pub(super) fn auto(options: &Options) -> Result<Chosen, ChooseError> {
             Err(error) => passed_over.push(error.to_string()),
         }
     }
+    passed_over.extend(rtrt_gpu::left_out());
     if passed_over.is_empty() {
         passed_over.push("there is no adapter".into());
     }

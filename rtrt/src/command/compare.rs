@@ -1,19 +1,27 @@
 //! Whether a picture is the one in a file.
 
 use super::Error;
+use image::ImageReader;
+use std::fmt::Display;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
+
+/// Whether the file is a picture of the frame's size, found out before that is rendered.
+pub fn check(path: &Path, frame: [u32; 2]) -> Result<(), Error> {
+    let has = open(path)?.into_dimensions().map_err(|error| refused(path, &error))?;
+    if has == frame.into() {
+        Ok(())
+    } else {
+        Err(Error::Size { path: path.to_owned(), has: has.into(), frame })
+    }
+}
 
 /// Compares pixels (red, green, blue, alpha, row by row) with those of a PNG file; each channel may be off by
 /// `tolerance` steps.
 pub fn compare(path: &Path, pixels: &[u8], frame: [u32; 2], tolerance: u8) -> Result<(), Error> {
-    let refused = |why: String| Error::Reference { path: path.to_owned(), why };
-    let file = image::ImageReader::open(path).map_err(|error| refused(error.to_string()))?;
-    let file = file.with_guessed_format().map_err(|error| refused(error.to_string()))?;
-    let reference =
-        file.decode().map_err(|error| refused(error.to_string().replace('\n', " ")))?.into_rgba8();
-    if reference.dimensions() != frame.into() {
-        return Err(Error::Size { path: path.to_owned(), has: reference.dimensions().into(), frame });
-    }
+    check(path, frame)?;
+    let reference = open(path)?.decode().map_err(|error| refused(path, &error))?.into_rgba8();
     let (is, expected) = (pixels.as_chunks::<4>().0, reference.as_raw().as_chunks::<4>().0);
     let is_off = |(_, (a, b)): &(usize, (&[u8; 4], &[u8; 4]))| {
         a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > tolerance)
@@ -22,4 +30,13 @@ pub fn compare(path: &Path, pixels: &[u8], frame: [u32; 2], tolerance: u8) -> Re
     let Some((number, (&is, &expected))) = differing.next() else { return Ok(()) };
     let at = [number as u32 % frame[0], number as u32 / frame[0]];
     Err(Error::Differs { path: path.to_owned(), pixels: 1 + differing.count(), at, is, expected })
+}
+
+fn open(path: &Path) -> Result<ImageReader<BufReader<File>>, Error> {
+    let file = ImageReader::open(path).map_err(|error| refused(path, &error))?;
+    file.with_guessed_format().map_err(|error| refused(path, &error))
+}
+
+fn refused(path: &Path, why: &impl Display) -> Error {
+    Error::Reference { path: path.to_owned(), why: why.to_string().replace('\n', " ") }
 }

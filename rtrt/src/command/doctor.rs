@@ -15,10 +15,11 @@ pub fn run() -> Result<(), Error> {
             Err(error) => print(format_args!("cpu, not available: {error}"))?,
         }
     }
-    let adapters = rtrt_gpu::adapters();
-    if adapters.is_empty() {
+    let (adapters, left_out) = (rtrt_gpu::adapters(), rtrt_gpu::left_out());
+    if adapters.is_empty() && left_out.is_empty() {
         print("gpu, not available: there is no adapter")?;
     }
+    left_out.iter().try_for_each(|why| print(format_args!("gpu, not available: {why}")))?;
     for (number, adapter) in adapters.iter().enumerate() {
         print_adapter(number, adapter)?;
     }

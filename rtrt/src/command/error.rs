@@ -1,5 +1,6 @@
 //! Why a command failed, and its exit code.
 
+use super::parse::ends_in;
 use rtrt::choose::ChooseError;
 use rtrt::import::ImportError;
 use rtrt_core::backend::RenderError;
@@ -35,6 +36,14 @@ pub enum Error {
         asked: String,
         /// What the scene's are called.
         names: Vec<String>,
+    },
+    /// The command line is none.
+    #[error("{what}")]
+    Line {
+        /// What is wrong with it.
+        what: String,
+        /// What to try instead.
+        hint: String,
     },
     /// Options that do not go together.
     #[error("wrong usage: {0}")]
@@ -185,6 +194,7 @@ impl Error {
             | Self::Camera { .. }
             | Self::Animation { .. }
             | Self::TooLarge { .. }
+            | Self::Line { .. }
             | Self::Usage(_) => 2,
             Self::Import(_) | Self::Reference { .. } => 3,
             Self::Strict { code, .. } => *code,
@@ -206,30 +216,77 @@ impl Error {
     }
 
     /// What to try instead.
-    pub fn hint(&self) -> Option<&'static str> {
-        match self {
-            Self::Demo { .. } => {
-                Some("try demo:matchbox, demo:glass, demo:spheres, demo:levels or demo:moving")
-            }
-            Self::TooLarge { .. } => Some("try a smaller --size or fewer --samples"),
+    pub fn hint(&self) -> Option<&str> {
+        Some(match self {
+            Self::Line { hint, .. } => hint,
+            Self::Demo { .. } => DEMOS,
+            Self::Camera { .. } => "--camera counts from 0; --eye and --look-at need no camera",
+            Self::Animation { .. } => "--animation takes a number, a name, or all",
+            Self::Usage(_) => "--help says more, with examples",
+            Self::TooLarge { .. } => "try a smaller --size or fewer --samples",
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => {
-                Some("`rtrt doctor` lists what this machine offers")
+                "`rtrt doctor` lists what this machine offers"
             }
-            Self::Differs { .. } => Some("--tolerance N allows for N of 256 steps a channel"),
-            Self::Strict { .. } => Some("without --strict this is a warning"),
-            Self::Import(ImportError::Format { .. }) => {
-                Some("scenes are .glb, .gltf and .obj files, demo:matchbox and demo:glass")
-            }
+            Self::Differs { .. } => "--tolerance N allows for N of 256 steps a channel",
+            Self::Size { .. } => "--size gives the frame the picture's size",
+            Self::Reference { .. } => "--compare takes a PNG file, such as `rtrt render` writes",
+            Self::Strict { .. } => "without --strict this is a warning",
+            Self::Import(error) => return of_import(error),
+            Self::Write { source, .. } => of_writing(source),
+            #[cfg(feature = "viewer")]
+            Self::Record { source, .. } => of_writing(source),
+            #[cfg(feature = "viewer")]
+            Self::Replay { .. } => "--replay takes what --record has written",
             Self::Render { source: RenderError::Setup(SetupError::Camera { .. }), .. } => {
-                Some("see --eye, --look-at, --up and --fov-y")
+                "see --eye, --look-at, --up and --fov-y"
+            }
+            Self::Render { source: RenderError::Backend { .. }, .. } => "--backend cpu needs no GPU",
+            Self::Disagree { .. } | Self::Structure { .. } => {
+                "this is a mistake in rtrt; `rtrt --version` and `rtrt doctor` say what it happened with"
             }
             #[cfg(feature = "viewer")]
-            Self::Window { .. } => Some(
+            Self::Window { .. } => {
                 "a window needs a display (on Linux X11, or XWayland, with DISPLAY set) and a Vulkan driver; \
-                 `rtrt render` needs neither",
-            ),
-            _ => None,
+                 `rtrt render` needs neither"
+            }
+            Self::Render { .. } | Self::Encode { .. } | Self::Print(_) => return None,
+        })
+    }
+}
+
+/// The scenes that are built in.
+const DEMOS: &str = "try demo:matchbox, demo:glass, demo:spheres, demo:levels or demo:moving";
+
+/// What to try instead of a scene or an environment that cannot be loaded.
+fn of_import(error: &ImportError) -> Option<&'static str> {
+    Some(match error {
+        ImportError::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
+            "names begin at the folder that the command runs in; demo:matchbox needs no file"
         }
+        ImportError::Unreadable { .. } | ImportError::Format { .. } => {
+            "scenes are .glb, .gltf and .obj files; demo:matchbox needs no file"
+        }
+        ImportError::Environment { .. } => {
+            "an environment is a .hdr, PNG or JPEG file, or a folder with px, nx, py, ny, pz and nz"
+        }
+        ImportError::Extension { .. } => "export the scene without that extension",
+        ImportError::Limit { .. } => "what is read is limited so that memory lasts; export less of the scene",
+        ImportError::Buffer { .. } => {
+            "buffers lie beside the scene's file, under the names that it gives them"
+        }
+        ImportError::Invalid { path, .. } if !ends_in(path, "obj") => {
+            "what else is wrong with a glTF file, a glTF validator says"
+        }
+        _ => return None,
+    })
+}
+
+/// What to try where a file cannot be written.
+fn of_writing(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound => "make the folder first, or give another name",
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "make room, or write it elsewhere",
+        _ => "write it elsewhere",
     }
 }
 

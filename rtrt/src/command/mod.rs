@@ -13,6 +13,7 @@ mod output;
 mod parse;
 mod render;
 mod report;
+mod usage;
 mod verify;
 mod version;
 #[cfg(feature = "viewer")]
@@ -23,11 +24,12 @@ use clap_complete::Shell;
 pub use error::Error;
 use options::{Bench, Render, Verify};
 use std::io;
+pub use usage::refused;
 
 /// Real-time ray tracing with the same bits on every machine.
 ///
 /// Exit codes: 0 ok, 1 render failed, 2 usage, 3 input unreadable or invalid, 4 backend or
-/// adapter not available, 5 backends or pictures differ.
+/// adapter not available, 5 backends or pictures differ, 130 interrupted.
 #[derive(Debug, clap::Parser)]
 #[command(name = "rtrt", version, long_version = version::long(), max_term_width = 100, after_help = EXAMPLES)]
 pub enum Command {

@@ -47,14 +47,20 @@ pub struct Render {
     #[arg(long, value_name = "FILE")]
     pub compare: Option<PathBuf>,
     /// Let each channel be off by so many of 256 steps when pictures are compared
-    #[arg(long, value_name = "STEPS", default_value_t = 0, requires = "compare")]
+    #[arg(
+        long,
+        value_name = "STEPS",
+        default_value_t = 0,
+        requires = "compare",
+        allow_negative_numbers = true
+    )]
     pub tolerance: u8,
     /// Render so many frames, from --time on, or from the start, numbered from 0 on: the names of files need {n} or
     /// {frame} in them. --hash and --json print for each frame
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     pub frames: u32,
     /// Frames a second
-    #[arg(long, value_name = "F", default_value = "24", value_parser = rate)]
+    #[arg(long, value_name = "F", default_value = "24", value_parser = rate, allow_negative_numbers = true)]
     pub fps: f64,
     /// Print the SHA-256 of the pixels (red, green, blue, alpha, row by row) and of each
     /// deferred buffer
@@ -82,7 +88,7 @@ pub struct Verify {
 #[derive(Debug, Args)]
 pub struct Bench {
     /// Frames to measure, after two that are not counted
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000), allow_negative_numbers = true)]
     pub frames: u32,
     /// Let the GPU draw what the camera sees, and trace shadows, light and what is seen through something. The
     /// picture is not the same to the bit: some pixels at edges are others
@@ -100,7 +106,7 @@ pub struct View {
     #[arg(short, long, value_name = "FILE", default_value = "rtrt-{frame}.png", value_parser = PathBufValueParser::new().try_map(png))]
     pub output: PathBuf,
     /// While something moves, trace fewer rays if fewer frames a second than this could be shown
-    #[arg(long, value_name = "N", default_value = "25", value_parser = rate)]
+    #[arg(long, value_name = "N", default_value = "25", value_parser = rate, allow_negative_numbers = true)]
     pub fps: f64,
     /// Load the scene again when a file changes that it was read from: its own, textures, buffers,
     /// material libraries, the environment
@@ -113,6 +119,10 @@ pub struct View {
     /// the file says, all of them at full resolution
     #[arg(long, value_name = "FILE")]
     pub replay: Option<PathBuf>,
+    /// Let a GPU draw what the camera sees, and trace shadows, light and what is seen through something; the
+    /// panel switches it. The picture is not the same to the bit: some pixels at edges are others
+    #[arg(long)]
+    pub hybrid: bool,
     #[command(flatten)]
     pub common: Common,
 }
@@ -134,14 +144,14 @@ pub struct Common {
     #[arg(long, value_name = "HOW", default_value = "soft", value_parser = shadows())]
     shadows: Shadows,
     /// Render without shadows, as --shadows off does
-    #[arg(long)]
+    #[arg(long, conflicts_with = "shadows")]
     no_shadows: bool,
     /// Give every point and spot light this radius, world units
-    #[arg(long, value_name = "R", value_parser = radius)]
+    #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
     pub light_radius: Option<f32>,
     /// Look at most so many surfaces that cover one another only in part, the last of which is
     /// then drawn as opaque; 1 draws everything as opaque
-    #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)))]
+    #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)), allow_negative_numbers = true)]
     pub transparency_depth: u32,
     /// What keeps rays from being asked for every object: lists of objects for each block of each
     /// view; lists of parts with at most so many triangles, for the camera's blocks; whichever of
@@ -150,7 +160,7 @@ pub struct Common {
     pub structure: Structure,
     /// Let suns have shadows of all objects, of those whose shadows may be seen (the picture is the
     /// same), or of those within this distance of the camera
-    #[arg(long, value_name = "all|seen|DISTANCE", default_value = "all", value_parser = occluders)]
+    #[arg(long, value_name = "all|seen|DISTANCE", default_value = "all", value_parser = occluders, allow_negative_numbers = true)]
     pub sun_shadows: Occluders,
     /// Show point and spot lights that have a radius as spheres
     #[arg(long)]
@@ -174,9 +184,9 @@ pub struct Common {
     pub ambient: Option<Vec3>,
     /// Surround the scene with this environment: it is the background, is mirrored, and lights in
     /// place of the ambient light. A scene without lights gets none. A picture (Radiance .hdr, PNG
-    /// or JPEG) is a panorama, or, by its shape, a cube: px, nx, py, ny, pz, nz in a row (6:1) or a
-    /// column (1:6), or unfolded to a cross (4:3, 3:4). A folder is a cube, of pictures named px,
-    /// nx, py, ny, pz and nz. pz is in front, which is -z
+    /// or JPEG) is, by its shape, a panorama (2:1) or a cube: px, nx, py, ny, pz, nz in a row (6:1) or a
+    /// column (1:6), or unfolded to a cross (4:3, 3:4) that has nothing beside it. A folder is a cube, of
+    /// pictures named px, nx, py, ny, pz and nz. pz is in front, which is -z
     #[arg(long, value_name = "FILE|DIR")]
     pub environment: Option<PathBuf>,
     /// Play this animation of the file: its number, counted from 0, its name, or all at once. The first
@@ -186,7 +196,7 @@ pub struct Common {
     /// Play the file's animation until this time, seconds after its start. If not given, the
     /// file is shown at rest. A file without a camera is framed so that the whole animation is in
     /// view
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Keep the trees of large meshes in this folder, and take them from there the next time. Files
     /// that are damaged or of another mesh are built anew
@@ -244,7 +254,7 @@ pub enum Background {
 #[command(next_help_heading = "Camera")]
 pub struct CameraOptions {
     /// Take this camera of the scene's, counted from 0
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub camera: Option<usize>,
     /// Where the camera is; without --look-at it looks at the middle of the scene
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
@@ -259,7 +269,7 @@ pub struct CameraOptions {
     #[arg(long, value_name = "DEGREES", value_parser = angle, allow_hyphen_values = true)]
     pub fov_y: Option<f32>,
     /// Look along parallel rays, and show so much from top to bottom, world units
-    #[arg(long, value_name = "HEIGHT", value_parser = height, conflicts_with = "fov_y")]
+    #[arg(long, value_name = "HEIGHT", value_parser = height, conflicts_with = "fov_y", allow_negative_numbers = true)]
     pub parallel: Option<f32>,
 }
 
@@ -277,7 +287,7 @@ pub struct BackendOptions {
     #[arg(long, value_name = "NAME", env = "WGPU_ADAPTER_NAME", hide_env_values = true)]
     pub adapter: Option<String>,
     /// Threads for loading, and for rendering on the CPU; as many as run at once if not given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]
     pub threads: Option<u16>,
     /// Numbers side by side in one instruction on the CPU; the fastest if not given
     #[arg(long, value_parser = one_of(["1", "8", "16"]))]

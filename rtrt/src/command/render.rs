@@ -1,7 +1,7 @@
 //! `rtrt render`: a picture of a scene.
 
 use super::Error;
-use super::compare::compare;
+use super::compare::{self, compare};
 use super::console::Console;
 use super::exr;
 use super::job::{Job, open};
@@ -141,7 +141,17 @@ fn check(options: &Render) -> Result<(), Error> {
             "every frame wants a file of its own, so the names need {frame} or {n} in them",
         ));
     }
-    files.try_for_each(|path| output::check(&filled(path, &options.common.scene, 0)))
+    let name = |path: &Path| filled(path, &options.common.scene, 0);
+    if output.is_some_and(|output| options.aov.as_deref() == Some(output)) {
+        return Err(Error::Usage("the picture and the deferred buffers go to the same file"));
+    }
+    if let Some(reference) = &options.compare {
+        if files.clone().any(|path| name(path) == name(reference)) {
+            return Err(Error::Usage("the picture goes to the file that it is compared with"));
+        }
+        compare::check(&name(reference), options.common.size)?;
+    }
+    files.try_for_each(|path| output::check(&name(path)))
 }
 
 /// Whether what is to be written is made from the deferred buffers.

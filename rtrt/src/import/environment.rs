@@ -16,10 +16,13 @@ const ENDINGS: [&str; 4] = ["hdr", "png", "jpg", "jpeg"];
 /// | what is there | what it is |
 /// |---|---|
 /// | a folder with pictures named px, nx, py, ny, pz, nz, all square and of one size | a [`Cube`] |
+/// | a picture of 2 to 1 | a [`Panorama`] |
 /// | a picture of 6 to 1, or 1 to 6 | a cube, px, nx, py, ny, pz, nz side by side, or below one another |
 /// | a picture of 4 to 3 | a cube unfolded: nx, pz, px, nz in the middle row, py above pz, ny below |
 /// | a picture of 3 to 4 | the same with nz, upside down, below ny |
-/// | any other picture | a [`Panorama`] |
+///
+/// Any other picture is refused, and so is one of 4 to 3 or 3 to 4 that is not empty, which is of one color, beside
+/// the arms of the cross: photographs have that shape.
 ///
 /// Pictures are Radiance RGBE (`.hdr`), whose numbers are light, or PNG or JPEG, whose numbers are
 /// sRGB, 1 at most.
@@ -33,7 +36,8 @@ pub fn surround(scene: &mut Scene, path: &Path) -> Result<Vec<PathBuf>, ImportEr
         (files.into(), scene.set_cube(&cube))
     } else {
         let picture = read(path)?;
-        let result = match unfolded(&picture) {
+        let refused = |why| ImportError::Environment { path: path.to_owned(), why };
+        let result = match unfolded(&picture).map_err(refused)? {
             Some(cube) => scene.set_cube(&cube),
             None => scene.set_environment(&picture),
         };
@@ -75,8 +79,8 @@ fn assembled(files: &[PathBuf; 6]) -> Result<Cube, ImportError> {
     Ok(cube)
 }
 
-/// The cube that a picture is, by its shape; none if it is a panorama.
-fn unfolded(picture: &Panorama) -> Option<Cube> {
+/// The cube that a picture is, by its shape; none if it is a panorama. What is wrong if it is neither.
+fn unfolded(picture: &Panorama) -> Result<Option<Cube>, String> {
     // Columns and rows of px, nx, py, ny, pz, nz.
     const LAYOUTS: [([u32; 2], [[u32; 2]; 6]); 4] = [
         ([6, 1], [[0, 0], [1, 0], [2, 0], [3, 0], [4, 0], [5, 0]]),
@@ -84,30 +88,68 @@ fn unfolded(picture: &Panorama) -> Option<Cube> {
         ([4, 3], [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]]),
         ([3, 4], [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [1, 3]]),
     ];
-    let &Panorama { width, height, ref rgb } = picture;
+    let &Panorama { width, height, .. } = picture;
+    // Rows may be rounded.
+    if width.abs_diff(2 * height) <= 1 {
+        return Ok(None);
+    }
     let fits =
         |&([columns, rows], _): &([u32; 2], _)| width % columns == 0 && width / columns * rows == height;
-    let (shape, places) = LAYOUTS.into_iter().find(fits)?;
+    let Some((shape, places)) = LAYOUTS.into_iter().find(fits) else {
+        return Err(format!(
+            "it has {width} x {height} pixels; a panorama is 2:1, a cube 6:1, 1:6, or as a cross 4:3 or 3:4"
+        ));
+    };
     let side = width / shape[0];
-    let face = |[column, row]: [u32; 2]| -> Vec<[f32; 3]> {
-        let line = |y: u32| {
-            let start = ((row * side + y) * width + column * side) as usize;
-            &rgb[start..start + side as usize]
-        };
-        (0..side).flat_map(line).copied().collect()
+    let beside = (0..shape[0]).flat_map(|column| (0..shape[1]).map(move |row| [column, row]));
+    if let Some([column, row]) = beside
+        .filter(|place| !places.contains(place))
+        .find(|place| !is_empty(picture, place.map(|place| place * side), side))
+    {
+        return Err(format!(
+            "it is {}:{}, as a cube unfolded to a cross is, but not empty beside the cross, at {},{}; \
+             a panorama is 2:1",
+            shape[0],
+            shape[1],
+            column * side,
+            row * side
+        ));
+    }
+    let face = |place: [u32; 2]| -> Vec<[f32; 3]> {
+        let [x, y] = place.map(|place| place * side);
+        (y..y + side).flat_map(|y| row(picture, [x, y], side)).copied().collect()
     };
     let mut faces = places.map(face);
     if shape == [3, 4] {
         faces[5].reverse();
     }
-    Some(Cube { side, faces })
+    Ok(Some(Cube { side, faces }))
+}
+
+/// Whether a square of a picture is of one color, as far as its middle tells: JPEG files are not exact beside
+/// edges.
+fn is_empty(picture: &Panorama, [x, y]: [u32; 2], side: u32) -> bool {
+    let (margin, middle) = (side / 4, side - 2 * (side / 4));
+    let texels = || (y..y + middle).flat_map(|y| row(picture, [x + margin, y + margin], middle));
+    (0..3).all(|channel| {
+        let (low, high) = texels()
+            .map(|texel| texel[channel])
+            .fold((f32::MAX, 0.0_f32), |(low, high), value| (low.min(value), high.max(value)));
+        high - low <= 0.05 * high + 0.002
+    })
+}
+
+/// Texels of a picture's row, from the first one on.
+fn row(picture: &Panorama, [x, y]: [u32; 2], count: u32) -> &[[f32; 3]] {
+    let start = (y * picture.width + x) as usize;
+    &picture.rgb[start..start + count as usize]
 }
 
 /// A picture, linear.
 fn read(path: &Path) -> Result<Panorama, ImportError> {
-    let bytes = file::read(path, file::LONGEST)
-        .map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
-    decode(&bytes).map_err(|why| ImportError::Environment { path: path.to_owned(), why })
+    let refused = |why| ImportError::Environment { path: path.to_owned(), why };
+    let bytes = file::read(path, file::LONGEST).map_err(|error| refused(error.to_string()))?;
+    decode(&bytes).map_err(refused)
 }
 
 fn decode(bytes: &[u8]) -> Result<Panorama, String> {

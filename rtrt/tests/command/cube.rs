@@ -92,7 +92,7 @@ fn strips_and_crosses_are_the_same_cube() {
     // In another order it is another one.
     together(6, 1, [1, 0, 2, 3, 4, 5].map(|i| [i, 0])).save(folder.0.join("other.png")).unwrap();
     assert_ne!(hash("other.png"), cube);
-    // A picture of any other shape is a panorama.
+    // A picture of 2:1 is a panorama.
     imageops::crop_imm(&shapes[0].1, 0, 0, 32, 16).to_image().save(folder.0.join("around.png")).unwrap();
     assert_ne!(hash("around.png"), cube);
 }
@@ -116,4 +116,28 @@ fn pictures_that_are_no_cube_are_refused_by_name() {
         "nz.png: it has 4 columns, and cube/px.png 16",
     );
     refused(&|cube| std::fs::write(cube.join("pz.png"), "no picture").unwrap(), "pz.png: it is not in the");
+}
+
+#[test]
+fn pictures_of_other_shapes_are_refused_with_the_shapes_there_are() {
+    let folder = folder("cube_photograph");
+    let cross = || together(4, 3, [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]]);
+    let said = |picture: RgbImage, name: &str| {
+        picture.save(folder.0.join(name)).unwrap();
+        let line = "render scene.obj --size 8x8 --samples 1 --backend cpu --hash --environment";
+        let output = folder.run(&format!("{line} {name}"));
+        (code(&output), stderr(&output))
+    };
+    assert_eq!(said(cross(), "cross.jpg").0, 0);
+    // Empty may be white.
+    let mut white = cross();
+    white.pixels_mut().filter(|pixel| pixel.0 == [0; 3]).for_each(|pixel| pixel.0 = [255; 3]);
+    assert_eq!(said(white, "white.jpg").0, 0);
+    let mut photograph = cross();
+    photograph.put_pixel(3 * SIDE + SIDE / 2, 2 * SIDE + SIDE / 2, Rgb([90, 90, 90]));
+    let (code, error) = said(photograph, "photograph.png");
+    assert!(code == 3 && error.contains("photograph.png: it is 4:3, as a cube unfolded"), "{error}");
+    assert!(error.contains("not empty beside the cross, at 48,32; a panorama is 2:1"), "{error}");
+    let (code, error) = said(RgbImage::new(16, 9), "wide.png");
+    assert!(code == 3 && error.contains("it has 16 x 9 pixels; a panorama is 2:1, a cube 6:1"), "{error}");
 }

@@ -9,6 +9,12 @@ use std::time::{Duration, Instant};
 
 #[test]
 fn an_interrupted_run_leaves_whole_files() {
+    for signal in ["-INT", "-TERM"] {
+        interrupted(signal);
+    }
+}
+
+fn interrupted(signal: &str) {
     let folder = Folder::new("interrupted");
     fs::create_dir(folder.0.join("out")).unwrap();
     let line = "render scene.obj --size 640x360 --backend cpu --frames 100000 -o out/{frame}.png";
@@ -22,7 +28,7 @@ fn an_interrupted_run_leaves_whole_files() {
         sleep(Duration::from_millis(5));
     }
     let pid = running.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    assert!(Command::new("kill").args([signal, &pid]).status().unwrap().success());
     assert_eq!(running.wait().unwrap().code(), Some(130));
     for file in files() {
         assert_eq!(file.extension().unwrap(), "png", "{} is left", file.display());

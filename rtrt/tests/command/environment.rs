@@ -26,6 +26,9 @@ fn a_backend_that_is_not_here_has_no_adapters() {
     let other = if cfg!(target_os = "linux") { "dx12" } else { "gl" };
     let (code, said) = run("WGPU_BACKEND", other, "--backend gpu");
     assert!(code == 4 && said.contains("no GPU adapter can be used"), "{said}");
+    let what_there_is = format!("WGPU_BACKEND={other} leaves out ");
+    let is_none_there = run("WGPU_POWER_PREF", "none", "--backend gpu").1.contains("none is there");
+    assert_eq!(said.contains(&what_there_is), !is_none_there, "{said}");
     assert_eq!(run("WGPU_BACKEND", other, "").0, 0);
 }
 

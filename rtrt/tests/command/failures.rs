@@ -29,10 +29,26 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         "--light moon:1,2,3",
         "--backend tpu",
         "--no-such-option",
+        "--no-shadows --shadows soft",
+        "--fov-y 40 --parallel 3",
+        "--compare out.png",
+        "--time -1",
+        "--light-radius -1",
+        "--sun-shadows -1",
+        "--parallel -1",
+        "--fps -1",
+        "--tolerance 1",
+        "--frames -1",
+        "--threads -1",
+        "--transparency-depth -1",
     ] {
-        let output = folder.run(&format!("render scene.obj -o out.png --backend cpu {wrong}"));
-        assert_eq!(code(&output), 2, "{wrong}: {}", stderr(&output));
-        assert!(stderr(&output).contains("error: "), "{wrong}: {}", stderr(&output));
+        let output = folder.run(&format!("render scene.obj -o out.png --backend cpu --quiet {wrong}"));
+        let said = stderr(&output);
+        assert_eq!(code(&output), 2, "{wrong}: {said}");
+        let [error, hint] = said.lines().collect::<Vec<_>>()[..] else { panic!("{wrong}: {said}") };
+        assert!(error.starts_with("error: ") && hint.starts_with("hint: "), "{wrong}: {said}");
+        // A number that is refused is not taken for an option.
+        assert!(!error.contains("unexpected argument '-1'"), "{wrong}: {said}");
     }
     for wrong in [
         "render",
@@ -46,6 +62,8 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         "render scene.obj -o out.png --debug colors",
         "render scene.obj -o - --hash",
         "render scene.obj -o - --json",
+        "render scene.obj -o out.exr --aov out.exr",
+        "render demo:matchbox --aov {scene}.exr --compare matchbox.exr",
         "",
     ] {
         assert_eq!(code(&folder.run(wrong)), 2, "{wrong}");
@@ -84,9 +102,18 @@ fn input_that_cannot_be_read_is_exit_code_3() {
             let output = folder.run(&format!("{command} {scene} --size 8x8 --backend cpu"));
             assert_eq!(code(&output), 3, "{command} {scene}: {}", stderr(&output));
             let errors = stderr(&output);
-            let [error] = errors.lines().collect::<Vec<_>>()[..] else { panic!("not one line: {errors}") };
+            let error = errors.lines().next().unwrap();
             assert!(error.starts_with("error: ") && error.contains(scene), "{error}");
+            assert!(errors.lines().skip(1).all(|line| line.starts_with("hint: ")), "{errors}");
         }
+    }
+    for (environment, why) in [("missing.hdr", "No such file"), ("scene.obj", "it is not in the Radiance")] {
+        let output = folder.run(&format!("render scene.obj -o out.png --environment {environment}"));
+        let said = stderr(&output);
+        assert_eq!(code(&output), 3, "{said}");
+        let begin = format!("error: environment refused: {environment}: ");
+        assert!(said.starts_with(&begin) && (cfg!(windows) || said.contains(why)), "{said}");
+        assert!(said.contains("\nhint: "), "{said}");
     }
     assert!(!folder.0.join("out.png").exists());
 }

@@ -25,7 +25,8 @@ fn the_version_names_features_and_shaders() {
     let long = stdout(&folder.run("--version"));
     let lines: Vec<&str> = long.lines().collect();
     assert_eq!(lines[0], format!("rtrt {version}"));
-    assert!(lines[1].starts_with("features: gpu, import, command"), "{long}");
+    let viewer = if cfg!(feature = "viewer") { ", viewer" } else { "" };
+    assert_eq!(lines[1], format!("features: gpu, import, command{viewer}"));
     let shaders = rtrt::hash::of(rtrt_gpu::SHADERS);
     assert_eq!(lines[2], format!("shaders: {shaders}"));
 }

@@ -35,3 +35,11 @@ fn a_png_of_16_bits_rounds_to_that_of_8() {
     assert_eq!(code(&output), 0);
     assert_eq!(output.stdout, fs::read(folder.0.join("8.png")).unwrap());
 }
+
+#[test]
+fn the_picture_in_the_readme_is_what_its_command_writes() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/matchbox.png");
+    let folder = Folder::new("readme");
+    let mut command = folder.command("render demo:matchbox --backend cpu --compare");
+    stdout(&command.arg(path).output().unwrap());
+}

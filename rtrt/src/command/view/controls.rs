@@ -22,7 +22,7 @@ pub const KEYS: [(&str, &str); 17] = [
     ("Enter", "camera and animation as in the beginning"),
     ("Space", "play and pause the animation"),
     ("B", "the other backend: CPU or GPU"),
-    ("P", "panel: samples, shadows, lights"),
+    ("P", "panel: samples, shadows, hybrid frames, lights"),
     ("Z", "timing"),
     ("Ctrl 1 … 6", "albedo, normal, depth, ids, block heat map, shadow"),
     ("Ctrl 0", "the picture again"),

@@ -5,6 +5,7 @@ use crate::command::console::Console;
 use crate::command::job::open;
 use crate::command::options::BackendOptions;
 use crate::command::report::Machine;
+use rtrt::choose::ChooseError;
 use rtrt_core::backend::Backend;
 use rtrt_gpu::{Gpu, Route};
 
@@ -14,6 +15,10 @@ pub struct Engine {
     machine: Machine,
     /// How it was opened.
     options: BackendOptions,
+    /// Whether it draws what the camera sees.
+    hybrid: bool,
+    /// Whether it has made a picture: for the first one, a GPU compiles shaders.
+    pub is_warm: bool,
 }
 
 /// Where pictures are made.
@@ -25,10 +30,11 @@ enum Renders {
 }
 
 impl Engine {
-    /// Opens a backend.
-    pub fn open(options: &BackendOptions, console: &Console) -> Result<Self, Error> {
-        let (backend, machine) = open(options, false, console)?;
-        Ok(Self { renders: Renders::Apart(backend), machine, options: options.clone() })
+    /// Opens a backend. With `hybrid`, it draws what the camera sees.
+    pub fn open(options: &BackendOptions, hybrid: bool, console: &Console) -> Result<Self, Error> {
+        let (backend, machine) = open(options, hybrid, console)?;
+        let (renders, options) = (Renders::Apart(backend), options.clone());
+        Ok(Self { renders, machine, options, hybrid, is_warm: false })
     }
 
     /// Which it is.
@@ -41,10 +47,12 @@ impl Engine {
     pub fn share(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, console: &Console) {
         let info = device.adapter_info();
         let adapter = format!("{} ({})", info.name, info.backend);
-        if self.machine.kind() != "gpu" || self.machine.adapter() != adapter {
+        if !self.is_gpu() || self.machine.adapter() != adapter {
             return;
         }
-        match Gpu::with_device(device.clone(), queue.clone(), Route::Auto) {
+        let gpu = Gpu::with_device(device.clone(), queue.clone(), Route::Auto)
+            .and_then(|mut gpu| gpu.set_hybrid(self.hybrid).map(|()| gpu));
+        match gpu {
             Ok(gpu) => {
                 self.renders = Renders::Here(Box::new(gpu));
                 console.detail("pictures stay on the window's device");
@@ -53,9 +61,27 @@ impl Engine {
         }
     }
 
+    /// Lets it draw what the camera sees, or no longer. Only a GPU can.
+    pub fn set_hybrid(&mut self, hybrid: bool, console: &Console) -> Result<(), Error> {
+        if self.hybrid == hybrid {
+            return Ok(());
+        }
+        match &mut self.renders {
+            Renders::Here(gpu) => gpu.set_hybrid(hybrid).map_err(ChooseError::from)?,
+            Renders::Apart(_) => self.renders = Self::open(&self.options, hybrid, console)?.renders,
+        }
+        (self.hybrid, self.is_warm) = (hybrid, false);
+        Ok(())
+    }
+
+    /// Whether it is a GPU.
+    pub fn is_gpu(&self) -> bool {
+        self.machine.kind() == "gpu"
+    }
+
     /// Leaves the window's device.
     pub fn part(&mut self, console: &Console) -> Result<(), Error> {
-        self.renders = Self::open(&self.options, console)?.renders;
+        self.renders = Self::open(&self.options, self.hybrid, console)?.renders;
         Ok(())
     }
 

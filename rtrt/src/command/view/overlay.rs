@@ -9,15 +9,15 @@ use rtrt_core::backend::STAGES;
 /// What is left free at the sides of the window.
 pub const MARGIN: f32 = 8.0;
 
-/// Shows all that is to be shown.
-pub fn show(context: &Context, viewer: &Viewer) {
+/// Shows all that is to be shown. `waits` is what is waited for.
+pub fn show(context: &Context, viewer: &Viewer, waits: Option<&str>) {
     if viewer.settings.timing {
         boxed(context, "timing", Align2::LEFT_TOP, |ui| timing(ui, viewer));
     }
     if viewer.settings.help {
         boxed(context, "help", Align2::CENTER_CENTER, help);
     }
-    if let Some(text) = viewer.message() {
+    if let Some(text) = waits.or(viewer.message()) {
         boxed(context, "message", Align2::CENTER_BOTTOM, |ui| ui.label(text));
     }
     if let Some(legend) = viewer.legend() {
@@ -28,7 +28,13 @@ pub fn show(context: &Context, viewer: &Viewer) {
 /// A dark box at a side of the window, through which the mouse reaches the picture.
 fn boxed<R>(context: &Context, name: &'static str, side: Align2, content: impl FnOnce(&mut Ui) -> R) {
     let inward = -vec2(side.x().to_sign(), side.y().to_sign()) * MARGIN;
-    Area::new(Id::unique(name)).anchor(side, inward).interactable(false).show(context, |ui| {
+    let id = Id::unique(name);
+    if context.memory(|memory| memory.area_rect(id)).is_none() {
+        // Where it has to be is known once it has a size; there may be no other frame for long.
+        context.request_discard("a new box");
+    }
+    let area = Area::new(id).anchor(side, inward).interactable(false).fade_in(false);
+    area.show(context, |ui| {
         let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200)).shadow(egui::Shadow::NONE);
         dark.show(ui, |ui| {
             ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);

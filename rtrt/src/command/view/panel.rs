@@ -3,7 +3,7 @@
 use super::overlay::MARGIN;
 use super::viewer::{Settings, Viewer};
 use crate::command::parse::SHADOWS;
-use egui::{Align2, CollapsingHeader, ComboBox, Context, DragValue, ScrollArea, Ui, Window, vec2};
+use egui::{Align2, Checkbox, CollapsingHeader, ComboBox, Context, DragValue, ScrollArea, Ui, Window, vec2};
 use glam::Vec3;
 use rtrt::debug::View;
 use rtrt_core::scene::{Light, Setup};
@@ -16,7 +16,8 @@ pub fn show(context: &Context, viewer: &mut Viewer) {
     let window = window.pivot(Align2::RIGHT_TOP).default_pos(corner);
     window.show(context, |ui| {
         ScrollArea::vertical().show(ui, |ui| {
-            picture(ui, &mut viewer.settings);
+            let is_gpu = viewer.is_gpu();
+            picture(ui, &mut viewer.settings, is_gpu);
             ui.separator();
             lights(ui, viewer);
         });
@@ -24,7 +25,7 @@ pub fn show(context: &Context, viewer: &mut Viewer) {
     viewer.settings.panel = is_open;
 }
 
-fn picture(ui: &mut Ui, settings: &mut Settings) {
+fn picture(ui: &mut Ui, settings: &mut Settings, is_gpu: bool) {
     ui.horizontal(|ui| {
         ui.label("samples");
         for samples in [1, 4, 16] {
@@ -40,6 +41,8 @@ fn picture(ui: &mut Ui, settings: &mut Settings) {
     });
     let layers = DragValue::new(&mut settings.layers).range(1..=Setup::MAX_LAYERS).speed(0.1);
     ui.horizontal(|ui| (ui.label("transparency depth"), ui.add(layers)));
+    let hybrid = Checkbox::new(&mut settings.hybrid, "hybrid, on a GPU");
+    ui.add_enabled(is_gpu, hybrid);
     let fps = DragValue::new(&mut settings.fps).range(1.0..=240.0).speed(0.5);
     ui.horizontal(|ui| (ui.label("frames a second while moving"), ui.add(fps)));
     let name =

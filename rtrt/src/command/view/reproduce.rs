@@ -22,6 +22,8 @@ pub struct Shot<'a> {
     pub request: Request<'a>,
     /// When, of the animation, if it was played.
     pub time: Option<f64>,
+    /// Whether a GPU draws what the camera sees.
+    pub hybrid: bool,
     pub debug: Option<View>,
     /// The lights, if they are no longer those that the scene and the options give.
     pub lights: Option<&'a [Light]>,
@@ -31,12 +33,13 @@ pub struct Shot<'a> {
 
 /// Options of `rtrt view` that are not passed on: those that say nothing about the picture, and those
 /// that [`command`] gives anew, because they may have changed.
-const OWN: [&str; 29] = [
+const OWN: [&str; 30] = [
     "output",
     "fps",
     "watch",
     "record",
     "replay",
+    "hybrid",
     "json",
     "cache",
     "backend",
@@ -122,7 +125,11 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
         option(format_args!("--light {}", light_option(light)));
     }
     if let Some((ambient, background)) = shot.colors.filter(|_| common.environment.is_none()) {
-        option(format_args!("--ambient {} --background {}", vector(ambient), vector(background)));
+        option(format_args!("--ambient {}", vector(ambient)));
+        // Views of what a frame is made of have none.
+        if shot.debug.is_none() {
+            option(format_args!("--background {}", vector(background)));
+        }
     }
     if let Some(time) = shot.time {
         option(format_args!("--time {time}"));
@@ -136,6 +143,13 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
             option(format_args!("--fov-y {}", f64::from(fov_y).to_degrees()));
         }
         Projection::Orthographic { height } => option(format_args!("--parallel {height}")),
+    }
+    if shot.hybrid {
+        // Another one would draw another picture.
+        option(format_args!("--hybrid --backend gpu"));
+        if let Some(adapter) = &common.backend.adapter {
+            option(format_args!("--adapter {}", quoted(Path::new(adapter))));
+        }
     }
     if let Some((name, _)) = View::ALL.iter().find(|(_, view)| Some(*view) == shot.debug) {
         option(format_args!("--debug {name}"));
@@ -226,6 +240,7 @@ mod tests {
                 passed_on: &[],
                 request,
                 time: Some(0.1 + 0.2),
+                hybrid: place % 3 == 0,
                 debug,
                 lights: None,
                 colors: None,
@@ -241,6 +256,7 @@ mod tests {
             }
             assert_eq!((read.common.size, read.common.samples), ([123, 45], Some(16)));
             assert_eq!((read.common.shadows(), read.common.transparency_depth), (Shadows::Off, 3));
+            assert_eq!(read.hybrid, place % 3 == 0);
             assert_eq!((read.debug, read.common.time), (debug, Some(0.1 + 0.2)));
             assert_eq!(read.common.lights, common.lights);
         }

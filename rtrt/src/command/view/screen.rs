@@ -37,8 +37,9 @@ impl Screen {
     /// A screen on a window; or what failed, and why.
     pub fn new(window: Arc<Window>, events: &ActiveEventLoop) -> Result<Self, String> {
         let display = Box::new(events.owned_display_handle());
+        let wanted = wgpu::Backends::from_env().unwrap_or(BACKENDS);
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-            backends: BACKENDS,
+            backends: BACKENDS & wanted,
             flags: wgpu::InstanceFlags::empty(),
             ..wgpu::InstanceDescriptor::new_with_display_handle(display)
         });

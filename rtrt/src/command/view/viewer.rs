@@ -34,6 +34,8 @@ pub struct Settings {
     pub samples: u32,
     pub shadows: Shadows,
     pub layers: u32,
+    /// Whether a GPU draws what the camera sees.
+    pub hybrid: bool,
     /// What is shown instead of the picture.
     pub debug: Option<View>,
     /// Frames a second that are worth fewer rays.
@@ -50,6 +52,7 @@ pub struct Wanted {
     pub detail: Detail,
     shadows: Shadows,
     layers: u32,
+    hybrid: bool,
     debug: Option<View>,
     backend: usize,
     changes: u64,
@@ -124,13 +127,14 @@ impl Viewer {
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
         let job = Job::load(&common, SAMPLES, false, common.start(), &console)?;
-        let backend = Engine::open(&common.backend, &console)?;
+        let backend = Engine::open(&common.backend, options.hybrid, &console)?;
         console.finish();
         Ok(Self {
             settings: Settings {
                 samples: job.samples,
                 shadows: job.shadows,
                 layers: job.layers,
+                hybrid: options.hybrid,
                 debug: None,
                 fps: options.fps,
                 help: false,
@@ -179,9 +183,28 @@ impl Viewer {
         self.console.say(line);
     }
 
+    /// Says what is not as it should be with what the window needs.
+    pub fn warn(&self, warning: impl std::fmt::Display) -> Result<(), Error> {
+        self.console.warn(4, warning)
+    }
+
     /// The backend that renders.
     pub fn machine(&self) -> &Machine {
-        self.backends[self.current].machine()
+        self.engine().machine()
+    }
+
+    /// Whether a GPU renders, which can draw.
+    pub fn is_gpu(&self) -> bool {
+        self.engine().is_gpu()
+    }
+
+    /// Whether a picture takes longer to come than the following ones.
+    pub fn is_cold(&self) -> bool {
+        self.is_gpu() && !self.engine().is_warm
+    }
+
+    fn engine(&self) -> &Engine {
+        &self.backends[self.current]
     }
 
     /// The scene that was loaded last.
@@ -344,7 +367,8 @@ impl Viewer {
         if self.backends.len() == 1 {
             let mut options = self.options.backend.clone();
             options.backend = if self.machine().kind() == "cpu" { Choice::Gpu } else { Choice::Cpu };
-            let mut backend = Engine::open(&options, &self.console)?;
+            let hybrid = options.backend == Choice::Gpu && self.settings.hybrid;
+            let mut backend = Engine::open(&options, hybrid, &self.console)?;
             if let Some((device, queue)) = &self.window {
                 backend.share(device, queue, &self.console);
             }
@@ -369,6 +393,7 @@ impl Viewer {
             passed_on: &self.passed_on,
             request: self.job.request(self.settings.debug.is_some()),
             time: self.time,
+            hybrid: self.is_hybrid(),
             debug: self.settings.debug,
             lights: self.has_own_lights.then(|| self.job.scene.lights()),
             colors: self.has_own_colors.then_some((self.job.scene.ambient, self.job.scene.background)),
@@ -421,7 +446,11 @@ impl Viewer {
     fn wanted(&self, detail: Detail) -> Wanted {
         let Settings { shadows, layers, debug, .. } = self.settings;
         let (camera, backend, changes) = (self.job.camera, self.current, self.changes);
-        Wanted { camera, detail, shadows, layers, debug, backend, changes }
+        Wanted { camera, detail, shadows, layers, hybrid: self.is_hybrid(), debug, backend, changes }
+    }
+
+    fn is_hybrid(&self) -> bool {
+        self.settings.hybrid && self.is_gpu()
     }
 
     /// Takes note of what did not work: a person may go on, a replay ends.

@@ -128,24 +128,38 @@ impl App {
         let window = events.create_window(attributes).map_err(|error| plain(&error))?;
         let screen = Screen::new(Arc::new(window), events)?;
         if let Some(viewer) = &mut self.viewer {
-            if let Some(name) = &screen.software {
-                viewer.announce(format_args!("warning: the window is drawn by a software adapter: {name}"));
-            }
             viewer.share(&screen.device, &screen.queue);
         }
         Ok(screen)
+    }
+
+    /// Takes the screen, and says what draws it if that is no GPU.
+    fn take(&mut self, screen: Screen) -> Result<(), Error> {
+        screen.window.request_redraw();
+        let scale = screen.window.scale_factor() as f32;
+        self.tell(Event::Size(screen.size(), scale));
+        let screen = self.screen.insert(screen);
+        match (&screen.software, &self.viewer) {
+            (Some(name), Some(viewer)) => {
+                viewer.warn(format_args!("the window is drawn by a software adapter: {name}"))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// A frame: events, what lies over the picture, the picture. While one is being rendered, what
     /// happens waits for it.
     fn frame(&mut self, events: &ActiveEventLoop) {
         let Some(mut viewer) = self.viewer.take() else { return };
-        let over = match self.step(&mut viewer) {
+        let mut over = match self.step(&mut viewer) {
             Ok(Some(step)) => self.happen(&mut viewer, &step),
             Ok(None) => return self.end(events, Ok(())),
             Err(error) => return self.end(events, Err(error)),
         };
         let Some(wanted) = viewer.next() else { return self.finish(events, viewer, over, None) };
+        if viewer.is_cold() {
+            over = self.wait(&mut viewer, over);
+        }
         let screen = self.screen.as_mut().filter(|_| viewer.is_drawn_here(&wanted));
         let texture = screen.map(|screen| screen.texture(wanted.detail.size));
         if self.replay.is_some() {
@@ -161,12 +175,23 @@ impl App {
         self.away = Some(Away { thread, over });
     }
 
+    /// Shows what lies over the picture while that takes its time. Gives what is to lie over it then.
+    fn wait(&mut self, viewer: &mut Viewer, mut over: FullOutput) -> FullOutput {
+        over.append(self.overlay(viewer, &Step::default(), Some("compiling shaders …")));
+        if let Some(screen) = &mut self.screen {
+            // What does not work here does not work when the picture is there either.
+            _ = screen.show(&self.context, over, self.size);
+        }
+        self.overlay(viewer, &Step::default(), None)
+    }
+
     /// Lets what happened in a step happen. Gives what lies over the picture.
     fn happen(&mut self, viewer: &mut Viewer, step: &Step) -> FullOutput {
-        let over = self.overlay(viewer, step);
-        // What lies over the picture has the first say.
+        // What lies over the picture has the first say, also where a key ends what it says.
+        let were_free = self.are_keys_free();
+        let over = self.overlay(viewer, step, None);
         let free = Free {
-            keys: !self.context.egui_wants_keyboard_input() && !Popup::is_any_open(&self.context),
+            keys: were_free && self.are_keys_free(),
             pointer: !self.context.is_pointer_over_egui() && !self.context.egui_is_using_pointer(),
         };
         for event in &step.events {
@@ -174,6 +199,11 @@ impl App {
         }
         viewer.advance(f64::from(step.seconds));
         over
+    }
+
+    /// Whether no text is written and nothing has popped up.
+    fn are_keys_free(&self) -> bool {
+        !self.context.egui_wants_keyboard_input() && !Popup::is_any_open(&self.context)
     }
 
     /// Shows a frame; `new` is the size of the viewer's picture, if that is not on the screen yet.
@@ -230,8 +260,8 @@ impl App {
         Ok(Some(step))
     }
 
-    /// Lets what lies over the picture see the events.
-    fn overlay(&mut self, viewer: &mut Viewer, step: &Step) -> FullOutput {
+    /// Lets what lies over the picture see the events. `waits` is what is waited for.
+    fn overlay(&mut self, viewer: &mut Viewer, step: &Step, waits: Option<&str>) -> FullOutput {
         self.time += f64::from(step.seconds);
         let [width, height] = self.size.map(|side| side as f32 / self.scale);
         let mut input = RawInput {
@@ -245,7 +275,7 @@ impl App {
             viewport.native_pixels_per_point = Some(self.scale);
         }
         self.context.run_ui(input, |ui| {
-            overlay::show(ui.ctx(), viewer);
+            overlay::show(ui.ctx(), viewer, waits);
             if viewer.settings.panel {
                 panel::show(ui.ctx(), viewer);
             }
@@ -407,11 +437,9 @@ impl ApplicationHandler for App {
         }
         match caught(|| self.open(events)) {
             Ok(screen) => {
-                screen.window.request_redraw();
-                let size = screen.size();
-                let scale = screen.window.scale_factor() as f32;
-                self.screen = Some(screen);
-                self.tell(Event::Size(size, scale));
+                if let Err(error) = self.take(screen) {
+                    self.end(events, Err(error));
+                }
             }
             Err(why) => {
                 let scene = self.scene.clone();

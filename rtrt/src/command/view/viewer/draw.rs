@@ -83,9 +83,11 @@ impl Viewer {
     }
 
     /// Makes the job that of a picture.
-    fn begin(&mut self, Wanted { detail, shadows, layers, debug, .. }: Wanted) -> Result<(), Error> {
+    fn begin(&mut self, wanted: Wanted) -> Result<(), Error> {
+        let Wanted { detail, shadows, layers, hybrid, debug, .. } = wanted;
         (self.drawn, self.shown) = (None, None);
         rays(detail.size, detail.samples, debug.is_some())?;
+        self.backends[self.current].set_hybrid(hybrid, &self.console)?;
         let job = &mut self.job;
         (job.size, job.samples, job.shadows, job.layers) = (detail.size, detail.samples, shadows, layers);
         Ok(())
@@ -94,7 +96,11 @@ impl Viewer {
     /// Takes note of how long a picture took.
     fn measured(&mut self, detail: Detail, start: Instant, stages_ms: [f64; STAGES.len()]) {
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
-        self.pace.measured(detail.rays(), frame_ms);
+        // What is compiled once says nothing about frames to come.
+        if !self.is_cold() {
+            self.pace.measured(detail.rays(), frame_ms);
+        }
+        self.backends[self.current].is_warm = true;
         self.timing = Some(Timing { detail, frame_ms, stages_ms });
     }
 
@@ -110,4 +116,96 @@ impl Viewer {
 /// Whether another backend may do better.
 fn is_of_device(error: &RenderError) -> bool {
     matches!(error, RenderError::Backend { .. })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::Command;
+    use clap::Parser;
+
+    /// A viewer of a GPU's pictures that has no window. None, and said, where there is no GPU.
+    fn viewer() -> Option<Viewer> {
+        let line = "rtrt view demo:matchbox --size 64x36 --samples 1 --backend gpu --quiet";
+        let Command::View(options) = Command::parse_from(line.split(' ')) else { unreachable!() };
+        match Viewer::new(&options) {
+            Err(error @ Error::Choose(_)) if std::env::var_os("RTRT_REQUIRE_GPU").is_none() => {
+                println!("skipped: {error}");
+                None
+            }
+            viewer => Some(viewer.unwrap()),
+        }
+    }
+
+    /// A device of the same adapter, as a window has one, that binds so many storage buffers.
+    fn device(viewer: &Viewer, bindings: u32) -> (wgpu::Device, wgpu::Queue) {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+        let label = |info: wgpu::AdapterInfo| format!("{} ({})", info.name, info.backend);
+        let mut same =
+            adapters.into_iter().filter(|adapter| label(adapter.get_info()) == viewer.machine().adapter());
+        let adapter = same.next().unwrap();
+        let limits = adapter.limits();
+        let descriptor = wgpu::DeviceDescriptor {
+            required_features: adapter.features() & rtrt_gpu::FEATURES,
+            required_limits: wgpu::Limits { max_storage_buffers_per_shader_stage: bindings, ..limits },
+            ..Default::default()
+        };
+        pollster::block_on(adapter.request_device(&descriptor)).unwrap()
+    }
+
+    /// What is to be seen next, rendered into a texture of the device if the viewer takes it. Whether it did.
+    fn is_rendered_here(viewer: &mut Viewer, device: &wgpu::Device) -> bool {
+        let wanted = viewer.next().unwrap();
+        let [width, height] = wanted.detail.size;
+        let texture = viewer.is_drawn_here(&wanted).then(|| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            })
+        });
+        let read_back = viewer.render(wanted, texture);
+        assert!(viewer.message().is_none_or(|text| !text.starts_with("error: ")));
+        read_back.is_none()
+    }
+
+    /// What is there is what the CPU renders.
+    fn assert_right(viewer: &mut Viewer) {
+        let pixels = viewer.pixels().to_vec();
+        viewer.switch().unwrap();
+        let wanted = viewer.next().unwrap();
+        viewer.render(wanted, None);
+        assert!(pixels == viewer.pixels(), "the picture is another one");
+    }
+
+    #[test]
+    fn a_device_that_cannot_be_shared_is_left_alone() {
+        let Some(mut viewer) = viewer() else { return };
+        let (device, queue) = device(&viewer, 4);
+        viewer.share(&device, &queue);
+        assert!(!is_rendered_here(&mut viewer, &device));
+        assert_right(&mut viewer);
+    }
+
+    #[test]
+    fn a_shared_device_that_is_lost_is_left() {
+        let Some(mut viewer) = viewer() else { return };
+        let (device, queue) = device(&viewer, 8);
+        viewer.share(&device, &queue);
+        assert!(is_rendered_here(&mut viewer, &device), "the device is not shared");
+        device.destroy();
+        viewer.touch();
+        assert!(!is_rendered_here(&mut viewer, &device));
+        assert_right(&mut viewer);
+        // And stays so.
+        viewer.switch().unwrap();
+        viewer.touch();
+        assert!(!is_rendered_here(&mut viewer, &device));
+    }
 }

@@ -1,0 +1,57 @@
+//! What is wrong with a command line, said like everything else that is wrong.
+
+use super::Error;
+use clap::error::ErrorKind;
+
+/// The error of a command line that is refused. Help, which is no error, is printed, and the process ends.
+pub fn refused(error: clap::Error) -> Error {
+    if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        error.exit();
+    }
+    let (what, hint) = told(&error.render().to_string());
+    Error::Line { what, hint }
+}
+
+/// What is wrong, and what may help, each in a line. `text` has paragraphs: what is wrong, perhaps tips, the usage,
+/// and where to read more.
+fn told(text: &str) -> (String, String) {
+    let mut parts = text.split("\n\n").map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
+    let what = parts.next().unwrap_or_default();
+    let mut tips = parts.filter_map(|part| part.strip_prefix("tip: ").map(str::to_owned));
+    // What looks like an option hardly ever is a name.
+    let tip = tips.find(|tip| !tip.starts_with("to pass "));
+    (what.trim_start_matches("error: ").to_owned(), tip.unwrap_or("--help says more, with examples".into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::command::{Command, refused};
+    use clap::Parser;
+
+    #[test]
+    fn every_refusal_is_a_line_and_a_hint() {
+        for (line, what, hint) in [
+            ("render a.obj -o x.png --size 0", "invalid value '0' for '--size <SIZE>': not WIDTH", "--help"),
+            (
+                "render a.obj -o x.png --bits 9",
+                "invalid value '9' for '--bits <BITS>' [possible values: 8, 16]",
+                "--help",
+            ),
+            ("render a.obj", "the following required arguments were not provided: --output <FILE>", "--help"),
+            (
+                "render a.obj --hash --evironment x",
+                "unexpected argument '--evironment' found",
+                "a similar argument exists: '--environment'",
+            ),
+            ("verify a.obj --hybrid", "unexpected argument '--hybrid' found", "--help"),
+            ("rendr", "unrecognized subcommand 'rendr'", "a similar subcommand exists: 'render'"),
+        ] {
+            let words = ["rtrt"].into_iter().chain(line.split(' '));
+            let error = refused(Command::try_parse_from(words).unwrap_err());
+            let said = error.to_string();
+            assert!(said.starts_with(what) && !said.contains('\n'), "{said}");
+            assert!(error.hint().is_some_and(|said| said.starts_with(hint)), "{:?}", error.hint());
+            assert_eq!(error.exit_code(), 2);
+        }
+    }
+}

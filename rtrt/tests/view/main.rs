@@ -1,0 +1,8 @@
+//! `rtrt view` in a real window: under Xvfb, a display without a screen. Input comes from recordings.
+
+mod display;
+mod keys;
+mod panel;
+mod pictures;
+mod recordings;
+mod refusals;
