@@ -3,7 +3,6 @@
 use crate::grid::RayIndex;
 use crate::kernel::cone::cone;
 use crate::kernel::falloff::falloff;
-use crate::kernel::ray::Ray;
 use crate::kernel::reflect::{blinn_phong, lambert, shininess};
 use crate::kernel::texture::{Chosen, Maps, Pick, sample};
 use crate::kernel::tint::color;
@@ -65,7 +64,8 @@ impl<L: Lane> ArrivingRows<L> {
 
 /// The light that arrives at a group of surfaces from all lights, in their order.
 /// `mask(word)` is a word of the shadow mask; in frames whose shadows are not bits,
-/// `tint(light)`, the color of a light's shadow, is asked instead. The rays are numbered from `first` on.
+/// `tint(light)`, the color of a light's shadow, is asked instead. The rays that found the surfaces are numbered from `first` on, and have these
+/// directions.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 pub fn light<L: Lane>(
@@ -75,7 +75,7 @@ pub fn light<L: Lane>(
     mask: impl Fn(u32) -> L::Bits,
     tint: impl Fn(u32) -> L::Bits,
     first: RayIndex,
-    ray: &Ray<L>,
+    direction: V3<L>,
     surfaces: &Surfaces<L>,
 ) -> Arriving<L> {
     let mut sum = Arriving::dark(surfaces.footprint.token());
@@ -91,7 +91,7 @@ pub fn light<L: Lane>(
             let lit = mask(light / LIGHTS_PER_WORD) >> (light % LIGHTS_PER_WORD);
             lit & lit.like(1)
         };
-        sum = add(frame, views, light, left, first, ray, surfaces, shininess, &sum);
+        sum = add(frame, views, light, left, first, direction, surfaces, shininess, &sum);
         light += 1;
     }
     sum
@@ -135,7 +135,7 @@ fn add<L: Lane>(
     light: u32,
     left: L::Bits,
     first: RayIndex,
-    ray: &Ray<L>,
+    direction: V3<L>,
     surfaces: &Surfaces<L>,
     shininess: L,
     sum: &Arriving<L>,
@@ -151,7 +151,7 @@ fn add<L: Lane>(
     let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
     let strength = if view.cone_scale == 0.0 { strength } else { strength * cone(view, toward) };
     let strength = reached.select(strength, strength.like(0.0));
-    let lobe = blinn_phong(surfaces.normal, toward, normalize(-ray.direction), shininess);
+    let lobe = blinn_phong(surfaces.normal, toward, normalize(-direction), shininess);
     // Off its peak a lobe is so small that some devices keep its products and others do not.
     let light = V3::splat(token, view.color).scale(strength);
     let light = if frame.is_tinted() { times(light, color(left)) } else { light };

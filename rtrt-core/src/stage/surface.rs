@@ -4,7 +4,7 @@ use crate::kernel::distinct::Distinct;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::footprint;
 use crate::kernel::offset::offset;
-use crate::kernel::ray::{Ray, normal, point, vector};
+use crate::kernel::ray::{normal, point, vector};
 use crate::kernel::sphere::{self, ENTRY};
 use crate::kernel::texture::Places;
 use crate::kernel::traverse::{Best, BestRows, Geometry};
@@ -188,7 +188,8 @@ impl OfObject for Round {
     }
 }
 
-/// The surfaces at the best hits of a group of rays; all zero in a lane without a hit.
+/// The surfaces at the best hits of a group of rays with these directions; all zero in a lane
+/// without a hit.
 ///
 /// The point is interpolated between the triangle's corners rather than followed along
 /// the ray: its error is then that of the corners' coordinates, which the offset is made
@@ -200,7 +201,7 @@ pub fn surface<L: Lane>(
     camera: &View,
     geometry: &Geometry<'_>,
     attributes: &[Attribute],
-    ray: &Ray<L>,
+    direction: V3<L>,
     best: &Best<L>,
 ) -> Surfaces<L> {
     let token = best.t.token();
@@ -270,7 +271,7 @@ pub fn surface<L: Lane>(
     let mut uv = [weights.mix(sa, sb, sc), weights.mix(ta, tb, tc)];
     let mut place = weights.mix3(a, b, c);
     let mut across = (b - a).cross(c - a);
-    let mut flat = facing(normalize(across), -ray.direction);
+    let mut flat = facing(normalize(across), -direction);
 
     let round = vertices.of_objects::<L, Round>(token, best.object, &found);
     let round = none.less_than(round);
@@ -296,7 +297,7 @@ pub fn surface<L: Lane>(
     let place = flush3(place);
     let mut pixel = best.t * camera.pixel_t + camera.pixel;
     if camera.by_angle == 1 {
-        pixel = pixel * grazing(flat, ray.direction);
+        pixel = pixel * grazing(flat, direction);
     }
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
