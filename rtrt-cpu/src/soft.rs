@@ -400,11 +400,12 @@ impl Work for Lighten<'_, '_> {
             let mut sums: [[L; 4]; G] = groups(
                 #[inline(always)]
                 |g| {
-                    L::gather(
+                    let [color] = L::gather_fours(
                         token,
                         #[inline(always)]
-                        |lane| colors[first + g * L::WIDTH + lane],
-                    )
+                        |lane| [colors[first + g * L::WIDTH + lane]],
+                    );
+                    color
                 },
             );
             job.shade(token, frame, &directions, &surfaces, &arriving, &mut sums);
