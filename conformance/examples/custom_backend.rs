@@ -20,7 +20,7 @@ use rtrt_core::lane::Word;
 use rtrt_core::layout::{Frame, Hit, Surface};
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::stage::surface::{Surfaces, Vertices};
-use rtrt_core::stage::visibility::{hit, rays, visibility};
+use rtrt_core::stage::visibility::{directions, hit, visibility};
 use rtrt_core::stage::{
     bin, detail, layers, light, occlusion, penumbra, prepare, resolve, shade, soften, surface,
 };
@@ -184,14 +184,14 @@ impl<'a> Job<'a> {
         let camera = &views[Frame::CAMERA as usize];
         for ray in 0..frame.rays {
             let (at, number) = (ray as usize, RayIndex(ray));
-            let [primary] = rays::<f32, 1>((), frame, camera, number);
+            let [direction] = directions::<f32, 1>((), frame, camera, number);
             let best = if frame.layers == 0 {
                 visibility::<f32, 1>((), frame, views, lists, geometry, number)
             } else {
                 let last = [Best::new(&layer.hits[at])];
                 layers::layer::<f32, 1>((), frame, views, lists, geometry, number, &last)
             };
-            let mut found = surface::surface(camera, geometry, vertices.attributes, &primary, &best[0]);
+            let mut found = surface::surface(camera, geometry, vertices.attributes, direction, &best[0]);
             if frame.details == 1 {
                 found = detail::detail(maps, vertices, &best[0], &found);
             }
@@ -228,12 +228,12 @@ impl<'a> Job<'a> {
                 continue;
             }
             let found = Surfaces::<f32>::new(&layer.surfaces[at]);
-            let [primary] = rays::<f32, 1>((), frame, camera, index);
+            let [direction] = directions::<f32, 1>((), frame, camera, index);
             let (masks, tints) = self.reaching(frame, layer, ray, &found);
             let mask = |word: u32| Word(masks[word as usize]);
             let tint = |light: u32| Word(tints[light as usize]);
-            let arriving = light::light(frame, views, &self.maps, mask, tint, index, &primary, &found);
-            let shaded = shade::shade(frame, &self.maps, &primary, &found, &arriving);
+            let arriving = light::light(frame, views, &self.maps, mask, tint, index, direction, &found);
+            let shaded = shade::shade(frame, &self.maps, direction, &found, &arriving);
             let sum = if frame.layers == 0 { shaded } else { layers::blend(frame, kept.colors[at], shaded) };
             kept.colors[at] = sum;
             if number == 0 {

@@ -74,10 +74,16 @@ impl Grid {
         let inside = index.0 % BLOCK_RAYS;
         (self.ray(RayIndex(index.0 - inside)), inside)
     }
+    /// Columns and rows of rays that belong to the frame.
+    #[inline(always)]
+    pub fn rays_across(self) -> [u32; 2] {
+        [self.width * self.side, self.height * self.side]
+    }
     /// Whether the ray at `[x, y]` belongs to the frame.
     #[inline(always)]
     pub fn contains(self, ray: [u32; 2]) -> bool {
-        ray[0] < self.width * self.side && ray[1] < self.height * self.side
+        let [width, height] = self.rays_across();
+        ray[0] < width && ray[1] < height
     }
     /// The ray at column `x` and row `y`.
     #[inline(always)]

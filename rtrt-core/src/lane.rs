@@ -96,6 +96,10 @@ pub trait Lane:
     fn splat(token: Self::Token, value: f32) -> Self;
     /// `N` numbers whose lanes 0, 1, … are `f(0)`, `f(1)`, ….
     fn gather<const N: usize>(token: Self::Token, f: impl Fn(usize) -> [f32; N]) -> [Self; N];
+    /// `N` times four numbers whose lanes 0, 1, … are `f(0)`, `f(1)`, …; for what lies in memory
+    /// by fours.
+    fn gather_fours<const N: usize>(token: Self::Token, f: impl Fn(usize) -> [[f32; 4]; N])
+    -> [[Self; 4]; N];
     /// `f(0)`, `f(1)`, … in lanes 0, 1, …, as bits.
     fn bits_from_fn(token: Self::Token, f: impl Fn(usize) -> u32) -> Self::Bits;
     /// Four words whose lanes 0, 1, … are `f(0)`, `f(1)`, ….
@@ -265,6 +269,10 @@ impl Lane for f32 {
     }
     #[inline(always)]
     fn gather<const N: usize>(_: (), f: impl Fn(usize) -> [f32; N]) -> [Self; N] {
+        f(0)
+    }
+    #[inline(always)]
+    fn gather_fours<const N: usize>(_: (), f: impl Fn(usize) -> [[f32; 4]; N]) -> [[Self; 4]; N] {
         f(0)
     }
     #[inline(always)]

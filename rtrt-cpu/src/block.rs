@@ -8,16 +8,15 @@ use crate::wide::Wide;
 use rayon::prelude::*;
 use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
 use rtrt_core::kernel::lists::Lists;
-use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::traverse::{Best, Geometry};
-use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, groups};
+use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
 use rtrt_core::layout::{Attribute, Frame, Material, NONE, View};
 use rtrt_core::stage::detail::detail;
 use rtrt_core::stage::layers::{blend, is_covered, layer};
 use rtrt_core::stage::light::{Arriving, light};
 use rtrt_core::stage::surface::{Surfaces, Vertices, surface};
-use rtrt_core::stage::visibility::{rays, visibility};
+use rtrt_core::stage::visibility::{directions, visibility};
 use rtrt_core::stage::{occlusion, resolve::resolve, shade::shade};
 use std::time::Instant;
 
@@ -123,7 +122,7 @@ impl Job<'_> {
     pub fn surfaces<L: Wide, const G: usize>(
         &self,
         token: L::Token,
-        rays: &[Ray<L>; G],
+        directions: &[V3<L>; G],
         best: &[Best<L>; G],
     ) -> [Surfaces<L>; G] {
         let Job { views, geometry, attributes, .. } = self;
@@ -134,7 +133,7 @@ impl Job<'_> {
             || {
                 groups(
                     #[inline(always)]
-                    |g| surface(camera, geometry, attributes, &rays[g], &best[g]),
+                    |g| surface(camera, geometry, attributes, directions[g], &best[g]),
                 )
             },
         )
@@ -171,7 +170,7 @@ impl Job<'_> {
         token: L::Token,
         frame: &Frame,
         first: RayIndex,
-        rays: &[Ray<L>; G],
+        directions: &[V3<L>; G],
         surfaces: &[Surfaces<L>; G],
         shadows: &Shadows<'_, L, G>,
     ) -> [Arriving<L>; G] {
@@ -194,7 +193,7 @@ impl Job<'_> {
                             #[inline(always)]
                             |light| shadows.tint(light, none, g),
                             RayIndex(first.0 + (g * L::WIDTH) as u32),
-                            &rays[g],
+                            directions[g],
                             &surfaces[g],
                         )
                     },
@@ -209,7 +208,7 @@ impl Job<'_> {
         &self,
         token: L::Token,
         frame: &Frame,
-        rays: &[Ray<L>; G],
+        directions: &[V3<L>; G],
         surfaces: &[Surfaces<L>; G],
         arriving: &[Arriving<L>; G],
         sums: &mut [[L; 4]; G],
@@ -220,7 +219,7 @@ impl Job<'_> {
             #[inline(always)]
             || {
                 for g in 0..G {
-                    let shaded = shade(frame, &maps, &rays[g], &surfaces[g], &arriving[g]);
+                    let shaded = shade(frame, &maps, directions[g], &surfaces[g], &arriving[g]);
                     sums[g] = if frame.layers == 0 { shaded } else { blend(frame, sums[g], shaded) };
                 }
             },
@@ -256,16 +255,16 @@ fn packet_colors<L: Wide, const G: usize>(
         let stage = |stage: usize| if number == 0 { stage } else { LAYERS };
         best = job.seen(token, &frame, ray, &best);
         clock.lap(stage(2), &mut start);
-        let rays = rays::<L, G>(token, &frame, camera, ray);
-        let mut surfaces = job.surfaces(token, &rays, &best);
+        let directions = directions::<L, G>(token, &frame, camera, ray);
+        let mut surfaces = job.surfaces(token, &directions, &best);
         clock.lap(stage(3), &mut start);
         job.detail(token, &best, &mut surfaces);
         clock.lap(stage(4), &mut start);
         let shadows = Shadows::<L, G>::new(token, &frame, job, ray, &surfaces, tints);
         clock.lap(stage(5), &mut start);
-        let arriving = job.arriving(token, &frame, ray, &rays, &surfaces, &shadows);
+        let arriving = job.arriving(token, &frame, ray, &directions, &surfaces, &shadows);
         clock.lap(stage(6), &mut start);
-        job.shade(token, &frame, &rays, &surfaces, &arriving, &mut sums);
+        job.shade(token, &frame, &directions, &surfaces, &arriving, &mut sums);
         clock.lap(stage(7), &mut start);
         if let Some(records) = &mut records {
             records.keep(job.frame, number, first, &best, &surfaces, &shadows, &arriving);

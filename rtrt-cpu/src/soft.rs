@@ -18,7 +18,7 @@ use rtrt_core::stage::layers::is_covered;
 use rtrt_core::stage::occlusion::ask;
 use rtrt_core::stage::penumbra::near;
 use rtrt_core::stage::soften::soften;
-use rtrt_core::stage::visibility::rays;
+use rtrt_core::stage::visibility::directions;
 use std::time::Instant;
 
 /// Rays in a block.
@@ -257,8 +257,8 @@ impl Work for Find<'_> {
             );
             let best = job.seen(token, frame, ray, &last);
             clock.lap(shared.stage(2), &mut start);
-            let rays = rays::<L, G>(token, frame, camera, ray);
-            let mut surfaces = job.surfaces(token, &rays, &best);
+            let directions = directions::<L, G>(token, frame, camera, ray);
+            let mut surfaces = job.surfaces(token, &directions, &best);
             clock.lap(shared.stage(3), &mut start);
             job.detail(token, &best, &mut surfaces);
             for g in 0..G {
@@ -389,25 +389,26 @@ impl Work for Lighten<'_, '_> {
                 #[inline(always)]
                 |g| load(token, hits, first + g * L::WIDTH),
             );
-            let rays = rays::<L, G>(token, frame, camera, ray);
-            let mut surfaces = job.surfaces(token, &rays, &best);
+            let directions = directions::<L, G>(token, frame, camera, ray);
+            let mut surfaces = job.surfaces(token, &directions, &best);
             clock.lap(shared.stage(3), &mut start);
             job.detail(token, &best, &mut surfaces);
             clock.lap(shared.stage(4), &mut start);
             let shadows = Shadows::Tints(token, &tints[first..]);
-            let arriving = job.arriving(token, frame, ray, &rays, &surfaces, &shadows);
+            let arriving = job.arriving(token, frame, ray, &directions, &surfaces, &shadows);
             clock.lap(shared.stage(6), &mut start);
             let mut sums: [[L; 4]; G] = groups(
                 #[inline(always)]
                 |g| {
-                    L::gather(
+                    let [color] = L::gather_fours(
                         token,
                         #[inline(always)]
-                        |lane| colors[first + g * L::WIDTH + lane],
-                    )
+                        |lane| [colors[first + g * L::WIDTH + lane]],
+                    );
+                    color
                 },
             );
-            job.shade(token, frame, &rays, &surfaces, &arriving, &mut sums);
+            job.shade(token, frame, &directions, &surfaces, &arriving, &mut sums);
             store(&sums, &mut colors[first..]);
             if let Some(records) = &mut records {
                 records.keep(job.frame, number, first, &best, &surfaces, &shadows, &arriving);

@@ -86,6 +86,20 @@ macro_rules! largest {
     }};
 }
 
+/// The columns of a matrix of as many rows as there are lanes.
+macro_rules! columns {
+    ($lane:path, $vector:ident, $token:ident, $rows:expr, $width:tt) => {{
+        let (first, last) = $rows.as_flattened().split_at(2 * $width);
+        let ((a, b), (c, d)) = (first.split_at($width), last.split_at($width));
+        let (a, b) = ($vector::from_slice($token, a), $vector::from_slice($token, b));
+        let (c, d) = ($vector::from_slice($token, c), $vector::from_slice($token, d));
+        let (upper, lower) = (a.deinterleave(b), c.deinterleave(d));
+        let (x, z) = upper.0.deinterleave(lower.0);
+        let (y, w) = upper.1.deinterleave(lower.1);
+        [$lane(x), $lane(y), $lane(z), $lane(w)]
+    }};
+}
+
 macro_rules! lane {
     ($float:ident, $bits:ident, $mask:ident, $f:ident, $u:ident, $m:ident, $width:tt) => {
         #[doc = concat!(stringify!($width), " numbers side by side.")]
@@ -196,6 +210,24 @@ macro_rules! lane {
                 loaded
             }
             #[inline(always)]
+            fn gather_fours<const N: usize>(
+                token: S,
+                f: impl Fn(usize) -> [[f32; 4]; N],
+            ) -> [[Self; 4]; N] {
+                let mut fours = [[[0.0; 4]; $width]; N];
+                for lane in 0..$width {
+                    let values = f(lane);
+                    for (four, value) in fours.iter_mut().zip(values) {
+                        four[lane] = value;
+                    }
+                }
+                let mut loaded = [[Self::splat(token, 0.0); 4]; N];
+                for (loaded, four) in loaded.iter_mut().zip(&fours) {
+                    *loaded = columns!(Self, $f, token, four, $width);
+                }
+                loaded
+            }
+            #[inline(always)]
             fn bits_from_fn(token: S, f: impl Fn(usize) -> u32) -> $bits<S> {
                 let mut row = [0; $width];
                 for (lane, value) in row.iter_mut().enumerate() {
@@ -205,18 +237,11 @@ macro_rules! lane {
             }
             #[inline(always)]
             fn gather_bits(token: S, f: impl Fn(usize) -> [u32; 4]) -> [$bits<S>; 4] {
-                let mut rows = [[0; $width]; 4];
-                for lane in 0..$width {
-                    let words = f(lane);
-                    for (row, word) in rows.iter_mut().zip(words) {
-                        row[lane] = word;
-                    }
+                let mut fours = [[0; 4]; $width];
+                for (lane, four) in fours.iter_mut().enumerate() {
+                    *four = f(lane);
                 }
-                let mut loaded = [$bits($u::splat(token, 0)); 4];
-                for (loaded, row) in loaded.iter_mut().zip(&rows) {
-                    *loaded = $bits($u::from_slice(token, row));
-                }
-                loaded
+                columns!($bits, $u, token, fours, $width)
             }
             #[inline(always)]
             fn token(self) -> S {

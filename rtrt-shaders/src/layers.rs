@@ -69,10 +69,10 @@ pub fn blend(
     if index < frame.rays && !stage::layers::is_covered(colors[index as usize][3]) {
         let ray = RayIndex(frame.first_ray + index);
         let camera = &views[Frame::CAMERA as usize];
-        let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
+        let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let arriving = Arriving::new(&lit[index as usize]);
-        let shaded = stage::shade::shade(frame, &Maps { materials, texels }, &rays[0], &surface, &arriving);
+        let shaded = stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving);
         colors[index as usize] = stage::layers::blend(frame, colors[index as usize], shaded);
     }
 }

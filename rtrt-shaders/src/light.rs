@@ -28,12 +28,12 @@ pub fn light(
     if index < frame.rays {
         let ray = RayIndex(frame.first_ray + index);
         let camera = &views[Frame::CAMERA as usize];
-        let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
+        let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let mask = |word: u32| Word(masks[(index * frame.mask_words + word) as usize]);
         let tint = |light: u32| Word(tints[left_at(frame, index, light)]);
         let maps = Maps { materials, texels };
-        let arriving = stage::light::light(frame, views, &maps, mask, tint, ray, &rays[0], &surface);
+        let arriving = stage::light::light(frame, views, &maps, mask, tint, ray, direction, &surface);
         lit[index as usize] = arriving.lane(0);
     }
 }

@@ -26,10 +26,10 @@ pub fn shade(
     if index < frame.rays {
         let ray = RayIndex(frame.first_ray + index);
         let camera = &views[Frame::CAMERA as usize];
-        let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
+        let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let arriving = Arriving::new(&lit[index as usize]);
-        let shaded = stage::shade::shade(frame, &Maps { materials, texels }, &rays[0], &surface, &arriving);
+        let shaded = stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving);
         colors[index as usize] =
             if frame.layers == 0 { shaded } else { stage::layers::blend(frame, [0.0; 4], shaded) };
     }

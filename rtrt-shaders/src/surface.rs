@@ -28,9 +28,9 @@ pub fn surface(
             Geometry { objects, nodes, words, positions, texels: words, magnitude: frame.magnitude };
         let ray = RayIndex(frame.first_ray + index);
         let camera = &views[Frame::CAMERA as usize];
-        let rays = stage::visibility::rays::<f32, 1>((), frame, camera, ray);
+        let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
         let best = Best::new(&hits[index as usize]);
-        let found = stage::surface::surface(camera, &geometry, attributes, &rays[0], &best);
+        let found = stage::surface::surface(camera, &geometry, attributes, direction, &best);
         surfaces[index as usize] = found.lane(0);
     }
 }

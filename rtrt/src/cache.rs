@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"rtrttree";
 /// Counts up when the format changes, or the trees that [`MeshTree::build`] makes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Bytes before the nodes.
 const HEADER: usize = 8 + 4 + 32 + 4 + 4;
 /// Bytes of a SHA-256.

@@ -42,20 +42,25 @@ impl<L: Lane> Distinct<L> {
         found
     }
 
-    /// The numbers of each lane's record: `record(lane)`. Whatever `record` makes of it, or 0,
-    /// in a lane that wants none.
+    /// The numbers of each lane's record, by fours: `record(lane)`. Whatever `record` makes of it,
+    /// or 0, in a lane that wants none.
     #[inline(always)]
-    pub fn gather<const N: usize>(&self, record: impl Fn(usize) -> [f32; N]) -> [L; N] {
+    pub fn gather<const N: usize>(&self, record: impl Fn(usize) -> [[f32; 4]; N]) -> [[L; 4]; N] {
         if L::WIDTH == 1 || self.count > MOST {
-            return L::gather(self.token, record);
+            return L::gather_fours(self.token, record);
         }
-        let mut all = [L::splat(self.token, 0.0); N];
+        let mut all = [[L::splat(self.token, 0.0); 4]; N];
         let mut i = 0;
         while i < self.count {
             let numbers = record(self.lanes[i]);
             let mut n = 0;
             while n < N {
-                all[n] = self.masks[i].select(L::splat(self.token, numbers[n]), all[n]);
+                let (numbers, four) = (numbers[n], all[n]);
+                let mut k = 0;
+                while k < 4 {
+                    all[n][k] = self.masks[i].select(L::splat(self.token, numbers[k]), four[k]);
+                    k += 1;
+                }
                 n += 1;
             }
             i += 1;

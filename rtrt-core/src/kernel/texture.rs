@@ -25,7 +25,7 @@ pub struct Maps<'a> {
 /// a structure only where nothing in it is indexed.)
 #[derive(Clone, Copy)]
 pub struct Chosen<L: Lane> {
-    /// The material in each lane; the first one where nothing was hit.
+    /// The material in each lane; that of another lane where nothing was hit.
     indices: <L::Bits as Bits>::Row,
     /// Whether that is the same one in all lanes.
     same: bool,
@@ -35,8 +35,11 @@ impl<L: Lane> Chosen<L> {
     /// The materials numbered `material`, from 1 on; there must be one.
     #[inline(always)]
     pub fn new(material: L::Bits) -> Self {
-        let (none, one) = (material.like(0), material.like(1));
-        let indices = none.less_than(material).select(material - one, none);
+        let none = material.like(0);
+        let found = none.less_than(material);
+        let any = if found.any() { found.bits().trailing_zeros() as usize } else { 0 };
+        let material = found.select(material, none.like(material.row().at(any)));
+        let indices = none.less_than(material).select(material - none.like(1), none);
         let row = indices.row();
         Self { indices: row, same: !(!indices.equal(none.like(row.at(0)))).any() }
     }

@@ -12,8 +12,9 @@ use core::ops::Mul;
 /// How many children can wait on the way down: one a level, so trees are built no deeper.
 pub const STACK: usize = 64;
 
-/// So many tiles of a packet ask a box ray by ray: that is as quick, and exact.
-const FEW: u32 = 5;
+/// So many tiles of a packet ask a box ray by ray: that is as quick, and exact. One more where rays
+/// start apart, as the bounds of their tiles take longer to ask and say less.
+const FEW: [u32; 2] = [5, 6];
 
 /// Everything that a ray can meet.
 #[derive(Clone, Copy)]
@@ -318,7 +319,7 @@ fn met<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
     best: &[Best<L>; G],
 ) -> u32 {
     let node = geometry.nodes[node as usize];
-    if G == 1 || among.count_ones() <= FEW {
+    if G == 1 || among.count_ones() <= FEW[(O::WIDTH == L::WIDTH) as usize] {
         met_by_rays(rays, &node.low, &node.high, among, best)
     } else {
         tiles.meets::<O>(&node.low, &node.high, limits, among)
@@ -387,8 +388,8 @@ fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usize>(
     searches: &mut [S; G],
     best: &mut [Best<L>; G],
 ) -> bool {
-    let mut changed = false;
     let one_sided = is_one_sided::<L, S>(object);
+    let mut changed = 0_u32;
     let mut id = node.first;
     let end = id + node.triangles();
     while id < end {
@@ -411,14 +412,17 @@ fn leaf<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usize>(
                 closer |= searches[g].keep(geometry, object_index, id, &found, &mut best[g]);
                 g += 1;
             }
-            if G > 1 && closer {
-                limits[tile] = Tiles::<L, G>::limit(best, tile);
-            }
-            changed |= closer;
+            changed |= (closer as u32) << tile;
         }
         id += 1;
     }
-    changed
+    let mut left = changed;
+    while G > 1 && left != 0 {
+        let tile = left.trailing_zeros() as usize;
+        left &= left - 1;
+        limits[tile] = Tiles::<L, G>::limit(best, tile);
+    }
+    changed != 0
 }
 
 /// Keeps the least of what a group has found so far and, in the lanes of `mask`, the triangle

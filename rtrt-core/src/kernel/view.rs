@@ -13,21 +13,25 @@ const BLOCKS_PER_RAY: f32 = 1.0 / BLOCK as f32;
 #[inline(always)]
 pub fn ray<L: Lane>(view: &View, a: L, b: L) -> Ray<L> {
     let start = affine(&view.start, &view.start_x, &view.start_y, a, b);
-    let along = affine(&view.along, &view.along_x, &view.along_y, a, b);
-    Ray::new(V3::splat(a.token(), view.center) + start, along)
+    Ray::new(V3::splat(a.token(), view.center) + start, direction(view, a, b))
+}
+
+/// The direction of [`ray`].
+#[inline(always)]
+fn direction<L: Lane>(view: &View, a: L, b: L) -> V3<L> {
+    affine(&view.along, &view.along_x, &view.along_y, a, b)
 }
 
 /// [`camera_ray`] of a camera all of whose rays start at its center.
 #[inline(always)]
 pub fn central_ray<L: Lane>(view: &View, x: L, y: L) -> Ray<L, f32> {
-    let along = affine(
-        &view.along,
-        &view.along_x,
-        &view.along_y,
-        (x + 0.5) * BLOCKS_PER_RAY,
-        (y + 0.5) * BLOCKS_PER_RAY,
-    );
-    Ray::new(V3::splat((), view.center), along)
+    Ray::new(V3::splat((), view.center), camera_direction(view, x, y))
+}
+
+/// The direction of [`camera_ray`].
+#[inline(always)]
+pub fn camera_direction<L: Lane>(view: &View, x: L, y: L) -> V3<L> {
+    direction(view, (x + 0.5) * BLOCKS_PER_RAY, (y + 0.5) * BLOCKS_PER_RAY)
 }
 
 /// `a · by_a + b · by_b + base`.

@@ -114,7 +114,7 @@ impl Parts {
             if self.objects.len() >= MOST {
                 return Err(SetupError::Parts { triangles, limit: MOST });
             }
-            let bounds = Bounds { low: node.low, high: node.high };
+            let bounds = Bounds::around(node);
             let part = place::part(object, &matrix, &bounds);
             self.objects.push(Object { start: index, part_of: number, ..part });
         }

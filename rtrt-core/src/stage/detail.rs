@@ -42,7 +42,7 @@ fn with_second_set<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, surfaces: &
     if !has.any() {
         return *surfaces;
     }
-    let [sa, ta, sb, tb, sc, tc, area] = triangles(best, &found, has).gather(
+    let [[sa, ta, sb, tb], [sc, tc, area, _]] = triangles(best, &found, has).gather(
         #[inline(always)]
         |lane| second_set(vertices, &found, lane),
     );
@@ -75,14 +75,14 @@ impl OfObject for SecondUv {
 /// The second texture coordinates of the corners of one lane's triangle, and twice its area
 /// in the first ones.
 #[inline(always)]
-fn second_set<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [f32; 7] {
+fn second_set<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [[f32; 4]; 2] {
     let index = found.object(lane);
     if index == NONE {
-        return [0.0; 7];
+        return [[0.0; 4]; 2];
     }
     let object = &vertices.objects[index as usize];
     if object.first_second_uv == 0 {
-        return [0.0; 7];
+        return [[0.0; 4]; 2];
     }
     let [a, b, c] = object.corners(vertices.words, found.triangle(lane));
     let (p, q, r) = (
@@ -98,15 +98,8 @@ fn second_set<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize
         at + 2 * (b - object.first_vertex),
         at + 2 * (c - object.first_vertex),
     );
-    [
-        f32::from_bits(vertices.words[a as usize]),
-        f32::from_bits(vertices.words[a as usize + 1]),
-        f32::from_bits(vertices.words[b as usize]),
-        f32::from_bits(vertices.words[b as usize + 1]),
-        f32::from_bits(vertices.words[c as usize]),
-        f32::from_bits(vertices.words[c as usize + 1]),
-        area,
-    ]
+    let number = |word: u32| f32::from_bits(vertices.words[word as usize]);
+    [[number(a), number(a + 1), number(b), number(b + 1)], [number(c), number(c + 1), area, 0.0]]
 }
 
 /// Whether a material has a normal map, and its scale.
@@ -136,7 +129,7 @@ fn normal<L: Lane>(
         return surfaces.normal;
     }
     let found = best.rows();
-    let [nax, nay, naz, nbx, nby, nbz, ncx, ncy, ncz, sa, ta, sb, tb, sc, tc, sign] =
+    let [[nax, nay, naz, sa], [nbx, nby, nbz, ta], [ncx, ncy, ncz, sb], [tb, sc, tc, sign]] =
         triangles(best, &found, wanted).gather(
             #[inline(always)]
             |lane| corners(vertices, &found, lane),
@@ -169,17 +162,17 @@ fn normal<L: Lane>(
     V3::select(has, flush3(turned), surfaces.normal)
 }
 
-/// The normals of the corners of one lane's triangle, object space, then two coordinates of
-/// their tangents, and the sign of the bitangent; all 0 where there are no tangents.
+/// The normals of the corners of one lane's triangle, object space, beside and before two
+/// coordinates of each of their tangents, and the sign of the bitangent; all 0 where there are no tangents.
 #[inline(always)]
-fn corners<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [f32; 16] {
+fn corners<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [[f32; 4]; 4] {
     let index = found.object(lane);
     if index == NONE {
-        return [0.0; 16];
+        return [[0.0; 4]; 4];
     }
     let object = &vertices.objects[index as usize];
     if object.first_tangent == 0 {
-        return [0.0; 16];
+        return [[0.0; 4]; 4];
     }
     let [a, b, c] = object.corners(vertices.words, found.triangle(lane));
     // Tangents are counted from the mesh's first vertex, wrapping.
@@ -190,5 +183,5 @@ fn corners<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -
     let attributes = vertices.attributes;
     let (a, b, c) =
         (&attributes[a as usize].normal, &attributes[b as usize].normal, &attributes[c as usize].normal);
-    [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], t[0], t[1], u[0], u[1], v[0], v[1], t[2]]
+    [[a[0], a[1], a[2], t[0]], [b[0], b[1], b[2], t[1]], [c[0], c[1], c[2], u[0]], [u[1], v[0], v[1], t[2]]]
 }

@@ -3,9 +3,8 @@
 use crate::grid::RayIndex;
 use crate::kernel::cone::cone;
 use crate::kernel::falloff::falloff;
-use crate::kernel::ray::Ray;
 use crate::kernel::reflect::{blinn_phong, lambert, shininess};
-use crate::kernel::texture::{Chosen, Maps, Pick, sample};
+use crate::kernel::texture::{Chosen, Maps, Pick, Places, sample};
 use crate::kernel::tint::color;
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{Frame, Lit, Material, View};
@@ -65,7 +64,8 @@ impl<L: Lane> ArrivingRows<L> {
 
 /// The light that arrives at a group of surfaces from all lights, in their order.
 /// `mask(word)` is a word of the shadow mask; in frames whose shadows are not bits,
-/// `tint(light)`, the color of a light's shadow, is asked instead. The rays are numbered from `first` on.
+/// `tint(light)`, the color of a light's shadow, is asked instead. The rays that found the surfaces
+/// are numbered from `first` on, and have these directions.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 pub fn light<L: Lane>(
@@ -75,14 +75,22 @@ pub fn light<L: Lane>(
     mask: impl Fn(u32) -> L::Bits,
     tint: impl Fn(u32) -> L::Bits,
     first: RayIndex,
-    ray: &Ray<L>,
+    direction: V3<L>,
     surfaces: &Surfaces<L>,
 ) -> Arriving<L> {
     let mut sum = Arriving::dark(surfaces.footprint.token());
-    if frame.lights == 0 {
+    let none = surfaces.material.like(0);
+    let mut lit = none;
+    let (mut next, parts) = (0, if frame.is_tinted() { frame.lights } else { frame.mask_words });
+    while next < parts {
+        lit = lit | if frame.is_tinted() { tint(next) } else { mask(next) };
+        next += 1;
+    }
+    let lit = none.less_than(lit);
+    if !lit.any() {
         return sum;
     }
-    let shininess = exponent(maps, surfaces);
+    let shininess = exponent(maps, lit.select(surfaces.material, none), &surfaces.places());
     let mut light = 0;
     while light < frame.lights {
         let left = if frame.is_tinted() {
@@ -91,26 +99,24 @@ pub fn light<L: Lane>(
             let lit = mask(light / LIGHTS_PER_WORD) >> (light % LIGHTS_PER_WORD);
             lit & lit.like(1)
         };
-        sum = add(frame, views, light, left, first, ray, surfaces, shininess, &sum);
+        sum = add(frame, views, light, left, first, direction, surfaces, shininess, &sum);
         light += 1;
     }
     sum
 }
 
-/// The exponents of a group of surfaces' highlights; any number where nothing was hit.
+/// The exponents of the highlights of surfaces of these materials, at least one; any number
+/// where there is none.
 #[inline(always)]
-fn exponent<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>) -> L {
-    let token = surfaces.footprint.token();
-    if !surfaces.material.like(0).less_than(surfaces.material).any() {
-        return L::splat(token, 1.0);
-    }
-    let chosen = Chosen::new(surfaces.material);
+fn exponent<L: Lane>(maps: &Maps<'_>, materials: L::Bits, places: &Places<L>) -> L {
+    let token = places.footprint[0].token();
+    let chosen = Chosen::new(materials);
     let [exponent, roughness, levels]: [L; 3] = chosen.numbers::<Gloss, 3>(token, maps);
     let textured = levels.like(0.0).less_than(levels);
     if !textured.any() {
         return exponent;
     }
-    let texture = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, &surfaces.places());
+    let texture = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, places);
     textured.select(shininess(roughness * texture[1]), exponent)
 }
 
@@ -135,7 +141,7 @@ fn add<L: Lane>(
     light: u32,
     left: L::Bits,
     first: RayIndex,
-    ray: &Ray<L>,
+    direction: V3<L>,
     surfaces: &Surfaces<L>,
     shininess: L,
     sum: &Arriving<L>,
@@ -151,7 +157,7 @@ fn add<L: Lane>(
     let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
     let strength = if view.cone_scale == 0.0 { strength } else { strength * cone(view, toward) };
     let strength = reached.select(strength, strength.like(0.0));
-    let lobe = blinn_phong(surfaces.normal, toward, normalize(-ray.direction), shininess);
+    let lobe = blinn_phong(surfaces.normal, toward, normalize(-direction), shininess);
     // Off its peak a lobe is so small that some devices keep its products and others do not.
     let light = V3::splat(token, view.color).scale(strength);
     let light = if frame.is_tinted() { times(light, color(left)) } else { light };

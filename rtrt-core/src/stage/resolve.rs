@@ -15,10 +15,10 @@ pub fn resolve<L: Lane>(
     pixel: impl Fn(usize) -> [u32; 2],
     color: impl Fn(RayIndex) -> [f32; 4],
 ) -> L::Bits {
-    let [r, g, b, a] = L::gather(
+    let [[r, g, b, a]] = L::gather_fours(
         token,
         #[inline(always)]
-        |lane| average(grid, pixel(lane), &color),
+        |lane| [average(grid, pixel(lane), &color)],
     );
     let is_partial = a.like(0.0).less_than(a) & a.less_than(a.like(1.0));
     let [r, g, b] = if is_partial.any() {

@@ -1,7 +1,6 @@
 //! Shade: the color that a ray brings back.
 
 use crate::kernel::environment::{Sky, arriving as arriving_from, mirrored};
-use crate::kernel::ray::Ray;
 use crate::kernel::texture::{Chosen, Maps, Pick, channel, sample};
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{AlphaMode, Backdrop, Frame, Material};
@@ -39,7 +38,7 @@ use crate::stage::surface::Surfaces;
 pub fn shade<L: Lane>(
     frame: &Frame,
     maps: &Maps<'_>,
-    ray: &Ray<L>,
+    direction: V3<L>,
     surfaces: &Surfaces<L>,
     arriving: &Arriving<L>,
 ) -> [L; 4] {
@@ -50,7 +49,7 @@ pub fn shade<L: Lane>(
     let clear = one.like(if frame.backdrop == Backdrop::Nothing as u32 { 0.0 } else { 1.0 });
     let shows_sky = sky.first != 0 && frame.backdrop == Backdrop::Environment as u32;
     let background = if shows_sky && (!found).any() {
-        flush3(mirrored(maps, sky, ray.direction, one.like(0.0)))
+        flush3(mirrored(maps, sky, direction, one.like(0.0)))
     } else {
         V3::splat(token, [frame.background_r, frame.background_g, frame.background_b])
     };
@@ -66,7 +65,8 @@ pub fn shade<L: Lane>(
     let diffuse = flush3(times(looks.diffuse, ambient.scale(looks.occlusion) + arriving.diffuse));
     let specular = flush3(times(looks.highlight, arriving.specular));
     let lit = flush3(diffuse + specular + looks.emission);
-    let lit = if sky.first == 0 { lit } else { flush3(lit + reflection(maps, sky, ray, surfaces, &looks)) };
+    let lit =
+        if sky.first == 0 { lit } else { flush3(lit + reflection(maps, sky, direction, surfaces, &looks)) };
     let color = V3::select(found, V3::select(looks.unlit, flush3(looks.base), lit), background);
     [color.x, color.y, color.z, found.select(looks.alpha, clear)]
 }
@@ -82,11 +82,11 @@ pub fn base<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>) -> V3<L> {
 fn reflection<L: Lane>(
     maps: &Maps<'_>,
     sky: Sky,
-    ray: &Ray<L>,
+    direction: V3<L>,
     surfaces: &Surfaces<L>,
     looks: &Looks<L>,
 ) -> V3<L> {
-    let toward = normalize(-ray.direction);
+    let toward = normalize(-direction);
     let normal = surfaces.normal;
     let cosine = normal.dot(toward);
     let (zero, one) = (cosine.like(0.0), cosine.like(1.0));

@@ -4,7 +4,7 @@ use crate::kernel::distinct::Distinct;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::footprint;
 use crate::kernel::offset::offset;
-use crate::kernel::ray::{Ray, normal, point, vector};
+use crate::kernel::ray::{normal, point, vector};
 use crate::kernel::sphere::{self, ENTRY};
 use crate::kernel::texture::Places;
 use crate::kernel::traverse::{Best, BestRows, Geometry};
@@ -188,7 +188,8 @@ impl OfObject for Round {
     }
 }
 
-/// The surfaces at the best hits of a group of rays; all zero in a lane without a hit.
+/// The surfaces at the best hits of a group of rays with these directions; all zero in a lane
+/// without a hit.
 ///
 /// The point is interpolated between the triangle's corners rather than followed along
 /// the ray: its error is then that of the corners' coordinates, which the offset is made
@@ -200,7 +201,7 @@ pub fn surface<L: Lane>(
     camera: &View,
     geometry: &Geometry<'_>,
     attributes: &[Attribute],
-    ray: &Ray<L>,
+    direction: V3<L>,
     best: &Best<L>,
 ) -> Surfaces<L> {
     let token = best.t.token();
@@ -224,30 +225,12 @@ pub fn surface<L: Lane>(
     let found = best.rows();
     let triangles = triangles(best, &found, !missed);
     let [
-        ax,
-        ay,
-        az,
-        bx,
-        by,
-        bz,
-        cx,
-        cy,
-        cz,
-        nax,
-        nay,
-        naz,
-        nbx,
-        nby,
-        nbz,
-        ncx,
-        ncy,
-        ncz,
-        sa,
-        ta,
-        sb,
-        tb,
-        sc,
-        tc,
+        [ax, ay, az, ta],
+        [bx, by, bz, tb],
+        [cx, cy, cz, tc],
+        [nax, nay, naz, sa],
+        [nbx, nby, nbz, sb],
+        [ncx, ncy, ncz, sc],
     ] = triangles.gather(
         #[inline(always)]
         |lane| corners(geometry, attributes, &found, lane),
@@ -270,7 +253,7 @@ pub fn surface<L: Lane>(
     let mut uv = [weights.mix(sa, sb, sc), weights.mix(ta, tb, tc)];
     let mut place = weights.mix3(a, b, c);
     let mut across = (b - a).cross(c - a);
-    let mut flat = facing(normalize(across), -ray.direction);
+    let mut flat = facing(normalize(across), -direction);
 
     let round = vertices.of_objects::<L, Round>(token, best.object, &found);
     let round = none.less_than(round);
@@ -296,7 +279,7 @@ pub fn surface<L: Lane>(
     let place = flush3(place);
     let mut pixel = best.t * camera.pixel_t + camera.pixel;
     if camera.by_angle == 1 {
-        pixel = pixel * grazing(flat, ray.direction);
+        pixel = pixel * grazing(flat, direction);
     }
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
@@ -371,20 +354,20 @@ impl<L: Lane> Space<L> {
             |lane| objects.equal(objects.like(found.object(lane))),
         );
         // Whole matrices at once: a closure made in a loop is beyond rust-gpu.
-        space.to_world = rows(different.gather(
+        space.to_world = different.gather(
             #[inline(always)]
             |lane| {
                 let index = found.object(lane);
-                if index == NONE { [0.0; 12] } else { flat(&vertices.objects[index as usize].to_world) }
+                if index == NONE { [[0.0; 4]; 3] } else { vertices.objects[index as usize].to_world }
             },
-        ));
-        space.to_object = rows(different.gather(
+        );
+        space.to_object = different.gather(
             #[inline(always)]
             |lane| {
                 let index = found.object(lane);
-                if index == NONE { [0.0; 12] } else { flat(&vertices.objects[index as usize].to_object) }
+                if index == NONE { [[0.0; 4]; 3] } else { vertices.objects[index as usize].to_object }
             },
-        ));
+        );
         space
     }
 
@@ -407,31 +390,18 @@ impl<L: Lane> Space<L> {
     }
 }
 
-/// The numbers of a matrix, row by row.
-#[inline(always)]
-fn flat(m: &[[f32; 4]; 3]) -> [f32; 12] {
-    let [a, b, c] = m;
-    [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]]
-}
-
-/// The matrix of these numbers.
-#[inline(always)]
-fn rows<L: Lane>(m: [L; 12]) -> [[L; 4]; 3] {
-    [[m[0], m[1], m[2], m[3]], [m[4], m[5], m[6], m[7]], [m[8], m[9], m[10], m[11]]]
-}
-
-/// The positions of the corners of one lane's triangle, object space, then their normals, then
-/// their texture coordinates.
+/// The positions of the corners of one lane's triangle, object space, each with the second texture
+/// coordinate; then their normals, each with the first one, as they lie in memory.
 #[inline(always)]
 fn corners<L: Lane>(
     geometry: &Geometry<'_>,
     attributes: &[Attribute],
     found: &BestRows<L>,
     lane: usize,
-) -> [f32; 24] {
+) -> [[f32; 4]; 6] {
     let index = found.object(lane);
     if index == NONE {
-        return [0.0; 24];
+        return [[0.0; 4]; 6];
     }
     let [a, b, c] = geometry.corners(&geometry.objects[index as usize], found.triangle(lane));
     let (p, q, r) =
@@ -439,8 +409,12 @@ fn corners<L: Lane>(
     let (a, b, c) = (&attributes[a as usize], &attributes[b as usize], &attributes[c as usize]);
     let (n, m, o) = (&a.normal, &b.normal, &c.normal);
     [
-        p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2], n[0], n[1], n[2], m[0], m[1], m[2], o[0], o[1],
-        o[2], a.uv[0], a.uv[1], b.uv[0], b.uv[1], c.uv[0], c.uv[1],
+        [p[0], p[1], p[2], a.uv[1]],
+        [q[0], q[1], q[2], b.uv[1]],
+        [r[0], r[1], r[2], c.uv[1]],
+        [n[0], n[1], n[2], a.uv[0]],
+        [m[0], m[1], m[2], b.uv[0]],
+        [o[0], o[1], o[2], c.uv[0]],
     ]
 }
 

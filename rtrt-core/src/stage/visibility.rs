@@ -5,8 +5,8 @@ use crate::kernel::lists::Lists;
 use crate::kernel::ray::Ray;
 use crate::kernel::tiles::{TILES, Tiles};
 use crate::kernel::traverse::{Best, Closest, Geometry, Search, meet_sphere, met_by_rays, traverse};
-use crate::kernel::view::{camera_ray, central_ray};
-use crate::lane::{Lane, groups};
+use crate::kernel::view::{camera_direction, camera_ray, central_ray};
+use crate::lane::{Lane, Select, V3, groups};
 use crate::layout::{Frame, Hit, NONE, View};
 use core::ops::Mul;
 
@@ -28,19 +28,40 @@ pub fn rays<L: Lane, const G: usize>(
     )
 }
 
-/// Columns and rows, counted in rays, of the rays of a block from `number` on; `corner` is
-/// that of the block.
+/// The directions of the rays numbered from `first` on.
+#[inline(always)]
+pub fn directions<L: Lane, const G: usize>(
+    token: L::Token,
+    frame: &Frame,
+    camera: &View,
+    first: RayIndex,
+) -> [V3<L>; G] {
+    let (corner, inside) = frame.grid().corner(first);
+    groups(
+        #[inline(always)]
+        |group| {
+            let [x, y] = places(token, corner, inside + (group * L::WIDTH) as u32);
+            camera_direction(camera, x, y)
+        },
+    )
+}
+
+/// Columns and rows, counted in rays, of the group of rays of a block from `number` on; `corner`
+/// is that of the block.
+///
+/// A group is part of a tile, so its lanes lie in each as in the first: the compiler knows where.
 #[inline(always)]
 fn places<L: Lane>(token: L::Token, corner: [u32; 2], number: u32) -> [L; 2] {
     let [x, y] = L::gather(
         token,
         #[inline(always)]
         |lane| {
-            let [x, y] = place(number + lane as u32);
+            let [x, y] = place(lane as u32);
             [x as f32, y as f32]
         },
     );
-    [x + corner[0] as f32, y + corner[1] as f32]
+    let [left, top] = place(number);
+    [x + (corner[0] + left) as f32, y + (corner[1] + top) as f32]
 }
 
 /// The closest hits of the rays numbered from `first` on, all in one block; a ray outside
@@ -87,15 +108,10 @@ pub fn unfound<L: Lane, const G: usize>(token: L::Token, frame: &Frame, first: R
     groups(
         #[inline(always)]
         |group| {
-            let number = inside + (group * L::WIDTH) as u32;
-            let limit = L::from_fn(
-                token,
-                #[inline(always)]
-                |lane| {
-                    let [x, y] = place(number + lane as u32);
-                    if grid.contains([corner[0] + x, corner[1] + y]) { f32::MAX } else { -1.0 }
-                },
-            );
+            let [x, y] = places::<L>(token, corner, inside + (group * L::WIDTH) as u32);
+            let [width, height] = grid.rays_across();
+            let is_inside = x.less_than(x.like(width as f32)) & y.less_than(y.like(height as f32));
+            let limit = is_inside.select(x.like(f32::MAX), x.like(-1.0));
             let none = limit.bits_like(NONE);
             Best { t: limit, object: none, triangle: none, u: limit.like(0.0), v: limit.like(0.0) }
         },
