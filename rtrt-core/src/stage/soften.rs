@@ -127,7 +127,7 @@ struct Here<L> {
 /// ```
 ///
 /// The search goes through neighbors on four lattices, each about twice as wide as the one before (see
-/// [`searched`]). What reaches the ray may fall between the taps: where no penumbra does, the least of
+/// `searched`). What reaches the ray may fall between the taps: where no penumbra does, the least of
 /// those is taken that would if they were wider by half the diagonal of their lattice's cells. If the
 /// ray is beyond it after all, the blur sees nothing but what is left here, too. The least, because
 /// penumbras are narrow where an occluder stands on the surface, and grow from there.
