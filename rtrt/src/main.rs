@@ -22,9 +22,7 @@ fn main() -> ExitCode {
         Err(error) => {
             // With standard error closed there is nobody left to tell.
             let _ = writeln!(std::io::stderr(), "error: {error}");
-            if let Some(hint) = error.hint() {
-                let _ = writeln!(std::io::stderr(), "hint: {hint}");
-            }
+            let _ = writeln!(std::io::stderr(), "hint: {}", error.hint());
             ExitCode::from(error.exit_code())
         }
     }

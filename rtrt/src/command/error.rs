@@ -216,8 +216,8 @@ impl Error {
     }
 
     /// What to try instead.
-    pub fn hint(&self) -> Option<&str> {
-        Some(match self {
+    pub fn hint(&self) -> &str {
+        match self {
             Self::Line { hint, .. } => hint,
             Self::Demo { .. } => DEMOS,
             Self::Camera { .. } => "--camera counts from 0; --eye and --look-at need no camera",
@@ -231,7 +231,7 @@ impl Error {
             Self::Size { .. } => "--size gives the frame the picture's size",
             Self::Reference { .. } => "--compare takes a PNG file, such as `rtrt render` writes",
             Self::Strict { .. } => "without --strict this is a warning",
-            Self::Import(error) => return of_import(error),
+            Self::Import(error) => of_import(error),
             Self::Write { source, .. } => of_writing(source),
             #[cfg(feature = "viewer")]
             Self::Record { source, .. } => of_writing(source),
@@ -249,8 +249,10 @@ impl Error {
                 "a window needs a display (on Linux X11, or XWayland, with DISPLAY set) and a Vulkan driver; \
                  `rtrt render` needs neither"
             }
-            Self::Render { .. } | Self::Encode { .. } | Self::Print(_) => return None,
-        })
+            Self::Render { .. } => "try a smaller --size, fewer --samples, or other --light",
+            Self::Encode { .. } => "try another format: .png or .exr",
+            Self::Print(_) => "what standard output goes to has ended, or is full",
+        }
     }
 }
 
@@ -258,8 +260,8 @@ impl Error {
 const DEMOS: &str = "try demo:matchbox, demo:glass, demo:spheres, demo:levels or demo:moving";
 
 /// What to try instead of a scene or an environment that cannot be loaded.
-fn of_import(error: &ImportError) -> Option<&'static str> {
-    Some(match error {
+fn of_import(error: &ImportError) -> &'static str {
+    match error {
         ImportError::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
             "names begin at the folder that the command runs in; demo:matchbox needs no file"
         }
@@ -277,8 +279,8 @@ fn of_import(error: &ImportError) -> Option<&'static str> {
         ImportError::Invalid { path, .. } if !ends_in(path, "obj") => {
             "what else is wrong with a glTF file, a glTF validator says"
         }
-        _ => return None,
-    })
+        _ => "export the scene again, with numbers that are finite and within 2^30",
+    }
 }
 
 /// What to try where a file cannot be written.
