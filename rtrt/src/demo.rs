@@ -17,7 +17,7 @@ use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded, NamedCamera};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::Texture;
-use rtrt_core::scene::{Camera, Image, Join, Light, MaterialIndex, MeshIndex, Projection, phong};
+use rtrt_core::scene::{Camera, Image, Join, Light, MaterialIndex, MeshIndex, Projection, Scene, phong};
 use shape::Shape;
 use std::path::Path;
 
@@ -71,16 +71,21 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.85 },
     };
-    Ok(Loaded {
+    Ok(shown(scene, "room", camera, stage.builder.tree_build_ms))
+}
+
+/// A scene that is whole, with the one camera that it has.
+fn shown(scene: Scene, name: &str, camera: Camera, tree_build_ms: f64) -> Loaded {
+    Loaded {
         scene,
-        cameras: vec![NamedCamera { name: "room".into(), camera }],
+        cameras: vec![NamedCamera { name: name.into(), camera }],
         camera,
         lit_by_default: false,
         animation: None,
         warnings: Vec::new(),
         files: Vec::new(),
-        tree_build_ms: stage.builder.tree_build_ms,
-    })
+        tree_build_ms,
+    }
 }
 
 /// The scene in the making.

@@ -173,6 +173,22 @@ pub(super) const CASES: &[Case] = &[
         ..FROM_ABOVE
     },
     Case {
+        name: "sphere/one_sided",
+        claim: "The camera looks out of a sphere that is not double-sided; its shadow is whole.",
+        scene: || {
+            let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
+            let one_sided = Material { double_sided: 0, ..phong([0.7, 0.4, 0.2], 0.0, 0.5, PLAIN, [0.0; 3]) };
+            let one_sided = build.scene.add_material(one_sided).expect("a case's material");
+            for place in [ball([0.1, 0.1, 3.8], 0.9), ball([-0.8, 0.0, 0.0], 0.7)] {
+                build.scene.add_sphere(one_sided, place).expect("a case's sphere");
+            }
+            add(&mut build, ball([0.8, -0.2, 0.0], 0.6));
+            build.light(bulb([2.0, 2.0, 6.0])).light(sun([-0.4, -1.0, -0.6])).scene
+        },
+        samples: 4,
+        ..Case::USUAL
+    },
+    Case {
         name: "sphere/mask",
         claim: "A masked sphere has holes, through which its inside is seen.",
         scene: || {

@@ -62,8 +62,6 @@ pub(super) const CASES: &[Case] = &[
             ] {
                 build.scene.add_object(mesh, one_sided, to_world).expect("a case's transform");
             }
-            let shell = at(0.0, 0.1, 3.6) * Mat4::from_scale(Vec3::splat(0.9));
-            build.scene.add_sphere(one_sided, shell).expect("a case's transform");
             build.light(bulb([2.0, 2.0, 3.0])).light(sun([-0.4, -1.0, -0.6])).scene
         },
         samples: 4,

@@ -47,16 +47,12 @@ impl Scene {
     ) -> Result<(), SceneError> {
         let (index, own) = self.object(object)?;
         let mut found = Vec::with_capacity(levels.len());
-        for &(from, mesh, MaterialIndex(material)) in levels {
+        for &(from, mesh, material) in levels {
             if !(from > 0.0 && from.is_finite()) {
                 return Err(SceneError::Distance { value: from });
             }
-            if material as usize >= self.materials().len() {
-                return Err(SceneError::Index { what: "material", index: material });
-            }
-            let coat = Coat::new(material, &self.materials()[material as usize]);
-            let mut placed = place(self.mesh(mesh.0)?, coat, matrix(&own))?;
-            placed.pane = self.pane(mesh.0, material)?;
+            let mut placed = place(self.mesh(mesh.0)?, self.coat(material)?, matrix(&own))?;
+            placed.pane = self.pane(mesh.0, material.0)?;
             found.push(Level { from, mesh, placed });
         }
         found.sort_by(|a, b| a.from.total_cmp(&b.from));

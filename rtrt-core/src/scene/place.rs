@@ -33,7 +33,7 @@ pub(super) struct Stored {
 /// transform, there and back, can magnify errors.
 const SLACK: f64 = 1.0 / 65536.0;
 
-/// What an object is of.
+/// What an object takes from its material.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coat {
     material: u32,

@@ -1,6 +1,7 @@
 //! The scene: everything a backend reads, in the arrays it reads them from.
 
 mod change;
+mod meshes;
 mod panes;
 mod textures;
 
@@ -9,7 +10,7 @@ use crate::layout::{AlphaMode, Attribute, Backdrop, COLOR_LIMIT, Kind, Material,
 use crate::scene::image::decode_words;
 use crate::scene::levels::Level;
 use crate::scene::material::checked;
-use crate::scene::place::{Coat, Stored, place, sphere};
+use crate::scene::place::{Coat, Stored, place};
 use crate::scene::tree::Bounds;
 use crate::scene::{
     CubeError, ImageError, Light, Mesh, MeshTree, Mip, Occluders, PanoramaError, Sequential, Structure, phong,
@@ -200,69 +201,6 @@ impl Scene {
         Ok(MaterialIndex(self.materials.len() as u32 - 1))
     }
 
-    /// Adds a mesh with its tree, to be placed any number of times. It is stored once.
-    ///
-    /// # Errors
-    /// The scene is full.
-    pub fn add_mesh(&mut self, mesh: &Mesh, tree: &MeshTree) -> Result<MeshIndex, SceneError> {
-        let room = |have: usize, more: usize, what| {
-            if have + more > u32::MAX as usize / 4 {
-                Err(SceneError::TooLarge { what })
-            } else {
-                Ok(have as u32)
-            }
-        };
-        // Vertices in the order in which the leaves use them; those that none uses are dropped.
-        let mut order = Order::new(mesh.positions().len());
-        let mut indices = Vec::with_capacity(mesh.indices().len());
-        for &triangle in &tree.triangles {
-            let corners = &mesh.indices()[3 * triangle as usize..][..3];
-            indices.extend(corners.iter().map(|&vertex| order.place(vertex)));
-        }
-        let vertices = || order.vertices.iter().map(|&vertex| vertex as usize);
-        let used = |all: usize| if all == 0 { 0 } else { order.vertices.len() };
-        let (tangents, second_uv) = (used(mesh.tangents().len()), used(mesh.second_uv().len()));
-        let words = indices.len() + tangents + 2 * second_uv;
-        let first_index = room(self.words.len(), words, "triangles")?;
-        let root = tree.nodes.first().copied().ok_or(SceneError::TooLarge { what: "empty trees" })?;
-        let bounds = Bounds { low: root.low, high: root.high };
-        let (center, radius) = sphere(mesh, &bounds);
-        // Where `count` elements of some words each start, after `before`; nowhere if there are none.
-        let after = |before: usize, count: usize| if count == 0 { 0 } else { first_index + before as u32 };
-        let stored = Stored {
-            kind: Kind::Mesh,
-            root: 1 + room(2 * self.nodes.len(), 1 + tree.nodes.len(), "nodes")?,
-            first_vertex: room(self.positions.len(), order.vertices.len(), "vertices")?,
-            first_index,
-            first_tangent: after(indices.len(), tangents),
-            first_second_uv: after(indices.len() + tangents, second_uv),
-            first_source: self.sources.len(),
-            nodes: tree.nodes.len() as u32,
-            vertices: order.vertices.len() as u32,
-            panes: [0; 2],
-            triangles: mesh.triangles() as u32,
-            bounds,
-            center,
-            radius,
-        };
-        // What stands beside the root is where hidden objects go.
-        self.nodes.push(Pair([Node { kind: 3, ..Node::zeroed() }, root]));
-        self.nodes.extend(tree.nodes[1..].chunks_exact(2).map(|pair| Pair([pair[0], pair[1]])));
-        self.words.extend_from_slice(&indices);
-        if tangents > 0 {
-            self.words.extend(vertices().map(|vertex| mesh.tangents()[vertex]));
-        }
-        if second_uv > 0 {
-            self.words.extend(vertices().flat_map(|vertex| mesh.second_uv()[vertex].map(f32::to_bits)));
-        }
-        self.positions.extend(vertices().map(|vertex| mesh.positions()[vertex]));
-        self.attributes.extend(vertices().map(|vertex| mesh.attributes()[vertex]));
-        self.sources.extend_from_slice(&tree.triangles);
-        self.versions.geometry += 1;
-        self.meshes.push(stored);
-        Ok(MeshIndex(self.meshes.len() as u32 - 1))
-    }
-
     /// Places a mesh in the world. `to_world` takes object to world space.
     ///
     /// # Errors
@@ -274,11 +212,7 @@ impl Scene {
         material: MaterialIndex,
         to_world: Mat4,
     ) -> Result<ObjectIndex, SceneError> {
-        if material.0 as usize >= self.materials.len() {
-            return Err(SceneError::Index { what: "material", index: material.0 });
-        }
-        let coat = Coat::new(material.0, &self.materials[material.0 as usize]);
-        let mut object = place(self.mesh(mesh.0)?, coat, to_world)?;
+        let mut object = place(self.mesh(mesh.0)?, self.coat(material)?, to_world)?;
         object.pane = self.pane(mesh.0, material.0)?;
         // Here the bounds only grow; going through all objects for each would take hours for
         // a million of them.
@@ -364,6 +298,11 @@ impl Scene {
         let index = object.0 as usize;
         let found = self.objects.get(index).map(|object| (index, *object));
         found.ok_or(SceneError::Index { what: "object", index: object.0 })
+    }
+
+    pub(super) fn coat(&self, MaterialIndex(index): MaterialIndex) -> Result<Coat, SceneError> {
+        let found = self.materials.get(index as usize).map(|material| Coat::new(index, material));
+        found.ok_or(SceneError::Index { what: "material", index })
     }
 
     pub(super) fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
@@ -496,29 +435,5 @@ impl Scene {
     pub fn source_bytes(&self) -> usize {
         let indices = 12 * self.triangles() as usize;
         size_of_val(&self.positions[..]) + size_of_val(&self.attributes[..]) + indices
-    }
-}
-
-/// Numbers vertices in the order in which they are first used.
-struct Order {
-    /// The new number of each, or `u32::MAX`.
-    places: Vec<u32>,
-    /// The old number of each.
-    vertices: Vec<u32>,
-}
-
-impl Order {
-    fn new(count: usize) -> Self {
-        Self { places: vec![u32::MAX; count], vertices: Vec::with_capacity(count) }
-    }
-
-    /// The new number of a vertex.
-    fn place(&mut self, vertex: u32) -> u32 {
-        let place = &mut self.places[vertex as usize];
-        if *place == u32::MAX {
-            *place = self.vertices.len() as u32;
-            self.vertices.push(vertex);
-        }
-        *place
     }
 }

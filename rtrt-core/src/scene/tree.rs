@@ -450,6 +450,40 @@ mod tests {
         assert!(check(&mesh(&triangles)) < STACK);
     }
 
+    /// What a visit to a node costs, and its triangles; counts leaves of more than one, and inner nodes
+    /// that could be leaves, of which each has to cost less than its triangles would.
+    fn cost(tree: &MeshTree, node: &Node, small: &mut [u32; 2]) -> (f32, u32) {
+        if node.is_leaf() {
+            small[0] += u32::from(node.triangles() > 1);
+            return (node.triangles() as f32, node.triangles());
+        }
+        let area = |node: &Node| Bounds::around(node).area();
+        let (mut sum, mut triangles) = (VISIT_COST, 0);
+        for child in &tree.nodes[node.first as usize..][..2] {
+            let (below, count) = cost(tree, child, small);
+            sum += area(child) / area(node) * below;
+            triangles += count;
+        }
+        if triangles as usize <= LEAF {
+            small[1] += 1;
+            assert!(sum < triangles as f32, "a split of {triangles} triangles costs {sum}");
+        }
+        (sum, triangles)
+    }
+
+    #[test]
+    fn splits_that_stay_pay() {
+        // Ten times as large, triangles lie in each other's boxes.
+        let larger = |[p, q, r]: [[f32; 3]; 3]| {
+            [p, q, r].map(|corner| core::array::from_fn(|i| p[i] + (corner[i] - p[i]) * 10.0))
+        };
+        let triangles: Vec<_> = scattered(2000).into_iter().map(larger).collect();
+        let tree = MeshTree::build(&mesh(&triangles), &Sequential);
+        let mut small = [0; 2];
+        let (_, count) = cost(&tree, &tree.nodes[0], &mut small);
+        assert!(count == 2000 && small.iter().all(|&count| count > 50), "{small:?}");
+    }
+
     #[test]
     fn kept_links_give_the_same_tree() {
         for count in [0, 1, 2, 5000] {

@@ -159,19 +159,13 @@ fn keep(object: u32, id: u32, met: &Meeting<f32>, best: &mut Best<f32>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Attribute, NONE, Texture};
+    use crate::layout::{Attribute, Material, NONE, Texture};
     use crate::scene::{Mesh, MeshTree, Scene, Sequential, phong};
     use bytemuck::Zeroable;
     use std::vec;
 
-    #[test]
-    fn a_ray_past_a_triangle_meets_its_sphere_only() {
-        let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let mesh = Mesh::new(corners, vec![Attribute::zeroed(); 3], vec![0, 1, 2]).unwrap();
-        let mut scene = Scene::new();
-        let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3])).unwrap();
-        let stored = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
-        scene.add_object(stored, white, glam::Mat4::IDENTITY).unwrap();
+    /// What is found on a ray that goes along −z from this height, with lists that hold object 0.
+    fn found(scene: &Scene, from: [f32; 3]) -> Inspection {
         let geometry = Geometry {
             objects: scene.objects(),
             nodes: scene.nodes(),
@@ -181,13 +175,48 @@ mod tests {
             magnitude: 1.0,
         };
         let lists = Lists { words: &[0, 1, 0, 0], blocks: 1 };
-        let along = |x: f32, y: f32| Ray::new(V3::splat((), [x, y, 1.0]), V3::splat((), [0.0, 0.0, -1.0]));
-        let hit = inspect(&lists, &geometry, 0, &along(0.25, 0.25));
+        inspect(&lists, &geometry, 0, &Ray::new(V3::splat((), from), V3::splat((), [0.0, 0.0, -1.0])))
+    }
+
+    /// A triangle that faces +z, and its material.
+    fn triangle(double_sided: u32, to_world: glam::Mat4) -> Scene {
+        let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::new(corners, vec![Attribute::zeroed(); 3], vec![0, 1, 2]).unwrap();
+        let mut scene = Scene::new();
+        let white = Material { double_sided, ..phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]) };
+        let white = scene.add_material(white).unwrap();
+        let stored = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
+        scene.add_object(stored, white, to_world).unwrap();
+        scene
+    }
+
+    #[test]
+    fn a_ray_past_a_triangle_meets_its_sphere_only() {
+        let scene = triangle(1, glam::Mat4::IDENTITY);
+        let hit = found(&scene, [0.25, 0.25, 1.0]);
         assert_eq!((hit.hit.object, hit.entries, hit.asked), (0, 1, 1));
         assert_eq!((hit.boxes, hit.triangles, hit.sphere), (1, 1, true));
-        let past = inspect(&lists, &geometry, 0, &along(0.9, 0.9));
+        let past = found(&scene, [0.9, 0.9, 1.0]);
         assert_eq!((past.hit.object, past.boxes, past.triangles, past.sphere), (NONE, 1, 1, true));
-        let far = inspect(&lists, &geometry, 0, &along(3.0, 3.0));
+        let far = found(&scene, [3.0, 3.0, 1.0]);
         assert_eq!((far.boxes, far.triangles, far.sphere), (1, 0, false));
+    }
+
+    #[test]
+    fn a_back_is_met_if_both_sides_are_to_be_seen() {
+        let turned = glam::Mat4::from_rotation_y(core::f32::consts::PI);
+        for (double_sided, to_world, object) in
+            [(0, glam::Mat4::IDENTITY, 0), (0, turned, NONE), (1, turned, 0)]
+        {
+            let scene = triangle(double_sided, to_world);
+            let x = if to_world == turned { -0.25 } else { 0.25 };
+            assert_eq!(found(&scene, [x, 0.25, 1.0]).hit.object, object);
+        }
+        let mut scene = Scene::new();
+        let white = phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]);
+        let white = scene.add_material(Material { double_sided: 0, ..white }).unwrap();
+        scene.add_sphere(white, glam::Mat4::IDENTITY).unwrap();
+        assert_eq!(found(&scene, [0.0, 0.0, 2.0]).hit.object, 0);
+        assert_eq!(found(&scene, [0.0; 3]).hit.object, NONE);
     }
 }

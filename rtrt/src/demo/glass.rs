@@ -2,8 +2,9 @@
 
 use super::noise::hash;
 use super::shape::Shape;
+use super::shown;
 use crate::import::builder::Builder;
-use crate::import::{ImportError, Loaded, NamedCamera};
+use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::{AlphaMode, Material, Texture};
 use rtrt_core::scene::{Camera, Join, Light, MaterialIndex, Projection, phong};
@@ -61,16 +62,7 @@ pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.80 },
     };
-    Ok(Loaded {
-        scene,
-        cameras: vec![NamedCamera { name: "window".into(), camera }],
-        camera,
-        lit_by_default: false,
-        warnings: Vec::new(),
-        animation: None,
-        files: Vec::new(),
-        tree_build_ms: stage.builder.tree_build_ms,
-    })
+    Ok(shown(scene, "window", camera, stage.builder.tree_build_ms))
 }
 
 /// The scene in the making.

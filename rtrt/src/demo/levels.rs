@@ -1,8 +1,9 @@
 //! `demo:levels`: objects with fewer triangles the farther away they are.
 
 use super::shape::Shape;
+use super::shown;
 use crate::import::builder::{Builder, Geometry};
-use crate::import::{ImportError, Loaded, NamedCamera};
+use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::{Attribute, Texture};
 use rtrt_core::scene::{Camera, Join, Light, Projection, phong};
@@ -54,16 +55,7 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.7 },
     };
-    Ok(Loaded {
-        scene,
-        cameras: vec![NamedCamera { name: "field".into(), camera }],
-        camera,
-        lit_by_default: false,
-        animation: None,
-        warnings: Vec::new(),
-        files: Vec::new(),
-        tree_build_ms: builder.tree_build_ms,
-    })
+    Ok(shown(scene, "field", camera, builder.tree_build_ms))
 }
 
 /// A ball: so many rings of as many quads.

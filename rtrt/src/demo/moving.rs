@@ -3,8 +3,9 @@
 use super::Stage;
 use super::paint;
 use super::shape::Shape;
+use super::shown;
 use crate::import::builder::Builder;
-use crate::import::{Animation, ImportError, Loaded, NamedCamera};
+use crate::import::{Animation, ImportError, Loaded};
 use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::layout::Texture;
 use rtrt_core::scene::{
@@ -66,16 +67,8 @@ pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.75 },
     };
-    Ok(Loaded {
-        scene,
-        cameras: vec![NamedCamera { name: "lanes".into(), camera }],
-        camera,
-        lit_by_default: false,
-        animation: Some(Animation::of_motions(MOVING, motions, END)),
-        warnings: Vec::new(),
-        files: Vec::new(),
-        tree_build_ms: stage.builder.tree_build_ms,
-    })
+    let animation = Some(Animation::of_motions(MOVING, motions, END));
+    Ok(Loaded { animation, ..shown(scene, "lanes", camera, stage.builder.tree_build_ms) })
 }
 
 impl<J: Join> Stage<'_, J> {

@@ -3,8 +3,9 @@
 use super::Stage;
 use super::paint;
 use super::shape::Shape;
+use super::shown;
 use crate::import::builder::Builder;
-use crate::import::{ImportError, Loaded, NamedCamera};
+use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::layout::{AlphaMode, Material, Texture};
 use rtrt_core::scene::{Camera, Join, Light, MaterialIndex, Projection, phong};
@@ -48,16 +49,7 @@ pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.72 },
     };
-    Ok(Loaded {
-        scene,
-        cameras: vec![NamedCamera { name: "table".into(), camera }],
-        camera,
-        lit_by_default: false,
-        animation: None,
-        warnings: Vec::new(),
-        files: Vec::new(),
-        tree_build_ms: stage.builder.tree_build_ms,
-    })
+    Ok(shown(scene, "table", camera, stage.builder.tree_build_ms))
 }
 
 impl<J: Join> Stage<'_, J> {
