@@ -7,7 +7,7 @@ use conformance::shape::{Build, Random, Shape, bulb};
 use divan::Bencher;
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, LAYERS, Picture, Request, Shadows};
-use rtrt_core::scene::{Camera, MeshTree, Projection, Scene, Sequential};
+use rtrt_core::scene::{Bvh, Camera, Projection, Scene, Sequential};
 use rtrt_cpu::{Cpu, Options, Parallel};
 
 const CAMERA: Camera = Camera {
@@ -64,7 +64,7 @@ fn thousand_balls(bencher: Bencher<'_, '_>, lanes: u32) {
     let ball = build.mesh(Shape::ball(5));
     for _ in 0..1000 {
         let place = Mat4::from_translation(random.vector(5.0)) * Mat4::from_scale(Vec3::splat(0.2));
-        build.object(ball, place);
+        build.instance(ball, place);
     }
     let scene = build.light(bulb([0.0, 9.0, 3.0])).scene;
     frames(bencher, &scene, &CAMERA, lanes);
@@ -74,12 +74,12 @@ fn thousand_balls(bencher: Bencher<'_, '_>, lanes: u32) {
 #[divan::bench(args = ["one thread", "all threads"])]
 fn tree(bencher: Bencher<'_, '_>, how: &str) {
     let mesh = Shape::ball(100).mesh();
-    let expected = MeshTree::build(&mesh, &Sequential);
+    let expected = Bvh::build(&mesh, &Sequential);
     let cpu = Cpu::new(Options::default()).expect("a processor");
     bencher.bench_local(|| {
         let tree = match how {
-            "one thread" => MeshTree::build(&mesh, &Sequential),
-            _ => cpu.install(|| MeshTree::build(&mesh, &Parallel)),
+            "one thread" => Bvh::build(&mesh, &Sequential),
+            _ => cpu.install(|| Bvh::build(&mesh, &Parallel)),
         };
         assert_eq!(tree, expected, "threads change the tree");
     });

@@ -13,16 +13,16 @@ use bytemuck::Zeroable;
 use conformance::{Suite, cases};
 use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request};
 use rtrt_core::grid::RayIndex;
-use rtrt_core::kernel::lists::{Entry, Lists};
+use rtrt_core::kernel::lists::{BlockLists, ListEntry};
 use rtrt_core::kernel::texture::Maps;
-use rtrt_core::kernel::traverse::{Best, Geometry};
+use rtrt_core::kernel::traverse::{ClosestHit, Geometry};
 use rtrt_core::lane::Word;
 use rtrt_core::layout::{Frame, Hit, Surface};
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::stage::surface::{Surfaces, Vertices};
 use rtrt_core::stage::visibility::{directions, hit, visibility};
 use rtrt_core::stage::{
-    bin, detail, layers, light, occlusion, penumbra, prepare, resolve, shade, soften, surface,
+    bin, blocker_search, detail, light, occlusion, peel, penumbra_filter, prepare, resolve, shade, surface,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -67,10 +67,10 @@ impl Backend for OneByOne {
             let frame = Frame { layers: frame.layers.saturating_sub(number), ..frame };
             job.find(&frame, &mut layer);
             job.shadows(&frame, &mut layer);
-            if number == 0 && frame.window > 0 {
-                let (left, sizes) = layer.shadows.split_at(penumbra::size_at(&frame, 0, 0));
-                kept.left = left.to_vec();
-                kept.penumbras = sizes.iter().map(|&bits| f32::from_bits(bits)).collect();
+            if number == 0 && frame.penumbra_window > 0 {
+                let (left, sizes) = layer.shadows.split_at(blocker_search::penumbra_at(&frame, 0, 0));
+                kept.raw_transmittance = left.to_vec();
+                kept.penumbra_radii = sizes.iter().map(|&bits| f32::from_bits(bits)).collect();
             }
             job.shade(&frame, number, &mut layer, &mut kept);
         }
@@ -89,40 +89,40 @@ impl Backend for OneByOne {
 /// Buffers for a frame in which nothing has been hit.
 fn room(frame: &Frame) -> Deferred {
     let rays = frame.rays as usize;
-    let tint_words = if frame.is_tinted() { frame.lights } else { 0 };
+    let transmittance_words = if frame.has_transmittance() { frame.lights } else { 0 };
     let layer_count = frame.layers.max(1) - 1;
     Deferred {
         hits: vec![Hit::MISS; rays],
         surfaces: vec![Zeroable::zeroed(); rays],
         masks: vec![0; rays * frame.mask_words as usize],
-        tints: vec![0; rays * tint_words as usize],
+        transmittance: vec![0; rays * transmittance_words as usize],
         lit: vec![Zeroable::zeroed(); rays],
         colors: vec![[0.0; 4]; rays],
         layers: vec![Hit::MISS; rays * layer_count as usize],
         mask_words: frame.mask_words,
         layer_count,
-        tint_words,
+        transmittance_words,
         ..Deferred::default()
     }
 }
 
-/// The stages `prepare` and `bin`: the lists of all blocks, each in the order of `(key, object)`.
+/// The stages `prepare` and `bin`: the lists of all blocks, each in the order of `(key, instance)`.
 fn lists(setup: &Setup, scene: &Scene) -> Vec<u32> {
-    let (frame, views, objects) = (&setup.frame, &setup.views[..], setup.objects(scene));
+    let (frame, views, instances) = (&setup.frame, &setup.views[..], setup.instances(scene));
     let count = prepare::count(frame);
-    let covers: Vec<_> = (0..count).map(|i| prepare::prepare(frame, views, objects, i)).collect();
-    let mut blocks: Vec<Vec<Entry>> = vec![vec![]; frame.blocks as usize];
+    let screen_bounds: Vec<_> = (0..count).map(|i| prepare::prepare(frame, views, instances, i)).collect();
+    let mut blocks: Vec<Vec<ListEntry>> = vec![vec![]; frame.blocks as usize];
     for index in 0..count {
-        bin::each_block(frame, views, objects, &covers, index, |block, entry| {
+        bin::each_block(frame, views, instances, &screen_bounds, index, |block, entry| {
             blocks[block as usize].push(entry);
         });
     }
     let mut words = vec![0];
     for block in &mut blocks {
-        block.sort_by_key(|entry| (entry.key, entry.object));
+        block.sort_by_key(|entry| (entry.key, entry.instance));
         words.push(words[words.len() - 1] + block.len() as u32);
     }
-    words.extend(blocks.iter().flatten().flat_map(|entry| [entry.key, entry.object]));
+    words.extend(blocks.iter().flatten().flat_map(|entry| [entry.key, entry.instance]));
     words
 }
 
@@ -143,7 +143,7 @@ impl Layer {
             // A hit at 0 says that nothing has been looked for yet.
             hits: vec![Hit::zeroed(); rays],
             surfaces: vec![Surface::zeroed(); rays],
-            shadows: vec![0; if frame.window > 0 { 2 * rays * lights } else { 0 }],
+            shadows: vec![0; if frame.penumbra_window > 0 { 2 * rays * lights } else { 0 }],
             is_done: vec![false; rays],
         }
     }
@@ -152,7 +152,7 @@ impl Layer {
 /// What the stages read.
 struct Job<'a> {
     setup: &'a Setup,
-    lists: Lists<'a>,
+    lists: BlockLists<'a>,
     geometry: Geometry<'a>,
     maps: Maps<'a>,
     vertices: Vertices<'a>,
@@ -160,20 +160,20 @@ struct Job<'a> {
 
 impl<'a> Job<'a> {
     fn new(setup: &'a Setup, scene: &'a Scene, words: &'a [u32]) -> Self {
-        let objects = setup.objects(scene);
+        let instances = setup.instances(scene);
         Self {
             setup,
-            lists: Lists { words, blocks: setup.frame.blocks },
+            lists: BlockLists { data: words, blocks: setup.frame.blocks },
             geometry: Geometry {
-                objects,
+                instances,
                 nodes: scene.nodes(),
-                words: scene.words(),
+                mesh_data: scene.mesh_data(),
                 positions: scene.positions(),
                 texels: scene.texels(),
                 magnitude: setup.frame.magnitude,
             },
             maps: Maps { materials: scene.materials(), texels: scene.texels() },
-            vertices: Vertices { objects, words: scene.words(), attributes: scene.attributes() },
+            vertices: Vertices { instances, mesh_data: scene.mesh_data(), attributes: scene.attributes() },
         }
     }
 
@@ -188,8 +188,8 @@ impl<'a> Job<'a> {
             let best = if frame.layers == 0 {
                 visibility::<f32, 1>((), frame, views, lists, geometry, number)
             } else {
-                let last = [Best::new(&layer.hits[at])];
-                layers::layer::<f32, 1>((), frame, views, lists, geometry, number, &last)
+                let last = [ClosestHit::new(&layer.hits[at])];
+                peel::peel::<f32, 1>((), frame, views, lists, geometry, number, &last)
             };
             let mut found = surface::surface(camera, geometry, vertices.attributes, direction, &best[0]);
             if frame.details == 1 {
@@ -205,15 +205,16 @@ impl<'a> Job<'a> {
     fn shadows(&self, frame: &Frame, layer: &mut Layer) {
         let Self { lists, geometry, .. } = self;
         let views = &self.setup.views[..];
-        for ray in (0..frame.rays).filter(|_| frame.window > 0) {
+        for ray in (0..frame.rays).filter(|_| frame.penumbra_window > 0) {
             let found = Surfaces::<f32>::new(&layer.surfaces[ray as usize]);
             let (number, origin) = (RayIndex(ray), [found.origin]);
             for light in 0..frame.lights {
-                let asked = [occlusion::ask(frame, views, light, number, &found)];
-                let [(left, size)] =
-                    penumbra::near::<f32, 1>(frame, views, lists, geometry, light, number, &origin, &asked);
-                layer.shadows[penumbra::left_at(frame, ray, light)] = left.0;
-                layer.shadows[penumbra::size_at(frame, ray, light)] = size.to_bits();
+                let asked = [occlusion::potentially_lit(frame, views, light, number, &found)];
+                let [(left, size)] = blocker_search::blocker_search::<f32, 1>(
+                    frame, views, lists, geometry, light, number, &origin, &asked,
+                );
+                layer.shadows[blocker_search::transmittance_at(frame, ray, light)] = left.0;
+                layer.shadows[blocker_search::penumbra_at(frame, ray, light)] = size.to_bits();
             }
         }
     }
@@ -229,24 +230,25 @@ impl<'a> Job<'a> {
             }
             let found = Surfaces::<f32>::new(&layer.surfaces[at]);
             let [direction] = directions::<f32, 1>((), frame, camera, index);
-            let (masks, tints) = self.reaching(frame, layer, ray, &found);
+            let (masks, transmittance) = self.reaching(frame, layer, ray, &found);
             let mask = |word: u32| Word(masks[word as usize]);
-            let tint = |light: u32| Word(tints[light as usize]);
+            let tint = |light: u32| Word(transmittance[light as usize]);
             let arriving = light::light(frame, views, &self.maps, mask, tint, index, direction, &found);
             let shaded = shade::shade(frame, &self.maps, direction, &found, &arriving);
-            let sum = if frame.layers == 0 { shaded } else { layers::blend(frame, kept.colors[at], shaded) };
+            let sum = if frame.layers == 0 { shaded } else { peel::blend(frame, kept.colors[at], shaded) };
             kept.colors[at] = sum;
             if number == 0 {
                 kept.hits[at] = layer.hits[at];
                 kept.surfaces[at] = layer.surfaces[at];
                 kept.masks[at * masks.len()..][..masks.len()].copy_from_slice(&masks);
-                kept.tints[at * tints.len()..][..tints.len()].copy_from_slice(&tints);
+                kept.transmittance[at * transmittance.len()..][..transmittance.len()]
+                    .copy_from_slice(&transmittance);
                 kept.lit[at] = arriving.lane(0);
             } else {
                 kept.layers[at * kept.layer_count as usize + number as usize - 1] = layer.hits[at];
             }
             // What nothing shines through hides the others.
-            if layers::is_covered(sum[3]) || layer.hits[at] == Hit::MISS {
+            if peel::is_covered(sum[3]) || layer.hits[at] == Hit::MISS {
                 layer.is_done[at] = true;
                 layer.hits[at] = Hit::MISS;
             }
@@ -264,25 +266,28 @@ impl<'a> Job<'a> {
     ) -> (Vec<u32>, Vec<u32>) {
         let Self { lists, geometry, .. } = self;
         let (views, index) = (&self.setup.views[..], RayIndex(ray));
-        if !frame.is_tinted() {
+        if !frame.has_transmittance() {
             let word =
                 |word| occlusion::word::<f32, 1>(frame, views, lists, geometry, word, index, &[*found])[0].0;
             return ((0..frame.mask_words).map(word).collect(), vec![]);
         }
         let tint = |light| {
-            if frame.window > 0 {
+            if frame.penumbra_window > 0 {
                 let (surfaces, shadows, at) =
                     (&layer.surfaces[..], &layer.shadows[..], frame.grid().ray(index));
-                let band = soften::Band { frame, surfaces, shadows, light, at };
-                return soften::soften::<f32, _>(frame, views, &band, light).0;
+                let band = penumbra_filter::Band { frame, surfaces, shadows, light, at };
+                return penumbra_filter::filter_penumbra::<f32, _>(frame, views, &band, light).0;
             }
-            let asked = [occlusion::ask(frame, views, light, index, found)];
+            let asked = [occlusion::potentially_lit(frame, views, light, index, found)];
             let origin = [found.origin];
-            occlusion::tint::<f32, 1>(frame, views, lists, geometry, light, index, &origin, &asked)[0].0
+            occlusion::transmittance::<f32, 1>(frame, views, lists, geometry, light, index, &origin, &asked)
+                [0]
+            .0
         };
-        let tints: Vec<u32> = (0..frame.lights).map(tint).collect();
-        let mask = |word| occlusion::mask(frame, word, Word(0), |light| Word(tints[light as usize])).0;
-        ((0..frame.mask_words).map(mask).collect(), tints)
+        let transmittance: Vec<u32> = (0..frame.lights).map(tint).collect();
+        let mask =
+            |word| occlusion::mask(frame, word, Word(0), |light| Word(transmittance[light as usize])).0;
+        ((0..frame.mask_words).map(mask).collect(), transmittance)
     }
 }
 

@@ -14,7 +14,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 use rtrt_core::backend::Shadows;
-use rtrt_core::layout::{Object, View};
+use rtrt_core::layout::{Instance, View};
 use rtrt_core::scene::{Camera, Projection, Scene, Setup};
 use std::collections::HashMap;
 use std::ffi::{CString, c_char, c_void};
@@ -178,21 +178,21 @@ fn build(scene: &Scene, config: &CString) -> Committed {
         let top = rtcNewScene(device);
         rtcSetSceneBuildQuality(top, HIGH);
         let mut meshes = HashMap::new();
-        for object in scene.objects() {
-            if object.is_identity == 1 {
-                rtcAttachGeometry(top, mesh(device, scene, object));
+        for instance in scene.instances() {
+            if instance.is_identity == 1 {
+                rtcAttachGeometry(top, mesh(device, scene, instance));
                 continue;
             }
-            let shared = *meshes.entry(object.root).or_insert_with(|| {
+            let shared = *meshes.entry(instance.root).or_insert_with(|| {
                 let shared = rtcNewScene(device);
                 rtcSetSceneBuildQuality(shared, HIGH);
-                rtcAttachGeometry(shared, mesh(device, scene, object));
+                rtcAttachGeometry(shared, mesh(device, scene, instance));
                 rtcCommitScene(shared);
                 shared
             });
             let instance = rtcNewGeometry(device, INSTANCE);
             rtcSetGeometryInstancedScene(instance, shared);
-            rtcSetGeometryTransform(instance, 0, ROWS_3X4, object.to_world.as_ptr().cast());
+            rtcSetGeometryTransform(instance, 0, ROWS_3X4, instance.to_world.as_ptr().cast());
             rtcCommitGeometry(instance);
             rtcAttachGeometry(top, instance);
         }
@@ -201,19 +201,19 @@ fn build(scene: &Scene, config: &CString) -> Committed {
     }
 }
 
-/// The object's mesh.
+/// The instance's mesh.
 ///
 /// # Safety
 /// `device` is a device of Embree's.
-unsafe fn mesh(device: Handle, scene: &Scene, object: &Object) -> Handle {
-    let count = 3 * object.triangles as usize;
-    let indices = &scene.words()[object.first_index as usize..][..count];
+unsafe fn mesh(device: Handle, scene: &Scene, instance: &Instance) -> Handle {
+    let count = 3 * instance.triangles as usize;
+    let indices = &scene.mesh_data()[instance.first_index as usize..][..count];
     let vertices = indices.iter().max().map_or(0, |&most| most as usize + 1);
     // SAFETY: Embree gives buffers of the size asked for.
     unsafe {
         let geometry = rtcNewGeometry(device, TRIANGLES);
         let positions = rtcSetNewGeometryBuffer(geometry, VERTICES, 0, FLOAT3, 12, vertices);
-        let from = scene.positions()[object.first_vertex as usize..].as_ptr();
+        let from = scene.positions()[instance.first_vertex as usize..].as_ptr();
         std::ptr::copy_nonoverlapping(from, positions.cast(), vertices);
         let words = rtcSetNewGeometryBuffer(geometry, INDICES, 0, UINT3, 12, count / 3);
         std::ptr::copy_nonoverlapping(indices.as_ptr(), words.cast(), count);

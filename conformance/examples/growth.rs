@@ -1,4 +1,4 @@
-//! What the 2D structure is worth: how the time of a frame grows with the number of objects, with
+//! What the 2D structure is worth: how the time of a frame grows with the number of instances, with
 //! lists of blocks and without; with the size of a texture; and with levels of detail.
 //!
 //! `cargo run --release -p conformance --example growth`
@@ -8,7 +8,7 @@ use glam::{Mat4, Vec3};
 use rtrt::demo;
 use rtrt::import::Loaded;
 use rtrt_core::backend::{Backend, LAYERS, Picture, Request, STAGES, Shadows};
-use rtrt_core::scene::{Camera, Light, ObjectIndex, Projection, Scene, Structure};
+use rtrt_core::scene::{Camera, InstanceIndex, Light, Projection, Scene, Structure};
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 9.0, 26.0),
@@ -20,15 +20,15 @@ const CAMERA: Camera = Camera {
 fn main() {
     let mut cpu = rtrt_cpu::Cpu::new(rtrt_cpu::Options::default()).expect("a processor");
     println!("{:?}, 640x360", cpu.describe());
-    println!("{:>9} {:>12} {:>12} {:>8}", "objects", "blocks, ms", "none, ms", "times");
-    for objects in [10, 100, 1000, 10_000, 100_000] {
-        let mut scene = cubes(objects);
+    println!("{:>9} {:>12} {:>12} {:>8}", "instances", "blocks, ms", "none, ms", "times");
+    for instances in [10, 100, 1000, 10_000, 100_000] {
+        let mut scene = cubes(instances);
         let (usual, with) = median(&mut cpu, &scene, 9);
         scene.structure = Structure::None;
-        let (other, without) = median(&mut cpu, &scene, if objects > 5000 { 1 } else { 3 });
+        let (other, without) = median(&mut cpu, &scene, if instances > 5000 { 1 } else { 3 });
         assert_eq!(usual, other, "the picture depends on the structure");
         let [with, without] = [with, without].map(|stages| stages.iter().sum::<f64>());
-        println!("{objects:>9} {with:>12.2} {without:>12.2} {:>8.1}", without / with);
+        println!("{instances:>9} {with:>12.2} {without:>12.2} {:>8.1}", without / with);
     }
     println!("{:>9} {:>12} {:>12}", "texels", "shade, ms", "frame, ms");
     for side in [16, 64, 256, 1024, 4096] {
@@ -39,8 +39,8 @@ fn main() {
     let Loaded { mut scene, camera, .. } = demo::levels(&rtrt_cpu::Parallel).expect("a scene");
     let total = |stages: [f64; STAGES.len()]| stages.iter().sum::<f64>();
     let with = total(median_from(&mut cpu, &scene, &camera, 15).1);
-    for object in 0..scene.objects().len() as u32 {
-        scene.set_levels(ObjectIndex(object), &[]).expect("an object");
+    for instance in 0..scene.instances().len() as u32 {
+        scene.set_levels(InstanceIndex(instance), &[]).expect("an instance");
     }
     let without = total(median_from(&mut cpu, &scene, &camera, 15).1);
     println!("demo:levels: {with:.2} ms with levels of detail, {without:.2} ms without");
@@ -54,7 +54,7 @@ fn cubes(count: u32) -> Scene {
     let mut random = Random(3);
     for _ in 0..count {
         let turn = Mat4::from_rotation_y(random.within(0.0, 3.0));
-        build.object(
+        build.instance(
             cube,
             Mat4::from_translation(random.vector(8.0)) * turn * Mat4::from_scale(Vec3::splat(size)),
         );

@@ -1,11 +1,11 @@
-//! What a frame of 10,000 moving objects costs, on the CPU and on the GPU.
+//! What a frame of 10,000 moving instances costs, on the CPU and on the GPU.
 //!
 //! `cargo run --release -p conformance --example moving`
 
 use conformance::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
-use rtrt_core::scene::{Camera, Light, Motion, ObjectIndex, Projection};
+use rtrt_core::scene::{Camera, InstanceIndex, Light, Motion, Projection};
 use std::time::Instant;
 
 const OBJECTS: u32 = 10_000;
@@ -15,7 +15,7 @@ fn main() {
     let mut build = Build::default();
     let cube = build.mesh(Shape::cube());
     let mut random = Random(3);
-    let moving: Vec<(ObjectIndex, Mat4, Motion)> = (0..OBJECTS)
+    let moving: Vec<(InstanceIndex, Mat4, Motion)> = (0..OBJECTS)
         .map(|_| {
             let start = Mat4::from_translation(random.vector(40.0)) * Mat4::from_scale(Vec3::splat(0.3));
             let motion = Motion {
@@ -23,7 +23,7 @@ fn main() {
                 axis: random.vector(1.0),
                 rate: random.within(0.0, 3.0),
             };
-            (build.object(cube, start), start, motion)
+            (build.instance(cube, start), start, motion)
         })
         .collect();
     let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.8), radius: 0.0 };
@@ -57,7 +57,7 @@ fn main() {
             let start = Instant::now();
             scene
                 .set_transforms(
-                    moving.iter().map(|(object, start, motion)| (*object, motion.at(*start, time))),
+                    moving.iter().map(|(instance, start, motion)| (*instance, motion.at(*start, time))),
                 )
                 .expect("all within range");
             let moved_ms = start.elapsed().as_secs_f64() * 1e3;

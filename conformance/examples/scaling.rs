@@ -1,4 +1,4 @@
-//! How the time of a frame grows with objects, pixels, lights and threads: a table and a plot for
+//! How the time of a frame grows with instances, pixels, lights and threads: a table and a plot for
 //! each, on the native CPU backend. Every picture that is timed is compared with the one that a
 //! single thread of single lanes gives.
 //!
@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let counts = [10, 100, 1000, 10_000, 100_000, 1_000_000];
     let rows = counts.map(|count| (f64::from(count), frame(&balls(count, 0), SIZE, threads)));
-    plot(&folder, "objects", "balls of 64 triangles, instances of one mesh", &rows)?;
+    plot(&folder, "instances", "balls of 64 triangles, instances of one mesh", &rows)?;
 
     let hall = balls(1000, 0);
     let sizes = [[160, 90], [320, 180], [640, 360], [1280, 720], [2560, 1440], [3840, 2160]];
@@ -66,7 +66,7 @@ fn balls(count: u32, lights: u32) -> Scene {
     let size = 2.0 / (count as f32).cbrt();
     for _ in 0..count {
         let place = Mat4::from_translation(random.vector(8.0)) * Mat4::from_scale(Vec3::splat(size));
-        build.object(ball, place);
+        build.instance(ball, place);
     }
     let mut build = build.shape(Shape::floor(40.0, -9.0));
     if lights == 0 {

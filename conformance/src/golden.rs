@@ -44,7 +44,7 @@ const STAGES: [(&str, &str); 11] = [
     ("left", "occlusion"),
     ("penumbras", "occlusion"),
     ("masks", "occlusion"),
-    ("tints", "occlusion"),
+    ("transmittance", "occlusion"),
     ("lit", "light"),
     ("layers", "layers"),
     ("colors", "shade"),

@@ -58,7 +58,7 @@ impl Differences {
             for x in 0..width {
                 let (a, b) = (at([x, y]), &drawn.hits[grid.index([x, y]).0 as usize]);
                 found.rays += 1;
-                found.met += usize::from(b.object != NONE);
+                found.met += usize::from(b.instance != NONE);
                 if !is_same(a, b) {
                     found.other += 1;
                     let mut around = (y.max(1) - 1..(y + 2).min(height))
@@ -76,5 +76,5 @@ impl Differences {
 }
 
 fn is_same(a: &Hit, b: &Hit) -> bool {
-    (a.object, a.triangle) == (b.object, b.triangle)
+    (a.instance, a.triangle) == (b.instance, b.triangle)
 }

@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec3};
 use rtrt_core::layout::{Attribute, Material, Texture, Wrap};
 use rtrt_core::scene::{
-    Image, Light, MaterialIndex, Mesh, MeshIndex, MeshTree, ObjectIndex, Scene, Sequential, phong,
+    Bvh, Image, InstanceIndex, Light, MaterialIndex, Mesh, MeshIndex, Scene, Sequential, phong,
 };
 
 /// No texture.
@@ -212,24 +212,24 @@ impl Build {
     /// Adds a mesh with what `more` adds to it.
     pub fn mesh_of(&mut self, shape: Shape, more: impl Fn(Mesh) -> Mesh) -> MeshIndex {
         let mesh = more(shape.mesh());
-        let tree = MeshTree::build(&mesh, &Sequential);
+        let tree = Bvh::build(&mesh, &Sequential);
         self.scene.add_mesh(&mesh, &tree).expect("room")
     }
     /// Places a mesh.
-    pub fn object(&mut self, mesh: MeshIndex, to_world: Mat4) -> ObjectIndex {
-        self.scene.add_object(mesh, self.gray, to_world).expect("a case's transform")
+    pub fn instance(&mut self, mesh: MeshIndex, to_world: Mat4) -> InstanceIndex {
+        self.scene.add_instance(mesh, self.gray, to_world).expect("a case's transform")
     }
     /// Adds a mesh and places it where it is.
     pub fn shape(mut self, shape: Shape) -> Self {
         let mesh = self.mesh(shape);
-        self.object(mesh, Mat4::IDENTITY);
+        self.instance(mesh, Mat4::IDENTITY);
         self
     }
     /// The same in a material of its own.
     pub fn shape_of(mut self, shape: Shape, material: Material) -> Self {
         let material = self.scene.add_material(material).expect("a case's material");
         let mesh = self.mesh(shape);
-        self.scene.add_object(mesh, material, Mat4::IDENTITY).expect("a case's object");
+        self.scene.add_instance(mesh, material, Mat4::IDENTITY).expect("a case's instance");
         self
     }
     /// Adds a light.

@@ -43,7 +43,7 @@ fn balls(eye: Option<Vec3>) -> (Scene, [u32; 3]) {
         let place = Mat4::from_translation(center) * Mat4::from_scale(Vec3::splat(size));
         match eye {
             None => {
-                let ball = build.object(meshes[0], place);
+                let ball = build.instance(meshes[0], place);
                 let levels = [2, 1].map(|level| (STEPS[level].0, meshes[level], materials[level]));
                 build.scene.set_levels_with(ball, &levels).unwrap();
             }
@@ -52,7 +52,7 @@ fn balls(eye: Option<Vec3>) -> (Scene, [u32; 3]) {
                 let away = ((eye - center).abs() - size).max(Vec3::ZERO).length();
                 let level = STEPS.iter().rposition(|(from, _)| away >= *from).unwrap();
                 counts[level] += 1;
-                build.scene.add_object(meshes[level], materials[level], place).unwrap();
+                build.scene.add_instance(meshes[level], materials[level], place).unwrap();
             }
         }
     }
@@ -82,8 +82,8 @@ fn a_scene_with_levels_is_one_with_the_meshes_that_are_chosen() {
     assert!(pictures[0] != pictures[1] && pictures[0] == pictures[2]);
     // Had the near mesh been drawn everywhere, it would show.
     let mut near = balls(None).0;
-    for object in 1..61 {
-        near.set_levels(rtrt_core::scene::ObjectIndex(object), &[]).unwrap();
+    for instance in 1..61 {
+        near.set_levels(rtrt_core::scene::InstanceIndex(instance), &[]).unwrap();
     }
     reference.render(&near, &request(&CAMERA), &mut actual).unwrap();
     assert_ne!(actual.pixels, pictures[0]);
@@ -92,14 +92,14 @@ fn a_scene_with_levels_is_one_with_the_meshes_that_are_chosen() {
 #[test]
 fn levels_that_make_no_sense_are_refused() {
     let (mut scene, _) = balls(None);
-    let ball = rtrt_core::scene::ObjectIndex(1);
+    let ball = rtrt_core::scene::InstanceIndex(1);
     let mut other = Build::default();
     let mesh = [0, 1, 2, 3, 4].map(|_| other.mesh(Shape::cube()))[4];
     for from in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(scene.set_levels(ball, &[(from, mesh)]).is_err(), "{from}");
     }
     assert!(scene.set_levels(ball, &[(2.0, mesh)]).is_err());
-    assert!(scene.set_levels(rtrt_core::scene::ObjectIndex(999), &[]).is_err());
+    assert!(scene.set_levels(rtrt_core::scene::InstanceIndex(999), &[]).is_err());
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn no_picture_depends_on_the_structure() {
     for case in cases::all() {
         let mut scene = (case.scene)();
         // Whole lists for each ray of the largest take minutes.
-        if scene.objects().len() > 1500 {
+        if scene.instances().len() > 1500 {
             continue;
         }
         scene.structure = Structure::Objects;
@@ -135,7 +135,8 @@ fn parts_follow_what_they_are_parts_of() {
     assert_eq!(variants.failed, 0);
     let mut build = Build::default().shape(Shape::floor(8.0, -1.0)).light(bulb([2.0, 6.0, 3.0]));
     let ball = build.mesh(Shape::ball(8));
-    let balls = [-1.4, 0.0, 1.4].map(|x| build.object(ball, Mat4::from_translation(Vec3::new(x, 0.0, 1.0))));
+    let balls =
+        [-1.4, 0.0, 1.4].map(|x| build.instance(ball, Mat4::from_translation(Vec3::new(x, 0.0, 1.0))));
     let mut scene = build.scene;
     let (mut expected, mut actual) = (Picture::default(), Picture::default());
     let mut pictures = Vec::new();

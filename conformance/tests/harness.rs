@@ -54,7 +54,7 @@ fn every_buffer_off_by_one_bit_is_red_and_names_its_stage() {
     let off = |value: &mut f32| *value = f32::from_bits(value.to_bits() ^ 1);
     type Change = fn(&mut rtrt_core::backend::Deferred, &dyn Fn(&mut f32));
     let expectations: [(&str, Change); 6] = [
-        ("bin: lists.object of block", |d, _| *d.lists.last_mut().unwrap() ^= 1),
+        ("bin: lists.instance of block", |d, _| *d.lists.last_mut().unwrap() ^= 1),
         ("visibility: hits.t at pixel", |d, off| off(&mut d.hits[77].t)),
         ("surface: surfaces.normal.y at pixel", |d, off| off(&mut d.surfaces[77].normal[1])),
         ("occlusion: masks[0] at pixel", |d, _| d.masks[77] ^= 1),
@@ -62,7 +62,7 @@ fn every_buffer_off_by_one_bit_is_red_and_names_its_stage() {
         ("shade: colors.a at pixel", |d, off| off(&mut d.colors[77][3])),
     ];
     let behind: [(&str, Change); 2] = [
-        ("occlusion: tints[1] at pixel", |d, _| d.tints[2 * 77 + 1] ^= 1),
+        ("occlusion: transmittance[1] at pixel", |d, _| d.transmittance[2 * 77 + 1] ^= 1),
         ("layers: layers[5] at pixel", |d, off| off(&mut d.layers[7 * 77 + 1].t)),
     ];
     let each = behind.map(|(start, change)| ("transparency/four_samples", start, change));
@@ -159,17 +159,17 @@ impl Backend for Nudged {
 
 /// The scene of one mesh without a transform, a vertex of it moved by one ULP.
 fn nudged(scene: &Scene) -> Scene {
-    use rtrt_core::scene::{Mesh, MeshTree, Sequential};
-    let [object] = scene.objects() else { panic!("one object") };
+    use rtrt_core::scene::{Bvh, Mesh, Sequential};
+    let [instance] = scene.instances() else { panic!("one instance") };
     let mut positions = scene.positions().to_vec();
     // Across the view: depths, and with them the lists, stay the same.
     positions[2][1] = f32::from_bits(positions[2][1].to_bits() - 1);
-    let indices = scene.words()[..3 * object.triangles as usize].to_vec();
+    let indices = scene.mesh_data()[..3 * instance.triangles as usize].to_vec();
     let mesh = Mesh::new(positions, scene.attributes().to_vec(), indices).unwrap();
     let mut other = Scene::new();
     let material = other.add_material(scene.materials()[0]).unwrap();
-    let index = other.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
-    other.add_object(index, material, glam::Mat4::IDENTITY).unwrap();
+    let index = other.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+    other.add_instance(index, material, glam::Mat4::IDENTITY).unwrap();
     scene.lights().iter().for_each(|&light| other.add_light(light));
     other
 }

@@ -8,7 +8,7 @@ use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{
-    Camera, Light, Mesh, MeshIndex, MeshTree, Motion, ObjectIndex, Occluders, Projection, Scene, Sequential,
+    Bvh, Camera, InstanceIndex, Light, Mesh, MeshIndex, Motion, Occluders, Projection, Scene, Sequential,
     Structure,
 };
 
@@ -37,7 +37,7 @@ fn cloth(time: f64) -> Mesh {
     Mesh::new(positions, attributes, indices).unwrap()
 }
 
-/// Where the moving objects are.
+/// Where the moving instances are.
 fn places(time: f64) -> Vec<Mat4> {
     let mut random = Random(11);
     let place = |_| {
@@ -49,24 +49,24 @@ fn places(time: f64) -> Vec<Mat4> {
     (0..MOVING).map(place).collect()
 }
 
-/// Whether an object is not to be seen.
-fn is_hidden(object: u32, time: f64) -> bool {
-    object % 5 == 2 && time > 1.0
+/// Whether an instance is not to be seen.
+fn is_hidden(instance: u32, time: f64) -> bool {
+    instance % 5 == 2 && time > 1.0
 }
 
 /// A scene made at a time: the cloth, its tree built at the start; moving boxes; a floor.
 fn scene(time: f64) -> (Scene, MeshIndex) {
     let mut build = Build::default();
     let start = cloth(0.0);
-    let tree = MeshTree::build(&start, &Sequential);
+    let tree = Bvh::build(&start, &Sequential);
     let now = cloth(time);
-    let tree = MeshTree::from_links(&now, &tree.links(), tree.triangles).unwrap();
+    let tree = Bvh::from_links(&now, &tree.links(), tree.triangles).unwrap();
     let cloth = build.scene.add_mesh(&now, &tree).unwrap();
     let cube = build.mesh(Shape::cube());
-    for (object, place) in places(time).into_iter().enumerate() {
-        let object = build.object(if object % 6 == 0 { cloth } else { cube }, place);
-        if is_hidden(object.0, time) {
-            build.scene.hide(object).unwrap();
+    for (instance, place) in places(time).into_iter().enumerate() {
+        let instance = build.instance(if instance % 6 == 0 { cloth } else { cube }, place);
+        if is_hidden(instance.0, time) {
+            build.scene.hide(instance).unwrap();
         }
     }
     let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::splat(0.6), radius: 0.0 };
@@ -100,12 +100,12 @@ fn a_moved_scene_is_a_new_one_made_there() {
         let (hidden, seen): (Vec<_>, Vec<_>) = places(time)
             .into_iter()
             .enumerate()
-            .map(|(object, place)| (ObjectIndex(object as u32), place))
-            .partition(|(object, _)| is_hidden(object.0, time));
+            .map(|(instance, place)| (InstanceIndex(instance as u32), place))
+            .partition(|(instance, _)| is_hidden(instance.0, time));
         moved.set_transforms(seen).unwrap();
-        hidden.into_iter().for_each(|(object, _)| moved.hide(object).unwrap());
+        hidden.into_iter().for_each(|(instance, _)| moved.hide(instance).unwrap());
         let (fresh, _) = scene(time);
-        assert_eq!((moved.extent(), moved.objects()), (fresh.extent(), fresh.objects()));
+        assert_eq!((moved.extent(), moved.instances()), (fresh.extent(), fresh.instances()));
         assert_eq!((moved.nodes(), moved.positions()), (fresh.nodes(), fresh.positions()));
         reference.render(&fresh, &request, &mut expected).unwrap();
         assert_ne!(expected.pixels, before.pixels, "nothing has moved until {time}");
@@ -174,7 +174,11 @@ fn lists_are_kept_only_while_they_would_be_the_same() {
         ("at first", &|_| (), &CAMERA),
         ("the same again", &|_| (), &CAMERA),
         ("a camera that has moved", &|_| (), &aside),
-        ("an object that has moved", &|scene| scene.set_transform(ObjectIndex(3), place).unwrap(), &aside),
+        (
+            "an instance that has moved",
+            &|scene| scene.set_transform(InstanceIndex(3), place).unwrap(),
+            &aside,
+        ),
         ("a light that is gone", &|scene| _ = scene.lights_mut().pop(), &aside),
         ("one list", &|scene| scene.structure = Structure::None, &aside),
         ("blocks again", &|scene| scene.structure = Structure::Blocks, &near),
@@ -182,10 +186,10 @@ fn lists_are_kept_only_while_they_would_be_the_same() {
         ("those that are seen from elsewhere", &|_| (), &CAMERA),
         ("those that are near", &|scene| scene.occluders = Occluders::Near(5.0), &CAMERA),
         (
-            "an object that is another one far away",
+            "an instance that is another one far away",
             &|scene| {
                 scene.occluders = Occluders::All;
-                scene.set_levels(ObjectIndex(1), &levels).unwrap();
+                scene.set_levels(InstanceIndex(1), &levels).unwrap();
             },
             &CAMERA,
         ),
@@ -223,9 +227,9 @@ fn a_shape_with_other_triangles_is_refused() {
 fn a_scene_of_hidden_objects_is_an_empty_one() {
     let mut build = Build::default();
     let cube = build.mesh(Shape::cube());
-    let object = build.object(cube, Mat4::from_translation(Vec3::splat(5.0)));
-    build.scene.hide(object).unwrap();
+    let instance = build.instance(cube, Mat4::from_translation(Vec3::splat(5.0)));
+    build.scene.hide(instance).unwrap();
     assert_eq!(build.scene.extent(), None);
-    build.scene.set_transform(object, Mat4::IDENTITY).unwrap();
+    build.scene.set_transform(instance, Mat4::IDENTITY).unwrap();
     assert_eq!(build.scene.extent(), Some((Vec3::splat(-1.0), Vec3::ONE)));
 }

@@ -11,7 +11,7 @@ use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::compare::compare;
 use rtrt_core::layout::{AlphaMode, Material, Texture, Wrap};
 use rtrt_core::scene::{
-    Camera, Image, Light, MaterialIndex, ObjectIndex, Panorama, Projection, Scene, phong,
+    Camera, Image, InstanceIndex, Light, MaterialIndex, Panorama, Projection, Scene, phong,
 };
 use std::ops::Range;
 
@@ -77,14 +77,14 @@ fn shadows(random: &mut Random) -> Shadows {
     }
 }
 
-/// A thousand small objects: many that end where a block ends.
+/// A thousand small instances: many that end where a block ends.
 fn swarm(random: &mut Random) -> Scene {
     let mut build = Build::default().shape(Shape::floor(4.0, -2.0));
     let mesh = build.mesh(shape_of_few(random));
     for _ in 0..1200 {
         let turn = Mat4::from_rotation_y(random.within(0.0, 6.0));
         let size = Mat4::from_scale(Vec3::splat(any_size(random, -2.0, -1.0)));
-        build.object(mesh, Mat4::from_translation(random.vector(2.0)) * turn * size);
+        build.instance(mesh, Mat4::from_translation(random.vector(2.0)) * turn * size);
     }
     (0..1 + random.below(3)).fold(build, |build, _| build.light(light(random))).scene
 }
@@ -126,12 +126,12 @@ fn scene(random: &mut Random) -> Scene {
         if random.below(6) == 0 {
             build.scene.add_sphere(gray, place).expect("a transform that was tried");
         } else if clear * random.below(3) == 0 {
-            build.scene.add_object(mesh, gray, place).expect("a transform that was tried");
+            build.scene.add_instance(mesh, gray, place).expect("a transform that was tried");
         } else {
             let material = materials[random.below(3) as usize];
             let added = match random.below(5) {
                 0 => build.scene.add_sphere(material, place),
-                _ => build.scene.add_object(mesh, material, place),
+                _ => build.scene.add_instance(mesh, material, place),
             };
             added.expect("a transform that was tried");
         }
@@ -155,10 +155,10 @@ fn surround(random: &mut Random, scene: &mut Scene) {
 
 /// Objects that are elsewhere than at first, and some that are hidden.
 fn change(random: &mut Random, scene: &mut Scene) {
-    for object in (0..scene.objects().len() as u32).map(ObjectIndex) {
+    for instance in (0..scene.instances().len() as u32).map(InstanceIndex) {
         match random.below(4) {
-            0 => scene.hide(object).expect("it is there"),
-            1 => scene.set_transform(object, transform(random)).expect("a transform that was tried"),
+            0 => scene.hide(instance).expect("it is there"),
+            1 => scene.set_transform(instance, transform(random)).expect("a transform that was tried"),
             _ => {}
         }
     }
@@ -207,7 +207,7 @@ fn every_variant_equals_the_oracles_on_random_scenes() {
         let seen = seen.unwrap_or_else(|why| panic!("seed {seed}: {why}"));
         (rays, judged) = (rays + seen.rays, judged + seen.judged);
         cast += (request.size[0] * request.size[1] * request.samples) as usize;
-        hits += expected.deferred.iter().flat_map(|d| &d.hits).filter(|hit| hit.object != u32::MAX).count();
+        hits += expected.deferred.iter().flat_map(|d| &d.hits).filter(|hit| hit.instance != u32::MAX).count();
         for (name, backend) in &mut variants.backends {
             let rendered = backend.render(&scene, &request, &mut actual);
             rendered.unwrap_or_else(|why| panic!("seed {seed}, {name}: {why}"));

@@ -1,4 +1,4 @@
-//! What the camera sees of objects that are not double-sided, and what light does.
+//! What the camera sees of instances that are not double-sided, and what light does.
 
 use conformance::reference;
 use conformance::shape::{Build, PLAIN, Shape, sun};
@@ -23,11 +23,11 @@ fn seen(scene: &Scene, eye: Vec3) -> Deferred {
     picture.deferred.take().unwrap()
 }
 
-/// The object that every ray meets first.
+/// The instance that every ray meets first.
 fn met(scene: &Scene, eye: Vec3) -> u32 {
     let deferred = seen(scene, eye);
-    let first = deferred.hits[0].object;
-    assert!(deferred.hits.iter().all(|hit| hit.object == first), "an edge is seen");
+    let first = deferred.hits[0].instance;
+    assert!(deferred.hits.iter().all(|hit| hit.instance == first), "an edge is seen");
     first
 }
 
@@ -50,11 +50,12 @@ fn the_front_of_what_is_mirrored_is_where_it_was() {
     let mut build = Build::default();
     let material = build.scene.add_material(one_sided()).unwrap();
     let mesh = build.mesh(square(0.0));
-    let object = build.scene.add_object(mesh, material, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0))).unwrap();
+    let instance =
+        build.scene.add_instance(mesh, material, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0))).unwrap();
     assert_eq!(met(&build.scene, Vec3::Z * 4.0), 0);
     assert_eq!(met(&build.scene, Vec3::Z * -4.0), NONE);
     // Moved, it is as before; turned over by a mirror, it faces the other way.
-    build.scene.set_transform(object, Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0))).unwrap();
+    build.scene.set_transform(instance, Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0))).unwrap();
     assert_eq!(met(&build.scene, Vec3::Z * 4.0), NONE);
     assert_eq!(met(&build.scene, Vec3::Z * -4.0), 0);
 }
@@ -78,7 +79,7 @@ fn light_meets_both_sides() {
             let screened = |build: Build| build.shape_of(Shape::floor(3.0, screen), one_sided());
             let scene = if screens { screened(floor) } else { floor }.scene;
             let deferred = seen(&scene, Vec3::new(0.0, 0.5 * screen, 0.01));
-            assert!(deferred.hits.iter().all(|hit| hit.object == 0));
+            assert!(deferred.hits.iter().all(|hit| hit.instance == 0));
             deferred.masks.iter().filter(|&&mask| mask == 1).count()
         };
         assert_eq!((lit(false), lit(true)), (256, 0));
@@ -91,7 +92,7 @@ fn a_glass_is_as_many_layers_as_it_has_fronts() {
     let layers = |material| {
         let scene = Build::default().shape_of(Shape::cube(), material).scene;
         let deferred = seen(&scene, Vec3::Z * 4.0);
-        deferred.layers[..deferred.layer_count as usize].iter().filter(|hit| hit.object != NONE).count()
+        deferred.layers[..deferred.layer_count as usize].iter().filter(|hit| hit.instance != NONE).count()
     };
     assert_eq!(layers(glass), 0);
     assert_eq!(layers(Material { double_sided: 1, ..glass }), 1);

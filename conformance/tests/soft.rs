@@ -5,7 +5,7 @@ use conformance::shape::{Build, PLAIN, Shape, bulb, sized};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
 use rtrt_core::grid::Grid;
-use rtrt_core::kernel::tint::{WHITE, color};
+use rtrt_core::kernel::transmittance::{WHITE, color};
 use rtrt_core::lane::Word;
 use rtrt_core::layout::{AlphaMode, Material};
 use rtrt_core::scene::{Camera, Light, Projection, Scene, phong};
@@ -44,7 +44,7 @@ fn profile(deferred: &Deferred) -> impl Iterator<Item = (f64, f64)> + '_ {
     let grid = Grid { width: SIZE, height: SIZE, side: 1 };
     (0..SIZE).map(move |x| {
         let ray = grid.index([x, SIZE / 2]).0 as usize;
-        let share = color::<f32>(Word(deferred.tints[ray])).y;
+        let share = color::<f32>(Word(deferred.transmittance[ray])).y;
         ((f64::from(x) + 0.5 - f64::from(SIZE) * 0.5) * 0.01, f64::from(share))
     })
 }
@@ -130,13 +130,13 @@ fn shadows_do_not_leak_around_corners() {
     };
     let (_, deferred) = render(&scene, &camera, 1, Shadows::Soft);
     let mut seen = [0; 2];
-    for (hit, &word) in deferred.hits.iter().zip(&deferred.tints) {
-        match hit.object {
+    for (hit, &word) in deferred.hits.iter().zip(&deferred.transmittance) {
+        match hit.instance {
             0 => assert_eq!(word, 0, "the floor is lit"),
             2 => assert_eq!(word, 0, "the wall below the sheet is lit"),
             _ => continue,
         }
-        seen[hit.object as usize / 2] += 1;
+        seen[hit.instance as usize / 2] += 1;
     }
     assert!(seen.iter().all(|&count| count > 100), "{seen:?}");
 }
@@ -166,7 +166,7 @@ fn thin_shadows_have_their_penumbras_at_any_angle() {
         let angle = f32::from(angle).to_radians();
         let camera = Camera { up: Vec3::new(angle.sin(), 0.0, -angle.cos()), ..above(0.5) };
         let (_, deferred) = render(&scene, &camera, 1, Shadows::Soft);
-        for (surface, &word) in deferred.surfaces.iter().zip(&deferred.tints) {
+        for (surface, &word) in deferred.surfaces.iter().zip(&deferred.transmittance) {
             // Where the whole disc is in the picture.
             let [x, _, z] = surface.origin;
             if x.abs() > 0.7 * penumbra || z.abs() > 0.33 {
@@ -209,7 +209,7 @@ fn a_light_without_a_radius_casts_hard_shadows_beside_one_with_a_radius() {
     scene.add_light(sized(bulb([-0.3, 4.0, 0.0]), 0.4));
     let (_, soft) = render(&scene, &above(0.5), 1, Shadows::Soft);
     for (ray, mask) in hard.masks.iter().enumerate() {
-        assert_eq!(soft.tints[2 * ray], mask * WHITE);
+        assert_eq!(soft.transmittance[2 * ray], mask * WHITE);
         assert_eq!(soft.masks[ray] & 1, *mask);
     }
 }
@@ -233,7 +233,7 @@ fn a_pane_fades_from_its_color_to_white() {
 
 #[test]
 fn the_order_of_panes_does_not_matter() {
-    let tints = |order: [usize; 3]| {
+    let transmittance = |order: [usize; 3]| {
         let panes = [glass([1.0, 0.1, 0.0], 0.2), glass([0.0, 0.2, 1.0], 0.4), glass([0.5; 3], 0.1)];
         let mut build = Build::default().shape(Shape::floor(9.0, 0.0));
         for (place, pane) in order.into_iter().enumerate() {
@@ -242,10 +242,10 @@ fn the_order_of_panes_does_not_matter() {
             build = build.shape_of(shape, panes[pane]);
         }
         let scene = build.light(over_the_edge(0.6, 0.1)).scene;
-        render(&scene, &above(0.3), 1, Shadows::Soft).1.tints
+        render(&scene, &above(0.3), 1, Shadows::Soft).1.transmittance
     };
-    let one = tints([0, 1, 2]);
+    let one = transmittance([0, 1, 2]);
     assert!(one.iter().any(|&word| word != one[0]));
-    assert_eq!(one, tints([2, 1, 0]));
-    assert_eq!(one, tints([1, 2, 0]));
+    assert_eq!(one, transmittance([2, 1, 0]));
+    assert_eq!(one, transmittance([1, 2, 0]));
 }

@@ -85,7 +85,7 @@ fn a_mask_is_there_where_alpha_is_not_below_the_cutoff() {
     let middle = |alpha, cutoff| {
         // Between the centers of the texels, alpha rises by its difference.
         let (_, deferred) = render(&masked(alpha, cutoff), Vec3::Z * 4.0, Vec3::ZERO, 8);
-        deferred.hits.iter().filter(|hit| hit.object == 0).count()
+        deferred.hits.iter().filter(|hit| hit.instance == 0).count()
     };
     assert_eq!([middle([0, 255], 0.5), middle([255, 0], 0.5)], [128; 2]);
     assert_eq!([middle([0, 0], 0.5), middle([255, 255], 0.5)], [0, 256]);
@@ -112,41 +112,41 @@ fn a_pane_that_covers_nothing_is_not_seen_and_colors_nothing() {
 fn an_opaque_scene_has_no_layers_and_no_colored_shadows() {
     let scene = Build::default().shape(square(0.0)).light(sun([0.0, 0.0, -1.0])).scene;
     let (_, deferred) = render(&scene, Vec3::Z * 4.0, Vec3::ZERO, 8);
-    assert!(deferred.layers.is_empty() && deferred.tints.is_empty());
+    assert!(deferred.layers.is_empty() && deferred.transmittance.is_empty());
 }
 
 /// What the sun leaves of itself on a floor under panes, of which each has a color, an alpha
 /// and a height.
-fn tint(panes: &[([f32; 3], f32, f32)]) -> Vec<u32> {
+fn transmittance(panes: &[([f32; 3], f32, f32)]) -> Vec<u32> {
     let mut build = Build::default().shape(Shape::floor(4.0, 0.0)).light(sun([0.0, -1.0, 0.0]));
     for &(base, alpha, y) in panes {
         build = build.shape_of(Shape::floor(4.0, y), glass(base, alpha));
     }
     // From below the panes.
     let (_, deferred) = render(&build.scene, Vec3::new(0.0, 0.8, 0.5), Vec3::ZERO, 8);
-    assert!(deferred.hits.iter().all(|hit| hit.object == 0 || hit.object == NONE));
-    deferred.tints
+    assert!(deferred.hits.iter().all(|hit| hit.instance == 0 || hit.instance == NONE));
+    deferred.transmittance
 }
 
 #[test]
 fn the_order_of_panes_does_not_matter_to_shadows() {
     let (red, blue, grey) = ([1.0, 0.1, 0.0], [0.0, 0.2, 1.0], [0.5; 3]);
-    let one = tint(&[(red, 0.2, 1.0), (blue, 0.4, 2.0), (grey, 0.1, 3.0)]);
-    assert_eq!(one, tint(&[(red, 0.2, 3.0), (blue, 0.4, 1.0), (grey, 0.1, 2.0)]));
-    assert_eq!(one, tint(&[(grey, 0.1, 1.0), (blue, 0.4, 2.0), (red, 0.2, 3.0)]));
-    assert_ne!(one, tint(&[(red, 0.4, 1.0), (blue, 0.2, 2.0), (grey, 0.1, 3.0)]));
+    let one = transmittance(&[(red, 0.2, 1.0), (blue, 0.4, 2.0), (grey, 0.1, 3.0)]);
+    assert_eq!(one, transmittance(&[(red, 0.2, 3.0), (blue, 0.4, 1.0), (grey, 0.1, 2.0)]));
+    assert_eq!(one, transmittance(&[(grey, 0.1, 1.0), (blue, 0.4, 2.0), (red, 0.2, 3.0)]));
+    assert_ne!(one, transmittance(&[(red, 0.4, 1.0), (blue, 0.2, 2.0), (grey, 0.1, 3.0)]));
 }
 
 #[test]
 fn shadows_are_as_dark_as_the_alphas_together() {
     let white = [1.0; 3];
-    assert!(tint(&[]).is_empty());
-    assert!(tint(&[(white, 0.0, 1.0)]).iter().all(|&word| word == (1 << 30) - 1));
+    assert!(transmittance(&[]).is_empty());
+    assert!(transmittance(&[(white, 0.0, 1.0)]).iter().all(|&word| word == (1 << 30) - 1));
     let quarter = [1.0, 2.0, 3.0, 4.0].map(|y| (white, 0.25, y));
-    assert!(tint(&quarter).iter().all(|&word| word == 0), "light leaks");
+    assert!(transmittance(&quarter).iter().all(|&word| word == 0), "light leaks");
     // Half is left: √½ of 1023.
     let half = 723 * (1 | 1 << 10 | 1 << 20);
-    assert!(tint(&quarter[..2]).iter().all(|&word| word == half));
+    assert!(transmittance(&quarter[..2]).iter().all(|&word| word == half));
 }
 
 #[test]

@@ -15,10 +15,10 @@
 use glam::{Mat4, Vec3};
 use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::tiles::{TILES, Tiles};
-use rtrt_core::kernel::traverse::{Any, Best, Closest, Geometry, Search, met_by_rays, traverse};
+use rtrt_core::kernel::traverse::{Any, Closest, ClosestHit, Geometry, HitFilter, ray_hit_mask, traverse};
 use rtrt_core::lane::V3;
 use rtrt_core::layout::{Attribute, Hit, NONE, Texture};
-use rtrt_core::scene::{Mesh, MeshTree, ObjectIndex, Scene, Sequential, phong};
+use rtrt_core::scene::{Bvh, InstanceIndex, Mesh, Scene, Sequential, phong};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::error::Error;
@@ -27,8 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new();
     let material = scene.add_material(phong([0.5; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]))?;
     let cube = cube()?;
-    let cube = scene.add_mesh(&cube, &MeshTree::build(&cube, &Sequential))?;
-    let mut place = |x: f32| scene.add_object(cube, material, Mat4::from_translation(Vec3::X * x));
+    let cube = scene.add_mesh(&cube, &Bvh::build(&cube, &Sequential))?;
+    let mut place = |x: f32| scene.add_instance(cube, material, Mat4::from_translation(Vec3::X * x));
     let guard = place(-3.0)?;
     place(2.0)?;
     place(0.0)?;
@@ -41,12 +41,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (tick, place) in walk.into_iter().enumerate() {
         scene.set_transform(guard, Mat4::from_translation(place.into()))?;
         let picked = pick(&scene, player, along);
-        seen[tick] = (picked.object, picked.t, sees(&scene, player, place, guard));
+        seen[tick] = (picked.instance, picked.t, sees(&scene, player, place, guard));
     }
     assert_eq!(ALLOCATIONS.get(), before, "the loop allocates");
 
-    for (tick, (object, distance, is_seen)) in seen.into_iter().enumerate() {
-        let name = if object == guard.0 { "the guard".into() } else { format!("crate {object}") };
+    for (tick, (instance, distance, is_seen)) in seen.into_iter().enumerate() {
+        let name = if instance == guard.0 { "the guard".into() } else { format!("crate {instance}") };
         let word = if is_seen { "seen" } else { "hidden" };
         println!("tick {tick}: the cursor is on {name}, {distance} away; the guard is {word}");
     }
@@ -58,57 +58,57 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The closest hit on the ray, of the object and triangle with the least numbers where several are as close;
+/// The closest hit on the ray, of the instance and triangle with the least numbers where several are as close;
 /// [`Hit::MISS`] if there is none. `direction` may have any length; `t` counts in it.
 fn pick(scene: &Scene, origin: [f32; 3], direction: [f32; 3]) -> Hit {
-    let mut best = Best::new(&Hit::MISS);
+    let mut best = ClosestHit::new(&Hit::MISS);
     ask(scene, origin, direction, Closest, None, &mut best);
     best.rows().hit(0)
 }
 
 /// Whether nothing but `to` itself is between two points.
-fn sees(scene: &Scene, from: [f32; 3], at: [f32; 3], to: ObjectIndex) -> bool {
+fn sees(scene: &Scene, from: [f32; 3], at: [f32; 3], to: InstanceIndex) -> bool {
     // The ray ends where it arrives, at t = 1.
-    let mut best = Best::new(&Hit { t: 1.0, ..Hit::MISS });
+    let mut best = ClosestHit::new(&Hit { t: 1.0, ..Hit::MISS });
     let along = [0, 1, 2].map(|axis| at[axis] - from[axis]);
     ask(scene, from, along, Any, Some(to), &mut best);
     // Whatever is met ends the search.
     best.t > 0.0
 }
 
-/// Asks the ray of every object but one. A world of thousands would ask a grid of its own first.
+/// Asks the ray of every instance but one. A world of thousands would ask a grid of its own first.
 fn ask(
     scene: &Scene,
     origin: [f32; 3],
     direction: [f32; 3],
-    search: impl Search<f32>,
-    but: Option<ObjectIndex>,
-    best: &mut Best<f32>,
+    search: impl HitFilter<f32>,
+    but: Option<InstanceIndex>,
+    best: &mut ClosestHit<f32>,
 ) {
     let (low, high) = scene.extent().unwrap_or_default();
     // Of all coordinates the largest: by its rounding error, boxes in the world are wider.
     let largest = |v: Vec3| v.abs().max_element();
     let magnitude = largest(low).max(largest(high)).max(largest(origin.into()));
     let geometry = Geometry {
-        objects: scene.objects(),
+        instances: scene.instances(),
         nodes: scene.nodes(),
-        words: scene.words(),
+        mesh_data: scene.mesh_data(),
         positions: scene.positions(),
         texels: scene.texels(),
         magnitude,
     };
     let ray = Ray::<f32>::new(V3::splat((), origin), V3::splat((), direction));
     // A packet of one ray, in one tile.
-    let (among, mut searches, mut found) = (1, [search], [*best]);
-    for (number, object) in (0..).zip(scene.objects()) {
-        let (low, high) = object.widened(magnitude);
-        if but == Some(ObjectIndex(number)) || met_by_rays(&[ray], &low, &high, among, &found) == 0 {
+    let (among, mut filters, mut found) = (1, [search], [*best]);
+    for (number, instance) in (0..).zip(scene.instances()) {
+        let (low, high) = instance.padded_aabb(magnitude);
+        if but == Some(InstanceIndex(number)) || ray_hit_mask(&[ray], &low, &high, among, &found) == 0 {
             continue;
         }
-        let here = [ray.to_object(object)];
+        let here = [ray.to_object(instance)];
         let tiles = Tiles::of(&here, &found, among);
         let mut limits = [0.0; TILES];
-        traverse(&geometry, number, &here, &tiles, among, &mut limits, &mut searches, &mut found);
+        traverse(&geometry, number, &here, &tiles, among, &mut limits, &mut filters, &mut found);
     }
     *best = found[0];
 }

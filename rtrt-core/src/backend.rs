@@ -21,7 +21,7 @@ pub enum Shadows {
     /// As if all of a light came from its middle.
     Hard,
     /// As hard ones, then blurred as far as their penumbras reach (see
-    /// [`penumbra`](crate::stage::penumbra)).
+    /// [`penumbra`](crate::stage::blocker_search)).
     #[default]
     Soft,
     /// Each sub-ray of a pixel asks for another point of the light (see
@@ -57,7 +57,7 @@ pub struct Request<'a> {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Deferred {
     /// The lists of all blocks of all views, as words (see
-    /// [`crate::kernel::lists::Lists`]).
+    /// [`crate::kernel::lists::BlockLists`]).
     pub lists: Vec<u32>,
     /// The closest surfaces.
     pub hits: Vec<Hit>,
@@ -65,14 +65,14 @@ pub struct Deferred {
     pub surfaces: Vec<Surface>,
     /// Which lights reach them: [`Deferred::mask_words`] words a ray.
     pub masks: Vec<u32>,
-    /// Before soft shadows are blurred: what is left of each light (see [`crate::kernel::tint`]),
+    /// Before soft shadows are blurred: what is left of each light (see [`crate::kernel::transmittance`]),
     /// a word a light; nothing in frames without soft shadows.
-    pub left: Vec<u32>,
+    pub raw_transmittance: Vec<u32>,
     /// The radii of the penumbras there (see [`crate::kernel::penumbra`]).
-    pub penumbras: Vec<f32>,
-    /// The color of each light's shadow, a word a light; nothing where every object is opaque
+    pub penumbra_radii: Vec<f32>,
+    /// The color of each light's shadow, a word a light; nothing where every instance is opaque
     /// and no shadow is soft.
-    pub tints: Vec<u32>,
+    pub transmittance: Vec<u32>,
     /// The light that arrives.
     pub lit: Vec<Lit>,
     /// Linear RGB and alpha of all layers.
@@ -84,7 +84,7 @@ pub struct Deferred {
     /// Layers a ray behind the first.
     pub layer_count: u32,
     /// Words of the shadow colors a ray.
-    pub tint_words: u32,
+    pub transmittance_words: u32,
 }
 
 /// A rendered frame. Give the same one again, and its memory is used again.

@@ -6,7 +6,7 @@
 
 use crate::backend::{Deferred, Picture, Request};
 use crate::grid::{BlockIndex, Grid, RayIndex};
-use crate::kernel::lists::Lists;
+use crate::kernel::lists::BlockLists;
 use crate::kernel::view::camera_ray;
 use alloc::vec::Vec;
 use bytemuck::cast_slice;
@@ -41,7 +41,7 @@ pub enum Place {
     /// where the next list starts. Blocks are numbered over all views.
     Count(BlockIndex),
     /// An entry in the list of a block.
-    Entry(BlockIndex, u32),
+    ListEntry(BlockIndex, u32),
     /// A sub-ray of a pixel; the first one for a whole pixel.
     Ray {
         /// Column and row of the pixel.
@@ -105,7 +105,7 @@ struct Buffer<'a> {
     fields: &'static [&'static str],
 }
 
-const HIT: &[&str] = &["t", "object", "triangle", "u", "v"];
+const HIT: &[&str] = &["t", "instance", "triangle", "u", "v"];
 const SURFACE: &[&str] = &[
     "origin.x",
     "origin.y",
@@ -124,9 +124,9 @@ const SURFACE: &[&str] = &[
 ];
 const LIT: &[&str] = &["diffuse.r", "diffuse.g", "diffuse.b", "specular.r", "specular.g", "specular.b"];
 const COLOR: &[&str] = &["r", "g", "b", "a"];
-const ENTRY: &[&str] = &["key", "object"];
+const ENTRY: &[&str] = &["key", "instance"];
 /// The fields that are whole numbers.
-const WHOLE: &[&str] = &["", "object", "triangle", "material", "color"];
+const WHOLE: &[&str] = &["", "instance", "triangle", "material", "color"];
 
 /// Stands in for deferred buffers that are not there.
 static NONE: Deferred = Deferred {
@@ -134,15 +134,15 @@ static NONE: Deferred = Deferred {
     hits: Vec::new(),
     surfaces: Vec::new(),
     masks: Vec::new(),
-    left: Vec::new(),
-    penumbras: Vec::new(),
-    tints: Vec::new(),
+    raw_transmittance: Vec::new(),
+    penumbra_radii: Vec::new(),
+    transmittance: Vec::new(),
     lit: Vec::new(),
     colors: Vec::new(),
     layers: Vec::new(),
     mask_words: 0,
     layer_count: 0,
-    tint_words: 0,
+    transmittance_words: 0,
 };
 
 /// The buffers of a picture, in the order of the stages.
@@ -156,22 +156,34 @@ fn buffers(picture: &Picture) -> [Buffer<'_>; 11] {
         fields,
     };
     let masks = d.mask_words.max(1) as usize;
-    let tints = d.tint_words.max(1) as usize;
+    let transmittance = d.transmittance_words.max(1) as usize;
     let layers = 5 * d.layer_count.max(1) as usize;
     [
         records("bin", "lists", &d.lists, ENTRY),
         records("visibility", "hits", cast_slice(&d.hits), HIT),
         records("surface", "surfaces", cast_slice(&d.surfaces), SURFACE),
-        Buffer { stage: "occlusion", name: "left", words: &d.left, stride: tints, fields: &[] },
+        Buffer {
+            stage: "occlusion",
+            name: "raw transmittance",
+            words: &d.raw_transmittance,
+            stride: transmittance,
+            fields: &[],
+        },
         Buffer {
             stage: "occlusion",
             name: "penumbras",
-            words: cast_slice(&d.penumbras),
-            stride: tints,
+            words: cast_slice(&d.penumbra_radii),
+            stride: transmittance,
             fields: &[],
         },
         Buffer { stage: "occlusion", name: "masks", words: &d.masks, stride: masks, fields: &[] },
-        Buffer { stage: "occlusion", name: "tints", words: &d.tints, stride: tints, fields: &[] },
+        Buffer {
+            stage: "occlusion",
+            name: "transmittance",
+            words: &d.transmittance,
+            stride: transmittance,
+            fields: &[],
+        },
         records("light", "lit", cast_slice(&d.lit), LIT),
         Buffer { stage: "layers", name: "layers", words: cast_slice(&d.layers), stride: layers, fields: &[] },
         records("shade", "colors", cast_slice(&d.colors), COLOR),
@@ -213,16 +225,16 @@ fn first_difference(request: &Request<'_>, expected: &Buffer<'_>, actual: &Buffe
 /// Which list a word belongs to, and which word of its entry it is.
 fn in_lists(words: &[u32], index: usize) -> (Place, usize) {
     // Starts do not fall, so only the last of them counts the words that follow it.
-    let blocks =
-        (0..words.len()).find(|&b| Lists::header(b as u32) as usize + 2 * words[b] as usize == words.len());
+    let blocks = (0..words.len())
+        .find(|&b| BlockLists::header(b as u32) as usize + 2 * words[b] as usize == words.len());
     let blocks = blocks.unwrap_or(0);
     if index <= blocks {
         return (Place::Count(BlockIndex(index.saturating_sub(1) as u32)), 0);
     }
-    let place = index - Lists::header(blocks as u32) as usize;
+    let place = index - BlockLists::header(blocks as u32) as usize;
     let entry = (place / 2) as u32;
     let block = words[..=blocks].partition_point(|&start| start <= entry).saturating_sub(1);
-    (Place::Entry(BlockIndex(block as u32), entry.saturating_sub(words[block])), place % 2)
+    (Place::ListEntry(BlockIndex(block as u32), entry.saturating_sub(words[block])), place % 2)
 }
 
 /// The ray with this number, or the first one of the pixel with this number.
@@ -256,7 +268,7 @@ impl fmt::Display for Difference {
         match place {
             Place::Length => {}
             Place::Count(block) => write!(f, " of block {}", block.0)?,
-            Place::Entry(block, entry) => write!(f, " of block {}, entry {entry}", block.0)?,
+            Place::ListEntry(block, entry) => write!(f, " of block {}, entry {entry}", block.0)?,
             Place::Ray { pixel: [x, y], sub_ray: [a, b], ray, block, .. } => {
                 write!(f, " at pixel {x},{y} sub-ray {a},{b} (ray {}, block {})", ray.0, block.0)?;
             }
@@ -355,7 +367,7 @@ mod tests {
     #[test]
     fn names_the_list_and_the_entry() {
         let found = difference(|_, d| d.lists[8] = 2);
-        assert_eq!((found.place, found.field), (Place::Entry(BlockIndex(1), 1), "object"));
+        assert_eq!((found.place, found.field), (Place::ListEntry(BlockIndex(1), 1), "instance"));
         let found = difference(|_, d| d.lists[1] = 0);
         assert_eq!((found.place, found.field), (Place::Count(BlockIndex(0)), ""));
     }

@@ -51,13 +51,18 @@ pub trait Bits:
     type Row: Row<u32>;
 
     /// The same number in every lane, shaped like `self`.
-    fn like(self, value: u32) -> Self;
+    fn broadcast(self, value: u32) -> Self;
     /// Exclusive or.
     fn xor(self, other: Self) -> Self;
     /// Equality, lane by lane.
-    fn equal(self, other: Self) -> Self::Mask;
+    fn eq(self, other: Self) -> Self::Mask;
     /// Unsigned less-than, lane by lane.
-    fn less_than(self, other: Self) -> Self::Mask;
+    fn lt(self, other: Self) -> Self::Mask;
+    /// Unsigned greater-than, lane by lane.
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
     /// The numbers one by one. Take them out once, before a loop over lanes.
     fn row(self) -> Self::Row;
     /// The number in lane `index`; `index` is below the lane's width.
@@ -115,9 +120,19 @@ pub trait Lane:
     }
 
     /// `self < other`.
-    fn less_than(self, other: Self) -> Self::Mask;
+    fn lt(self, other: Self) -> Self::Mask;
     /// `self ≤ other`.
-    fn less_equal(self, other: Self) -> Self::Mask;
+    fn le(self, other: Self) -> Self::Mask;
+    /// `self > other`.
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+    /// `self ≥ other`.
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        other.le(self)
+    }
     /// The IEEE 754 bits.
     fn to_bits(self) -> Self::Bits;
     /// The number with these IEEE 754 bits.
@@ -134,23 +149,23 @@ pub trait Lane:
     }
     /// `value` in every lane, shaped like `self`.
     #[inline(always)]
-    fn like(self, value: f32) -> Self {
+    fn broadcast(self, value: f32) -> Self {
         Self::splat(self.token(), value)
     }
     /// `value` in every lane, as bits, shaped like `self`.
     #[inline(always)]
-    fn bits_like(self, value: u32) -> Self::Bits {
-        self.to_bits().like(value)
+    fn broadcast_bits(self, value: u32) -> Self::Bits {
+        self.to_bits().broadcast(value)
     }
     /// The smaller; `other` where the comparison fails, as for NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.less_than(other).select(self, other)
+        self.lt(other).select(self, other)
     }
     /// The larger; `other` where the comparison fails, as for NaN.
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        other.less_than(self).select(self, other)
+        other.lt(self).select(self, other)
     }
     /// The smallest of the lanes, none of which may be NaN.
     #[inline(always)]
@@ -172,12 +187,12 @@ pub trait Lane:
     /// The number without its sign.
     #[inline(always)]
     fn abs(self) -> Self {
-        Self::from_bits(self.to_bits() & self.bits_like(0x7fff_ffff))
+        Self::from_bits(self.to_bits() & self.broadcast_bits(0x7fff_ffff))
     }
     /// The sign bit alone.
     #[inline(always)]
     fn sign_bit(self) -> Self::Bits {
-        self.to_bits() & self.bits_like(0x8000_0000)
+        self.to_bits() & self.broadcast_bits(0x8000_0000)
     }
     /// `self`, negated where `sign` has its top bit set.
     #[inline(always)]
@@ -234,7 +249,7 @@ impl Bits for Word {
     type Row = [u32; 1];
 
     #[inline(always)]
-    fn like(self, value: u32) -> Self {
+    fn broadcast(self, value: u32) -> Self {
         Self(value)
     }
     #[inline(always)]
@@ -242,11 +257,11 @@ impl Bits for Word {
         Self(self.0 ^ other.0)
     }
     #[inline(always)]
-    fn equal(self, other: Self) -> bool {
+    fn eq(self, other: Self) -> bool {
         self.0 == other.0
     }
     #[inline(always)]
-    fn less_than(self, other: Self) -> bool {
+    fn lt(self, other: Self) -> bool {
         self.0 < other.0
     }
     #[inline(always)]
@@ -291,11 +306,11 @@ impl Lane for f32 {
         [self]
     }
     #[inline(always)]
-    fn less_than(self, other: Self) -> bool {
+    fn lt(self, other: Self) -> bool {
         self < other
     }
     #[inline(always)]
-    fn less_equal(self, other: Self) -> bool {
+    fn le(self, other: Self) -> bool {
         self <= other
     }
     #[inline(always)]

@@ -3,14 +3,14 @@
 //!
 //! ```
 //! use rtrt_core::kernel::ray::Ray;
-//! use rtrt_core::kernel::triangle::{Triangle, meet};
+//! use rtrt_core::kernel::triangle::{Triangle, intersect};
 //! use rtrt_core::lane::V3;
 //!
 //! // A lane of width 1, as a GPU invocation runs it.
 //! let at = |v| V3::<f32>::splat((), v);
 //! let ray = Ray::new(at([0.25, 0.25, 3.0]), at([0.0, 0.0, -1.0]));
 //! let triangle = Triangle::new([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-//! let met = meet(&ray, &triangle, &triangle.seen_from(ray.origin), f32::MAX);
+//! let met = intersect(&ray, &triangle, &triangle.relative_to(ray.origin), f32::MAX);
 //! assert!(met.mask && (met.t - 3.0).abs() < 1e-6);
 //! ```
 //!

@@ -35,7 +35,7 @@ const ROUND: f32 = 12_582_912.0;
 /// `x`, or 0 where `|x| <` [`FLOOR`].
 #[inline(always)]
 pub fn flush<L: Lane>(x: L) -> L {
-    x.abs().less_than(x.like(FLOOR)).select(x.like(0.0), x)
+    x.abs().lt(x.broadcast(FLOOR)).select(x.broadcast(0.0), x)
 }
 
 /// [`flush`] of each component.
@@ -47,9 +47,9 @@ pub fn flush3<L: Lane>(v: V3<L>) -> V3<L> {
 /// `x` clamped to `low ..= high`; NaN gives `high`.
 #[inline(always)]
 pub fn clamp<L: Lane>(x: L, low: f32, high: f32) -> L {
-    let (low, high) = (x.like(low), x.like(high));
-    let capped = x.less_than(high).select(x, high);
-    capped.less_than(low).select(low, capped)
+    let (low, high) = (x.broadcast(low), x.broadcast(high));
+    let capped = x.lt(high).select(x, high);
+    capped.lt(low).select(low, capped)
 }
 
 /// `1 / x`. Three Newton steps, `y ← y (2 − x y)`, from a seed within 13 % (the exponent
@@ -58,10 +58,10 @@ pub fn clamp<L: Lane>(x: L, low: f32, high: f32) -> L {
 pub fn recip<L: Lane>(x: L) -> L {
     let sign = x.sign_bit();
     let a = clamp(x.abs(), TINY, HUGE);
-    let mut y = L::from_bits(a.bits_like(0x7ef3_11c7) - a.to_bits());
-    y = y * (y.like(2.0) - a * y);
-    y = y * (y.like(2.0) - a * y);
-    y = y * (y.like(2.0) - a * y);
+    let mut y = L::from_bits(a.broadcast_bits(0x7ef3_11c7) - a.to_bits());
+    y = y * (y.broadcast(2.0) - a * y);
+    y = y * (y.broadcast(2.0) - a * y);
+    y = y * (y.broadcast(2.0) - a * y);
     y.flip_sign(sign)
 }
 
@@ -71,17 +71,17 @@ pub fn recip<L: Lane>(x: L) -> L {
 pub fn rsqrt<L: Lane>(x: L) -> L {
     let a = clamp(x, TINY, HUGE);
     let half = a * 0.5;
-    let mut y = L::from_bits(a.bits_like(0x5f37_5a86) - (a.to_bits() >> 1));
-    y = y * (y.like(1.5) - half * y * y);
-    y = y * (y.like(1.5) - half * y * y);
-    y = y * (y.like(1.5) - half * y * y);
+    let mut y = L::from_bits(a.broadcast_bits(0x5f37_5a86) - (a.to_bits() >> 1));
+    y = y * (y.broadcast(1.5) - half * y * y);
+    y = y * (y.broadcast(1.5) - half * y * y);
+    y = y * (y.broadcast(1.5) - half * y * y);
     y
 }
 
 /// `√x`, as `x · rsqrt(x)`.
 #[inline(always)]
 pub fn sqrt<L: Lane>(x: L) -> L {
-    x.like(TINY).less_equal(x).select(clamp(x, TINY, HUGE) * rsqrt(x), x.like(0.0))
+    x.broadcast(TINY).le(x).select(clamp(x, TINY, HUGE) * rsqrt(x), x.broadcast(0.0))
 }
 
 /// `x` rounded to the nearest integer, ties to even. For `|x| < 2²²`.
@@ -94,19 +94,19 @@ pub fn round<L: Lane>(x: L) -> L {
 #[inline(always)]
 pub fn floor<L: Lane>(x: L) -> L {
     let nearest = round(x);
-    x.less_than(nearest).select(nearest - 1.0, nearest)
+    x.lt(nearest).select(nearest - 1.0, nearest)
 }
 
 /// The integer that `x` is, as two's complement bits. For an integer `|x| < 2²²`.
 #[inline(always)]
 pub fn to_integer<L: Lane>(x: L) -> L::Bits {
-    (x + ROUND).to_bits() - x.bits_like(ROUND.to_bits())
+    (x + ROUND).to_bits() - x.broadcast_bits(ROUND.to_bits())
 }
 
 /// The number that the two's complement `bits` are. For `|bits| < 2²²`.
 #[inline(always)]
 pub fn from_integer<L: Lane>(bits: L::Bits) -> L {
-    L::from_bits(bits + bits.like(ROUND.to_bits())) - ROUND
+    L::from_bits(bits + bits.broadcast(ROUND.to_bits())) - ROUND
 }
 
 /// `2ˣ`: the nearest integer goes into the exponent, the rest (within ±½) through the
@@ -114,8 +114,8 @@ pub fn from_integer<L: Lane>(bits: L::Bits) -> L {
 #[inline(always)]
 pub fn exp2<L: Lane>(x: L) -> L {
     // NaN fails the comparison and becomes the lower end.
-    let x = x.like(-126.0).less_than(x).select(x, x.like(-126.0));
-    let x = x.less_than(x.like(127.0)).select(x, x.like(127.0));
+    let x = x.broadcast(-126.0).lt(x).select(x, x.broadcast(-126.0));
+    let x = x.lt(x.broadcast(127.0)).select(x, x.broadcast(127.0));
     let whole = round(x);
     let f = x - whole;
     // (ln 2)ⁿ / n!
@@ -126,7 +126,7 @@ pub fn exp2<L: Lane>(x: L) -> L {
     p = p * f + 2.402_265e-1;
     p = p * f + core::f32::consts::LN_2;
     p = p * f + 1.0;
-    p * L::from_bits((to_integer(whole) + x.bits_like(127)) << 23)
+    p * L::from_bits((to_integer(whole) + x.broadcast_bits(127)) << 23)
 }
 
 /// Sine and cosine of π/4 · `x`, for `x` within ±1: Taylor polynomials of degree 9 and 8, whose
@@ -152,8 +152,8 @@ pub fn sine_and_cosine<L: Lane>(x: L) -> [L; 2] {
 pub fn log2<L: Lane>(x: L) -> L {
     let bits = clamp(x, TINY, HUGE).to_bits();
     // Counted from √½, so that m straddles 1.
-    let offset = bits - bits.like(0x3f35_04f3);
-    let exponent = (offset >> 23).xor(bits.like(0x100)) - bits.like(0x100);
+    let offset = bits - bits.broadcast(0x3f35_04f3);
+    let exponent = (offset >> 23).xor(bits.broadcast(0x100)) - bits.broadcast(0x100);
     let m = L::from_bits(bits - (exponent << 23));
     let s = (m - 1.0) * recip(m + 1.0);
     let s2 = s * s;
@@ -168,7 +168,7 @@ pub fn log2<L: Lane>(x: L) -> L {
 /// `xʸ`, as `exp2(y · log2 x)`.
 #[inline(always)]
 pub fn pow<L: Lane>(x: L, y: L) -> L {
-    x.like(TINY).less_equal(x).select(exp2(y * log2(x)), x.like(0.0))
+    x.broadcast(TINY).le(x).select(exp2(y * log2(x)), x.broadcast(0.0))
 }
 
 /// The angle of the point `(x, y)`, within −π ..= π, counted from the `x` axis toward `y`.
@@ -179,7 +179,7 @@ pub fn pow<L: Lane>(x: L, y: L) -> L {
 #[inline(always)]
 pub fn atan2<L: Lane>(y: L, x: L) -> L {
     let (width, height) = (x.abs(), y.abs());
-    let steep = width.less_than(height);
+    let steep = width.lt(height);
     let slope = width.min(height) * recip(width.max(height));
     let square = slope * slope;
     let mut p = square * 2.866_225_7e-3 - 1.616_573_7e-2;
@@ -191,10 +191,10 @@ pub fn atan2<L: Lane>(y: L, x: L) -> L {
     p = p * square - 3.333_314_5e-1;
     p = p * square + 1.0;
     let angle = p * slope;
-    let angle = steep.select(angle.like(core::f32::consts::FRAC_PI_2) - angle, angle);
-    let behind = x.less_than(x.like(0.0));
-    let angle = behind.select(angle.like(core::f32::consts::PI) - angle, angle);
-    y.less_than(y.like(0.0)).select(-angle, angle)
+    let angle = steep.select(angle.broadcast(core::f32::consts::FRAC_PI_2) - angle, angle);
+    let behind = x.lt(x.broadcast(0.0));
+    let angle = behind.select(angle.broadcast(core::f32::consts::PI) - angle, angle);
+    y.lt(y.broadcast(0.0)).select(-angle, angle)
 }
 
 const ENCODE_POWER: f32 = 1.0 / 2.4;
@@ -210,10 +210,10 @@ const DECODE_SLOPE: f32 = 1.0 / 12.92;
 #[inline(always)]
 pub fn srgb_encode<L: Lane>(linear: L) -> L {
     // NaN would be white through `clamp`; it is black.
-    let c = linear.like(0.0).less_than(linear).select(linear, linear.like(0.0));
+    let c = linear.gt(linear.broadcast(0.0)).select(linear, linear.broadcast(0.0));
     let c = clamp(c, 0.0, 1.0);
-    let curve = pow(c, c.like(ENCODE_POWER)) * 1.055 - 0.055;
-    clamp(c.less_equal(c.like(0.003_130_8)).select(c * 12.92, curve), 0.0, 1.0)
+    let curve = pow(c, c.broadcast(ENCODE_POWER)) * 1.055 - 0.055;
+    clamp(c.le(c.broadcast(0.003_130_8)).select(c * 12.92, curve), 0.0, 1.0)
 }
 
 /// The linear light that `encoded` stands for in sRGB (IEC 61966-2-1).
@@ -224,10 +224,10 @@ pub fn srgb_encode<L: Lane>(linear: L) -> L {
 /// ```
 #[inline(always)]
 pub fn srgb_decode<L: Lane>(encoded: L) -> L {
-    let c = encoded.like(0.0).less_than(encoded).select(encoded, encoded.like(0.0));
+    let c = encoded.gt(encoded.broadcast(0.0)).select(encoded, encoded.broadcast(0.0));
     let c = clamp(c, 0.0, 1.0);
-    let curve = pow((c + 0.055) * DECODE_SCALE, c.like(2.4));
-    clamp(c.less_equal(c.like(0.040_45)).select(c * DECODE_SLOPE, curve), 0.0, 1.0)
+    let curve = pow((c + 0.055) * DECODE_SCALE, c.broadcast(2.4));
+    clamp(c.le(c.broadcast(0.040_45)).select(c * DECODE_SLOPE, curve), 0.0, 1.0)
 }
 
 /// `v` at length 1; a vector shorter than 2⁻⁴⁵ keeps its direction but not that length.

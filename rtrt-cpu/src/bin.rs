@@ -2,54 +2,54 @@
 //! on.
 
 use rayon::prelude::*;
-use rtrt_core::kernel::cover::Cover;
-use rtrt_core::kernel::lists::{Entry, Lists, scan_starts, sort, store};
-use rtrt_core::layout::{Frame, Object, View};
-use rtrt_core::scene::{Kept, Scene, Setup, Source};
+use rtrt_core::kernel::lists::{BlockLists, ListEntry, scan_starts, sort, store};
+use rtrt_core::kernel::screen_bounds::ScreenBounds;
+use rtrt_core::layout::{Frame, Instance, View};
+use rtrt_core::scene::{ListCacheKey, ReusableLists, Scene, Setup};
 use rtrt_core::stage::bin::each_block;
 use std::ops::Range;
 
-/// Covers that a worker takes at a time.
+/// ScreenBounds that a worker takes at a time.
 const SHARE: usize = 8;
 
 /// The lists and what they are built with.
 #[derive(Debug, Default)]
 pub struct Bins {
-    /// See [`Lists`].
-    pub words: Vec<u32>,
-    camera: Part,
-    lights: Part,
-    source: Source,
+    /// See [`BlockLists`].
+    pub lists: Vec<u32>,
+    camera: BinShare,
+    lights: BinShare,
+    list_key: ListCacheKey,
 }
 
 impl Bins {
     /// Whether the lists of lights are those of the frame before: the covers of lights are not
     /// looked at then.
     pub fn keeps_lights(&mut self, setup: &Setup, scene: &Scene) -> bool {
-        self.source.kept(setup, scene) != Kept::Nothing
+        self.list_key.reusable(setup, scene) != ReusableLists::Nothing
     }
 
     /// Rebuilds the lists, those of lights unless they are kept.
-    pub fn fill(&mut self, job: &Binning<'_>, keeps_lights: bool) {
-        let Self { words, camera, lights, .. } = self;
-        let Binning { frame, views, covers, .. } = job;
+    pub fn fill(&mut self, context: &Binning<'_>, keeps_lights: bool) {
+        let Self { lists, camera, lights, .. } = self;
+        let Binning { frame, views, screen_bounds, .. } = context;
         let blocks = views[Frame::CAMERA as usize].first_block;
-        let seen = covers.len().min(frame.seen as usize);
+        let seen = screen_bounds.len().min(frame.seen as usize);
         rayon::join(
-            || camera.fill(job, 0..seen, blocks..frame.blocks),
+            || camera.fill(context, 0..seen, blocks..frame.blocks),
             || {
                 if !keeps_lights {
-                    lights.fill(job, seen..covers.len(), 0..blocks);
+                    lights.fill(context, seen..screen_bounds.len(), 0..blocks);
                 }
             },
         );
-        let (light_starts, light_entries) = lights.words.split_at(blocks as usize);
-        let (starts, entries) = camera.words.split_at((frame.blocks - blocks) as usize + 1);
-        words.clear();
-        words.extend_from_slice(light_starts);
-        words.extend(starts.iter().map(|start| light_entries[0] + start));
-        words.extend_from_slice(&light_entries[1..]);
-        words.extend_from_slice(entries);
+        let (light_starts, light_entries) = lights.lists.split_at(blocks as usize);
+        let (starts, entries) = camera.lists.split_at((frame.blocks - blocks) as usize + 1);
+        lists.clear();
+        lists.extend_from_slice(light_starts);
+        lists.extend(starts.iter().map(|start| light_entries[0] + start));
+        lists.extend_from_slice(&light_entries[1..]);
+        lists.extend_from_slice(entries);
     }
 }
 
@@ -57,52 +57,52 @@ impl Bins {
 pub struct Binning<'a> {
     pub frame: &'a Frame,
     pub views: &'a [View],
-    pub objects: &'a [Object],
-    pub covers: &'a [Cover],
+    pub instances: &'a [Instance],
+    pub screen_bounds: &'a [ScreenBounds],
 }
 
 /// The lists of some blocks that follow one another.
 #[derive(Debug, Default)]
-struct Part {
-    /// As in [`Lists`], for these blocks alone.
-    words: Vec<u32>,
+struct BinShare {
+    /// As in [`BlockLists`], for these blocks alone.
+    lists: Vec<u32>,
     counts: Vec<u32>,
-    /// The blocks and entries of each share of the covers.
-    found: Vec<Vec<(u32, Entry)>>,
+    /// The blocks and entries of each share of the bounds.
+    found: Vec<Vec<(u32, ListEntry)>>,
 }
 
-impl Part {
-    fn fill(&mut self, job: &Binning<'_>, covers: Range<usize>, blocks: Range<u32>) {
-        let Self { words, counts, found } = self;
-        let Binning { frame, views, objects, covers: all } = job;
-        found.resize_with(covers.len().div_ceil(SHARE), Vec::new);
+impl BinShare {
+    fn fill(&mut self, context: &Binning<'_>, screen_bounds: Range<usize>, blocks: Range<u32>) {
+        let Self { lists, counts, found } = self;
+        let Binning { frame, views, instances, screen_bounds: all } = context;
+        found.resize_with(screen_bounds.len().div_ceil(SHARE), Vec::new);
         found.par_iter_mut().enumerate().for_each(|(share, found)| {
             found.clear();
-            let first = covers.start + share * SHARE;
-            for index in first..covers.end.min(first + SHARE) {
-                each_block(frame, views, objects, all, index as u32, |block, entry| {
+            let first = screen_bounds.start + share * SHARE;
+            for index in first..screen_bounds.end.min(first + SHARE) {
+                each_block(frame, views, instances, all, index as u32, |block, entry| {
                     found.push((block - blocks.start, entry));
                 });
             }
         });
         let count = blocks.end - blocks.start;
-        let header = Lists::header(count);
+        let header = BlockLists::header(count);
         counts.clear();
         counts.resize(count as usize, 0);
         for (block, _) in found.iter().flatten() {
             counts[*block as usize] += 1;
         }
-        words.resize(header as usize, 0);
-        scan_starts(counts, words, 0, count, 0);
-        let entries = words[count as usize];
-        words.resize((header + 2 * entries) as usize, 0);
+        lists.resize(header as usize, 0);
+        scan_starts(counts, lists, 0, count, 0);
+        let entries = lists[count as usize];
+        lists.resize((header + 2 * entries) as usize, 0);
         for &(block, entry) in found.iter().flatten() {
-            let at = words[block as usize] + counts[block as usize];
+            let at = lists[block as usize] + counts[block as usize];
             counts[block as usize] += 1;
-            store(words, header, at, entry);
+            store(lists, header, at, entry);
         }
         for block in 0..count {
-            sort(words, count, block);
+            sort(lists, count, block);
         }
     }
 }

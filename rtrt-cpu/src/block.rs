@@ -2,29 +2,29 @@
 //! first-level cache.
 
 use crate::clock::{Clock, LAYERS};
-use crate::level::Work;
+use crate::instruction_set::LaneTask;
 use crate::records::Records;
 use crate::wide::Wide;
 use rayon::prelude::*;
 use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
-use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::texture::Maps;
-use rtrt_core::kernel::traverse::{Best, Geometry};
+use rtrt_core::kernel::traverse::{ClosestHit, Geometry};
 use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
 use rtrt_core::layout::{Attribute, Frame, Material, NONE, View};
 use rtrt_core::stage::detail::detail;
-use rtrt_core::stage::layers::{blend, is_covered, layer};
-use rtrt_core::stage::light::{Arriving, light};
+use rtrt_core::stage::light::{IncomingLight, light};
+use rtrt_core::stage::peel::{blend, is_covered, peel};
 use rtrt_core::stage::surface::{Surfaces, Vertices, surface};
 use rtrt_core::stage::visibility::{directions, visibility};
 use rtrt_core::stage::{occlusion, resolve::resolve, shade::shade};
 use std::time::Instant;
 
 /// What every block of a frame shares.
-pub struct Job<'a> {
+pub struct FrameContext<'a> {
     pub frame: &'a Frame,
     pub views: &'a [View],
-    pub lists: Lists<'a>,
+    pub lists: BlockLists<'a>,
     pub geometry: Geometry<'a>,
     pub attributes: &'a [Attribute],
     pub materials: &'a [Material],
@@ -33,32 +33,41 @@ pub struct Job<'a> {
 
 /// A block to be rendered, packet after packet, into its pixels and, if wanted, its records.
 pub struct Block<'a> {
-    pub job: &'a Job<'a>,
+    pub context: &'a FrameContext<'a>,
     pub index: u32,
     pub tile: &'a mut [u32],
-    /// See [`tint_words`].
-    pub tints: &'a mut [u32],
+    /// See [`transmittance_words`].
+    pub transmittance: &'a mut [u32],
     pub records: Option<Records<'a>>,
 }
 
-impl Work for Block<'_> {
+impl LaneTask for Block<'_> {
     type Output = Clock;
 
     #[inline(always)]
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
-        let Self { job, index, tile, tints, mut records } = self;
+        let Self { context, index, tile, transmittance, mut records } = self;
         let mut clock = Clock::default();
         let mut colors = [[0.0; 4]; BLOCK_RAYS as usize];
         let packet = L::WIDTH * G;
         for first in (0..BLOCK_RAYS as usize).step_by(packet) {
             let ray = RayIndex(index * BLOCK_RAYS + first as u32);
             // Where none are kept, a block has one word.
-            let kept = first.min(tints.len());
-            let tints = &mut tints[kept..];
-            packet_colors::<L, G>(token, job, ray, first, &mut colors, tints, records.as_mut(), &mut clock);
+            let kept = first.min(transmittance.len());
+            let transmittance = &mut transmittance[kept..];
+            packet_colors::<L, G>(
+                token,
+                context,
+                ray,
+                first,
+                &mut colors,
+                transmittance,
+                records.as_mut(),
+                &mut clock,
+            );
         }
         let mut start = Instant::now();
-        resolved::<L>(token, job, index, &colors, tile);
+        resolved::<L>(token, context, index, &colors, tile);
         clock.lap(9, &mut start);
         clock
     }
@@ -66,8 +75,14 @@ impl Work for Block<'_> {
 
 /// The pixels of a block of these colors.
 #[inline(always)]
-pub fn resolved<L: Wide>(token: L::Token, job: &Job<'_>, index: u32, colors: &[[f32; 4]], tile: &mut [u32]) {
-    let grid = job.frame.grid();
+pub fn resolved<L: Wide>(
+    token: L::Token,
+    context: &FrameContext<'_>,
+    index: u32,
+    colors: &[[f32; 4]],
+    tile: &mut [u32],
+) {
+    let grid = context.frame.grid();
     // A power of two.
     let side = grid.block_pixels();
     let (across, down) = (side - 1, side.trailing_zeros());
@@ -89,9 +104,9 @@ pub fn resolved<L: Wide>(token: L::Token, job: &Job<'_>, index: u32, colors: &[[
 }
 
 /// The stages of a packet that need nothing of others. (Each is one function for all that call
-/// it, so that it is compiled once for each level.) `frame` is the job's, but for the layers that
+/// it, so that it is compiled once for each level.) `frame` is the context's, but for the layers that
 /// are still looked at.
-impl Job<'_> {
+impl FrameContext<'_> {
     /// The closest surfaces; where not all is opaque, the closest behind the last.
     #[inline(always)]
     pub fn seen<L: Wide, const G: usize>(
@@ -99,20 +114,20 @@ impl Job<'_> {
         token: L::Token,
         frame: &Frame,
         ray: RayIndex,
-        last: &[Best<L>; G],
-    ) -> [Best<L>; G] {
-        let Job { views, lists, geometry, .. } = self;
+        last: &[ClosestHit<L>; G],
+    ) -> [ClosestHit<L>; G] {
+        let FrameContext { views, lists, geometry, .. } = self;
         if frame.layers == 0 {
-            L::apart(
+            L::outlined(
                 token,
                 #[inline(always)]
                 || visibility::<L, G>(token, frame, views, lists, geometry, ray),
             )
         } else {
-            L::apart(
+            L::outlined(
                 token,
                 #[inline(always)]
-                || layer::<L, G>(token, frame, views, lists, geometry, ray, last),
+                || peel::<L, G>(token, frame, views, lists, geometry, ray, last),
             )
         }
     }
@@ -123,11 +138,11 @@ impl Job<'_> {
         &self,
         token: L::Token,
         directions: &[V3<L>; G],
-        best: &[Best<L>; G],
+        best: &[ClosestHit<L>; G],
     ) -> [Surfaces<L>; G] {
-        let Job { views, geometry, attributes, .. } = self;
+        let FrameContext { views, geometry, attributes, .. } = self;
         let camera = &views[Frame::CAMERA as usize];
-        L::apart(
+        L::outlined(
             token,
             #[inline(always)]
             || {
@@ -144,14 +159,15 @@ impl Job<'_> {
     pub fn detail<L: Wide, const G: usize>(
         &self,
         token: L::Token,
-        best: &[Best<L>; G],
+        best: &[ClosestHit<L>; G],
         surfaces: &mut [Surfaces<L>; G],
     ) {
-        let Job { geometry, attributes, materials, texels, .. } = self;
+        let FrameContext { geometry, attributes, materials, texels, .. } = self;
         if self.frame.details != 0 {
             let maps = Maps { materials, texels };
-            let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
-            L::apart(
+            let vertices =
+                Vertices { instances: geometry.instances, mesh_data: geometry.mesh_data, attributes };
+            L::outlined(
                 token,
                 #[inline(always)]
                 || {
@@ -173,11 +189,11 @@ impl Job<'_> {
         directions: &[V3<L>; G],
         surfaces: &[Surfaces<L>; G],
         shadows: &Shadows<'_, L, G>,
-    ) -> [Arriving<L>; G] {
-        let Job { views, materials, texels, .. } = self;
-        let none = surfaces[0].material.like(0);
+    ) -> [IncomingLight<L>; G] {
+        let FrameContext { views, materials, texels, .. } = self;
+        let none = surfaces[0].material.broadcast(0);
         let maps = Maps { materials, texels };
-        L::apart(
+        L::outlined(
             token,
             #[inline(always)]
             || {
@@ -191,7 +207,7 @@ impl Job<'_> {
                             #[inline(always)]
                             |word| shadows.word(frame, word, none, g),
                             #[inline(always)]
-                            |light| shadows.tint(light, none, g),
+                            |light| shadows.transmittance(light, none, g),
                             RayIndex(first.0 + (g * L::WIDTH) as u32),
                             directions[g],
                             &surfaces[g],
@@ -210,11 +226,11 @@ impl Job<'_> {
         frame: &Frame,
         directions: &[V3<L>; G],
         surfaces: &[Surfaces<L>; G],
-        arriving: &[Arriving<L>; G],
+        arriving: &[IncomingLight<L>; G],
         sums: &mut [[L; 4]; G],
     ) {
         let maps = Maps { materials: self.materials, texels: self.texels };
-        L::apart(
+        L::outlined(
             token,
             #[inline(always)]
             || {
@@ -232,42 +248,42 @@ impl Job<'_> {
 #[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 fn packet_colors<L: Wide, const G: usize>(
     token: L::Token,
-    job: &Job<'_>,
+    context: &FrameContext<'_>,
     ray: RayIndex,
     first: usize,
     colors: &mut [[f32; 4]],
-    tints: &mut [u32],
+    transmittance: &mut [u32],
     mut records: Option<&mut Records<'_>>,
     clock: &mut Clock,
 ) {
-    let mut frame = *job.frame;
-    let camera = &job.views[Frame::CAMERA as usize];
+    let mut frame = *context.frame;
+    let camera = &context.views[Frame::CAMERA as usize];
     let mut start = Instant::now();
     let zero = L::splat(token, 0.0);
-    let none = zero.bits_like(0);
-    let mut best: [Best<L>; G] = groups(
+    let none = zero.broadcast_bits(0);
+    let mut best: [ClosestHit<L>; G] = groups(
         #[inline(always)]
-        |_| Best { t: zero, object: none, triangle: none, u: zero, v: zero },
+        |_| ClosestHit { t: zero, instance: none, triangle: none, u: zero, v: zero },
     );
     let mut sums = [[zero; 4]; G];
     for number in 0.. {
         // The stages of a layer have the names of the first one's, the time does not.
         let stage = |stage: usize| if number == 0 { stage } else { LAYERS };
-        best = job.seen(token, &frame, ray, &best);
+        best = context.seen(token, &frame, ray, &best);
         clock.lap(stage(2), &mut start);
         let directions = directions::<L, G>(token, &frame, camera, ray);
-        let mut surfaces = job.surfaces(token, &directions, &best);
+        let mut surfaces = context.surfaces(token, &directions, &best);
         clock.lap(stage(3), &mut start);
-        job.detail(token, &best, &mut surfaces);
+        context.detail(token, &best, &mut surfaces);
         clock.lap(stage(4), &mut start);
-        let shadows = Shadows::<L, G>::new(token, &frame, job, ray, &surfaces, tints);
+        let shadows = Shadows::<L, G>::new(token, &frame, context, ray, &surfaces, transmittance);
         clock.lap(stage(5), &mut start);
-        let arriving = job.arriving(token, &frame, ray, &directions, &surfaces, &shadows);
+        let arriving = context.arriving(token, &frame, ray, &directions, &surfaces, &shadows);
         clock.lap(stage(6), &mut start);
-        job.shade(token, &frame, &directions, &surfaces, &arriving, &mut sums);
+        context.shade(token, &frame, &directions, &surfaces, &arriving, &mut sums);
         clock.lap(stage(7), &mut start);
         if let Some(records) = &mut records {
-            records.keep(job.frame, number, first, &best, &surfaces, &shadows, &arriving);
+            records.keep(context.frame, number, first, &best, &surfaces, &shadows, &arriving);
         }
         if frame.layers <= 1 {
             break;
@@ -276,9 +292,9 @@ fn packet_colors<L: Wide, const G: usize>(
         // What nothing shines through looks for nothing more.
         let mut is_done = true;
         for g in 0..G {
-            let missing = none.like(NONE);
-            best[g].object = is_covered(sums[g][3]).select(missing, best[g].object);
-            is_done &= !(!best[g].object.equal(missing)).any();
+            let missing = none.broadcast(NONE);
+            best[g].instance = is_covered(sums[g][3]).select(missing, best[g].instance);
+            is_done &= !(!best[g].instance.eq(missing)).any();
         }
         if is_done {
             break;
@@ -312,21 +328,21 @@ pub enum Shadows<'a, L: Wide, const G: usize> {
     Bits { first: [L::Bits; G], more: Vec<[L::Bits; G]> },
     /// What is left of each light, where shadows are not bits: a block's words, light after light,
     /// from the packet's first on.
-    Tints(L::Token, &'a [u32]),
+    Transmittance(L::Token, &'a [u32]),
 }
 
 impl<'a, L: Wide, const G: usize> Shadows<'a, L, G> {
-    /// Hard ones; where not every object is opaque, `tints` is what they are kept in.
+    /// Hard ones; where not every instance is opaque, `transmittance` is what they are kept in.
     #[inline(always)]
     fn new(
         token: L::Token,
         frame: &Frame,
-        job: &Job<'_>,
+        context: &FrameContext<'_>,
         ray: RayIndex,
         surfaces: &[Surfaces<L>; G],
-        tints: &'a mut [u32],
+        transmittance: &'a mut [u32],
     ) -> Self {
-        let Job { views, lists, geometry, .. } = job;
+        let FrameContext { views, lists, geometry, .. } = context;
         // Loops, not iterators: what is called back is not compiled for the instruction set.
         if frame.layers != 0 {
             let origins = groups(
@@ -338,24 +354,28 @@ impl<'a, L: Wide, const G: usize> Shadows<'a, L, G> {
                     #[inline(always)]
                     |g| {
                         let ray = RayIndex(ray.0 + (g * L::WIDTH) as u32);
-                        occlusion::ask(frame, views, light, ray, &surfaces[g])
+                        occlusion::potentially_lit(frame, views, light, ray, &surfaces[g])
                     },
                 );
-                let left = L::apart(
+                let left = L::outlined(
                     token,
                     #[inline(always)]
-                    || occlusion::tint::<L, G>(frame, views, lists, geometry, light, ray, &origins, &asked),
+                    || {
+                        occlusion::transmittance::<L, G>(
+                            frame, views, lists, geometry, light, ray, &origins, &asked,
+                        )
+                    },
                 );
                 for (g, words) in left.into_iter().enumerate() {
-                    L::store(words, &mut tints[(light * BLOCK_RAYS) as usize + g * L::WIDTH..]);
+                    L::store(words, &mut transmittance[(light * BLOCK_RAYS) as usize + g * L::WIDTH..]);
                 }
             }
-            return Self::Tints(token, tints);
+            return Self::Transmittance(token, transmittance);
         }
-        let none = surfaces[0].material.like(0);
+        let none = surfaces[0].material.broadcast(0);
         let (mut first, mut more) = ([none; G], Vec::new());
         for word in 0..frame.mask_words {
-            let mask = L::apart(
+            let mask = L::outlined(
                 token,
                 #[inline(always)]
                 || occlusion::word::<L, G>(frame, views, lists, geometry, word, ray, surfaces),
@@ -375,23 +395,23 @@ impl<'a, L: Wide, const G: usize> Shadows<'a, L, G> {
         match self {
             Self::Bits { first, .. } if word == 0 => first[g],
             Self::Bits { more, .. } => more[word as usize - 1][g],
-            Self::Tints(..) => occlusion::mask(
+            Self::Transmittance(..) => occlusion::mask(
                 frame,
                 word,
                 none,
                 #[inline(always)]
-                |light| self.tint(light, none, g),
+                |light| self.transmittance(light, none, g),
             ),
         }
     }
 
     /// What is left of a light at a group, where shadows are not bits.
     #[inline(always)]
-    pub fn tint(&self, light: u32, none: L::Bits, g: usize) -> L::Bits {
+    pub fn transmittance(&self, light: u32, none: L::Bits, g: usize) -> L::Bits {
         match self {
             Self::Bits { .. } => none,
-            Self::Tints(token, tints) => {
-                L::load(*token, &tints[(light * BLOCK_RAYS) as usize + g * L::WIDTH..])
+            Self::Transmittance(token, transmittance) => {
+                L::load(*token, &transmittance[(light * BLOCK_RAYS) as usize + g * L::WIDTH..])
             }
         }
     }
@@ -399,8 +419,8 @@ impl<'a, L: Wide, const G: usize> Shadows<'a, L, G> {
 
 /// How many words [`Shadows`] are kept in, a block; no fewer than one, so that every block has
 /// some.
-pub fn tint_words(frame: &Frame) -> usize {
-    let is_kept = frame.layers != 0 && frame.window == 0;
+pub fn transmittance_words(frame: &Frame) -> usize {
+    let is_kept = frame.layers != 0 && frame.penumbra_window == 0;
     if is_kept { (BLOCK_RAYS * frame.lights).max(1) as usize } else { 1 }
 }
 

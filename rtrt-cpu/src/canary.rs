@@ -1,6 +1,6 @@
 //! The kernels on edge values, with several lanes.
 
-use crate::level::{Level, Work};
+use crate::instruction_set::{InstructionSet, LaneTask};
 use crate::wide::Wide;
 use rtrt_core::kernel::canary::{OUTPUTS, canary};
 use rtrt_core::lane::Bits;
@@ -8,14 +8,14 @@ use rtrt_core::lane::Bits;
 /// The answers of every instruction set that is here and has several lanes, by its name, to
 /// [`rtrt_core::kernel::canary::canary`] for every index of `words`.
 pub fn kernels(words: &[u32]) -> Vec<(&'static str, Vec<[u32; OUTPUTS]>)> {
-    Level::wide().into_iter().map(|level| (level.name(), level.run(Kernels { words }))).collect()
+    InstructionSet::wide().into_iter().map(|level| (level.name(), level.run(Kernels { words }))).collect()
 }
 
 struct Kernels<'a> {
     words: &'a [u32],
 }
 
-impl Work for Kernels<'_> {
+impl LaneTask for Kernels<'_> {
     type Output = Vec<[u32; OUTPUTS]>;
 
     #[inline(always)]

@@ -26,7 +26,7 @@ mod bin;
 mod block;
 mod canary;
 mod clock;
-mod level;
+mod instruction_set;
 mod planes;
 mod prepare;
 mod records;
@@ -36,14 +36,14 @@ mod wide;
 pub use canary::kernels;
 
 use crate::bin::Binning;
-use crate::block::{Block, Job};
+use crate::block::{Block, FrameContext};
 use crate::clock::Clock;
-use crate::level::Level;
+use crate::instruction_set::InstructionSet;
 use crate::records::{block_records, deferred_room};
 use rayon::prelude::*;
 use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request, STAGES};
-use rtrt_core::kernel::cover::Cover;
-use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::lists::BlockLists;
+use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::scene::{Join, Scene, Setup};
 use std::time::Instant;
@@ -89,7 +89,7 @@ pub enum Error {
 #[derive(Debug)]
 pub struct Cpu {
     pool: rayon::ThreadPool,
-    level: Level,
+    level: InstructionSet,
     memory: Memory,
 }
 
@@ -97,12 +97,12 @@ pub struct Cpu {
 #[derive(Debug, Default)]
 struct Memory {
     setup: Setup,
-    covers: Vec<Cover>,
+    screen_bounds: Vec<ScreenBounds>,
     bins: bin::Bins,
     /// Pixels, block after block.
     tiles: Vec<u32>,
     /// What is left of lights, block after block, where hard shadows are not bits.
-    tints: Vec<u32>,
+    transmittance: Vec<u32>,
     soft: soft::Soft,
 }
 
@@ -112,7 +112,7 @@ impl Cpu {
     /// # Errors
     /// The processor or the system cannot; see [`Error`].
     pub fn new(options: Options) -> Result<Self, Error> {
-        let level = Level::new(options.lanes)?;
+        let level = InstructionSet::new(options.lanes)?;
         let threads = options.threads.unwrap_or(0);
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -129,26 +129,35 @@ impl Cpu {
 
 impl Memory {
     /// Fills the tiles, and the deferred buffers if asked to.
-    fn frame(&mut self, level: Level, scene: &Scene, deferred: Option<&mut Deferred>, clock: &mut Clock) {
+    fn frame(
+        &mut self,
+        level: InstructionSet,
+        scene: &Scene,
+        deferred: Option<&mut Deferred>,
+        clock: &mut Clock,
+    ) {
         let frame = self.setup.frame;
         let views = &self.setup.views[..];
         let start = Instant::now();
-        let objects = self.setup.objects(scene);
+        let instances = self.setup.instances(scene);
         let keeps_lights = self.bins.keeps_lights(&self.setup, scene);
-        prepare::prepare(&frame, views, objects, &mut self.covers, keeps_lights);
+        prepare::prepare(&frame, views, instances, &mut self.screen_bounds, keeps_lights);
         clock.add(0, start);
         let start = Instant::now();
-        self.bins.fill(&Binning { frame: &frame, views, objects, covers: &self.covers }, keeps_lights);
+        self.bins.fill(
+            &Binning { frame: &frame, views, instances, screen_bounds: &self.screen_bounds },
+            keeps_lights,
+        );
         clock.add(1, start);
 
-        let job = Job {
+        let context = FrameContext {
             frame: &frame,
             views,
-            lists: Lists { words: &self.bins.words, blocks: frame.blocks },
+            lists: BlockLists { data: &self.bins.lists, blocks: frame.blocks },
             geometry: Geometry {
-                objects,
+                instances,
                 nodes: scene.nodes(),
-                words: scene.words(),
+                mesh_data: scene.mesh_data(),
                 positions: scene.positions(),
                 texels: scene.texels(),
                 magnitude: frame.magnitude,
@@ -161,29 +170,31 @@ impl Memory {
         let tile = (grid.block_pixels() * grid.block_pixels()) as usize;
         self.tiles.clear();
         self.tiles.resize(grid.blocks() as usize * tile, 0);
-        let tint = block::tint_words(&frame);
-        self.tints.resize(grid.blocks() as usize * tint, 0);
+        let tint = block::transmittance_words(&frame);
+        self.transmittance.resize(grid.blocks() as usize * tint, 0);
         let start = Instant::now();
         let tiles = self.tiles.par_chunks_mut(tile);
-        let block = |(index, ((tile, tints), records)): (usize, ((_, _), _))| {
-            level.run(Block { job: &job, index: index as u32, tile, tints, records })
+        let block = |(index, ((tile, transmittance), records)): (usize, ((_, _), _))| {
+            level.run(Block { context: &context, index: index as u32, tile, transmittance, records })
         };
         let none = || rayon::iter::repeat_n((), grid.blocks() as usize).map(|()| None);
         let deferred = deferred.map(|deferred| {
-            deferred_room(deferred, &frame, &self.bins.words);
+            deferred_room(deferred, &frame, &self.bins.lists);
             block_records(deferred, &frame)
         });
-        let busy = match (deferred, frame.window) {
+        let busy = match (deferred, frame.penumbra_window) {
             (None, 0) => {
-                let tiles = tiles.zip(self.tints.par_chunks_mut(tint)).zip(none());
+                let tiles = tiles.zip(self.transmittance.par_chunks_mut(tint)).zip(none());
                 tiles.enumerate().map(block).reduce(Clock::default, Clock::plus)
             }
             (Some((records, _)), 0) => {
-                let tiles = tiles.zip(self.tints.par_chunks_mut(tint)).zip(records);
+                let tiles = tiles.zip(self.transmittance.par_chunks_mut(tint)).zip(records);
                 tiles.enumerate().map(block).reduce(Clock::default, Clock::plus)
             }
-            (None, _) => self.soft.frame(level, &job, tiles, &mut [], None),
-            (Some((mut records, kept)), _) => self.soft.frame(level, &job, tiles, &mut records, Some(kept)),
+            (None, _) => self.soft.frame(level, &context, tiles, &mut [], None),
+            (Some((mut records, kept)), _) => {
+                self.soft.frame(level, &context, tiles, &mut records, Some(kept))
+            }
         };
         // The stages of a block follow one another on one thread, so a stage's share of
         // the time that passed is its share of the threads' time.

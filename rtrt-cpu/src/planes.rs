@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, place};
 use rtrt_core::lane::{Lane, V3};
 use rtrt_core::layout::Frame;
-use rtrt_core::stage::edges::around;
-use rtrt_core::stage::soften::{Around, MISSING};
+use rtrt_core::stage::penumbra_blocks::around;
+use rtrt_core::stage::penumbra_filter::{MISSING, Neighborhood};
 
 /// Numbers of a ray that have to do with its surface: three of its origin, three of its normal.
 /// Two a light follow: what is left of it, and the size of the penumbra.
@@ -121,7 +121,7 @@ impl<L: Wide> Rows<'_, L> {
     }
 }
 
-impl<L: Wide> Around<L> for Rows<'_, L> {
+impl<L: Wide> Neighborhood<L> for Rows<'_, L> {
     type Place = usize;
 
     #[inline(always)]

@@ -1,23 +1,23 @@
-//! Prepare: the covers, in parallel.
+//! Prepare: bounds on the screen, in parallel.
 
 use rayon::prelude::*;
-use rtrt_core::kernel::cover::Cover;
-use rtrt_core::layout::{Frame, Object, View};
+use rtrt_core::kernel::screen_bounds::ScreenBounds;
+use rtrt_core::layout::{Frame, Instance, View};
 use rtrt_core::stage::prepare;
 
 /// Makes the covers of the camera, and, unless the lists of lights are kept, of lights.
 pub fn prepare(
     frame: &Frame,
     views: &[View],
-    objects: &[Object],
-    covers: &mut Vec<Cover>,
+    instances: &[Instance],
+    screen_bounds: &mut Vec<ScreenBounds>,
     keeps_lights: bool,
 ) {
-    covers.resize(prepare::count(frame) as usize, Cover::NONE);
-    let wanted = if keeps_lights { frame.seen as usize } else { covers.len() };
-    covers[..wanted]
+    screen_bounds.resize(prepare::count(frame) as usize, ScreenBounds::NONE);
+    let wanted = if keeps_lights { frame.seen as usize } else { screen_bounds.len() };
+    screen_bounds[..wanted]
         .par_iter_mut()
         .with_min_len(256)
         .enumerate()
-        .for_each(|(index, cover)| *cover = prepare::prepare(frame, views, objects, index as u32));
+        .for_each(|(index, cover)| *cover = prepare::prepare(frame, views, instances, index as u32));
 }

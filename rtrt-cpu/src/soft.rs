@@ -1,23 +1,23 @@
 //! Frames with soft shadows. Penumbras reach from block to block, so all blocks find their
 //! shadows before the first one blurs them, layer after layer.
 
-use crate::block::{Job, Shadows, resolved, store};
+use crate::block::{FrameContext, Shadows, resolved, store};
 use crate::clock::{Clock, LAYERS};
-use crate::level::{Level, Work};
+use crate::instruction_set::{InstructionSet, LaneTask};
 use crate::planes::{OF_SURFACE, Planes, Rows, count};
-use crate::records::{Kept, Records};
+use crate::records::{RawShadows, Records};
 use crate::wide::Wide;
 use rayon::iter::repeat_n;
 use rayon::prelude::*;
 use rtrt_core::grid::{BLOCK, BLOCK_RAYS, RayIndex, number};
-use rtrt_core::kernel::traverse::Best;
+use rtrt_core::kernel::traverse::ClosestHit;
 use rtrt_core::lane::{Bits, Mask, Row, Select, groups};
 use rtrt_core::layout::{Frame, NONE};
-use rtrt_core::stage::edges::{Edges, are_soft, common, edges_at, span};
-use rtrt_core::stage::layers::is_covered;
-use rtrt_core::stage::occlusion::ask;
-use rtrt_core::stage::penumbra::near;
-use rtrt_core::stage::soften::soften;
+use rtrt_core::stage::blocker_search::blocker_search;
+use rtrt_core::stage::occlusion::potentially_lit;
+use rtrt_core::stage::peel::is_covered;
+use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, are_soft, common, edges_at, span};
+use rtrt_core::stage::penumbra_filter::filter_penumbra;
 use rtrt_core::stage::visibility::directions;
 use std::time::Instant;
 
@@ -38,13 +38,13 @@ pub struct Soft {
     cells: Vec<u32>,
     planes: Planes,
     /// Of each block and light: see [`edges_at`].
-    edges: Vec<Edges>,
+    edges: Vec<PenumbraSummary>,
     /// Whether its shadows are blurred.
     is_soft: Vec<u32>,
     /// Whether a block is seen by one whose shadows are.
     is_seen: Vec<bool>,
     /// What is left of each light.
-    tints: Vec<u32>,
+    transmittance: Vec<u32>,
     colors: Vec<[f32; 4]>,
 }
 
@@ -53,18 +53,18 @@ impl Soft {
     /// they are blurred.
     pub fn frame<'a>(
         &mut self,
-        level: Level,
-        job: &Job<'_>,
+        level: InstructionSet,
+        context: &FrameContext<'_>,
         tiles: impl IndexedParallelIterator<Item = &'a mut [u32]>,
         records: &mut [Option<Records<'_>>],
-        mut kept: Option<Kept<'_>>,
+        mut kept: Option<RawShadows<'_>>,
     ) -> Clock {
-        self.reset(job.frame);
-        let blocks = job.frame.grid().blocks() as usize;
+        self.reset(context.frame);
+        let blocks = context.frame.grid().blocks() as usize;
         let mut clock = Clock::default();
-        for number in 0..job.frame.layers.max(1) {
-            let frame = Frame { layers: job.frame.layers.saturating_sub(number), ..*job.frame };
-            let shared = Shared { job, frame: &frame, number: number as usize };
+        for number in 0..context.frame.layers.max(1) {
+            let frame = Frame { layers: context.frame.layers.saturating_sub(number), ..*context.frame };
+            let shared = Shared { context, frame: &frame, number: number as usize };
             clock = clock.plus(self.find(level, shared));
             if let Some(kept) = kept.take() {
                 keep(&frame, &self.cells, kept);
@@ -80,7 +80,7 @@ impl Soft {
             }
         }
         let encode = |(index, (tile, colors)): (usize, (&mut [u32], &[[f32; 4]]))| {
-            level.run(Encode { job, index: index as u32, colors, tile })
+            level.run(Encode { context, index: index as u32, colors, tile })
         };
         let encoded = tiles.zip(self.colors.par_chunks(RAYS)).enumerate().map(encode);
         for (records, colors) in records.iter_mut().flatten().zip(self.colors.chunks(RAYS)) {
@@ -98,16 +98,16 @@ impl Soft {
         self.is_done.clear();
         self.is_done.resize(blocks, false);
         self.cells.resize(all * count(frame), 0);
-        self.edges.resize(blocks * lights, Edges::NONE);
+        self.edges.resize(blocks * lights, PenumbraSummary::NONE);
         self.is_soft.resize(blocks * lights, 0);
         self.is_seen.resize(blocks, false);
-        self.tints.resize(all * lights, 0);
+        self.transmittance.resize(all * lights, 0);
         self.colors.clear();
         self.colors.resize(all, [0.0; 4]);
     }
 
     /// Finds the next surfaces, and their shadows before they are blurred.
-    fn find(&mut self, level: Level, shared: Shared<'_>) -> Clock {
+    fn find(&mut self, level: InstructionSet, shared: Shared<'_>) -> Clock {
         let frame = shared.frame;
         let hits = self.hits.par_chunks_mut(RAYS * HIT).zip(&self.is_done);
         let cells = self.cells.par_chunks_mut(RAYS * count(frame));
@@ -150,7 +150,7 @@ impl Soft {
     /// Blurs the shadows, lights and shades.
     fn lighten<'a, 'b: 'a>(
         &mut self,
-        level: Level,
+        level: InstructionSet,
         shared: Shared<'_>,
         records: impl IndexedParallelIterator<Item = Option<&'a mut Records<'b>>>,
     ) -> Clock {
@@ -158,29 +158,35 @@ impl Soft {
         let (planes, is_soft) = (&self.planes, self.is_soft.par_chunks(lights));
         let cells = self.cells.par_chunks_mut(RAYS * count(shared.frame));
         let shadows = cells.zip(self.edges.par_chunks_mut(lights)).zip(is_soft);
-        let tints = self.tints.par_chunks_mut(RAYS * lights).zip(self.colors.par_chunks_mut(RAYS));
+        let transmittance =
+            self.transmittance.par_chunks_mut(RAYS * lights).zip(self.colors.par_chunks_mut(RAYS));
         let hits = self.hits.par_chunks_mut(RAYS * HIT).zip(&mut self.is_done);
         shadows
-            .zip(tints.zip(records))
+            .zip(transmittance.zip(records))
             .zip(hits)
             .enumerate()
             .filter(|(_, (_, (_, is_done)))| !**is_done)
-            .map(|(index, ((((cells, edges), is_soft), ((tints, colors), records)), (hits, is_done)))| {
-                let index = index as u32;
-                let blur = level.run(Blur { shared, index, planes, is_soft, cells, tints });
-                let lighten = Lighten { shared, index, hits, is_done, tints, colors, records };
-                let lit = level.run(lighten);
-                if *is_done {
-                    clear(cells, edges);
-                }
-                blur.plus(lit)
-            })
+            .map(
+                |(
+                    index,
+                    ((((cells, edges), is_soft), ((transmittance, colors), records)), (hits, is_done)),
+                )| {
+                    let index = index as u32;
+                    let blur = level.run(Blur { shared, index, planes, is_soft, cells, transmittance });
+                    let lighten = Lighten { shared, index, hits, is_done, transmittance, colors, records };
+                    let lit = level.run(lighten);
+                    if *is_done {
+                        clear(cells, edges);
+                    }
+                    blur.plus(lit)
+                },
+            )
             .reduce(Clock::default, Clock::plus)
     }
 }
 
 /// Keeps what is left of lights and the sizes of penumbras, ray after ray.
-fn keep(frame: &Frame, cells: &[u32], Kept { left, penumbras }: Kept<'_>) {
+fn keep(frame: &Frame, cells: &[u32], RawShadows { left, penumbras }: RawShadows<'_>) {
     for block in cells.chunks(RAYS * count(frame)) {
         for ray in 0..RAYS {
             for lights in block[OF_SURFACE * RAYS..].chunks(2 * RAYS) {
@@ -192,20 +198,20 @@ fn keep(frame: &Frame, cells: &[u32], Kept { left, penumbras }: Kept<'_>) {
 }
 
 /// Makes a block, of which nothing is left to be seen, one whose rays ask for no light.
-fn clear(cells: &mut [u32], edges: &mut [Edges]) {
+fn clear(cells: &mut [u32], edges: &mut [PenumbraSummary]) {
     for (lights, edges) in cells[OF_SURFACE * RAYS..].chunks_mut(2 * RAYS).zip(edges) {
         let (left, sizes) = lights.split_at_mut(RAYS);
         left.fill(0);
         sizes.fill((-1.0_f32).to_bits());
-        *edges = Edges::of(0, -1.0);
+        *edges = PenumbraSummary::of(0, -1.0);
     }
 }
 
 /// What all blocks share in a layer.
 #[derive(Clone, Copy)]
 struct Shared<'a> {
-    job: &'a Job<'a>,
-    /// The job's, with the layers that are still looked at.
+    context: &'a FrameContext<'a>,
+    /// The context's, with the layers that are still looked at.
     frame: &'a Frame,
     /// How many layers there are before.
     number: usize,
@@ -220,10 +226,10 @@ impl Shared<'_> {
 
 /// The hits of a group of rays, from one of a block's on.
 #[inline(always)]
-fn load<L: Wide>(token: L::Token, hits: &[u32], first: usize) -> Best<L> {
-    Best {
+fn load<L: Wide>(token: L::Token, hits: &[u32], first: usize) -> ClosestHit<L> {
+    ClosestHit {
         t: L::from_bits(L::load(token, &hits[first..])),
-        object: L::load(token, &hits[RAYS + first..]),
+        instance: L::load(token, &hits[RAYS + first..]),
         triangle: L::load(token, &hits[2 * RAYS + first..]),
         u: L::from_bits(L::load(token, &hits[3 * RAYS + first..])),
         v: L::from_bits(L::load(token, &hits[4 * RAYS + first..])),
@@ -236,35 +242,35 @@ struct Find<'a> {
     index: u32,
     hits: &'a mut [u32],
     cells: &'a mut [u32],
-    edges: &'a mut [Edges],
+    edges: &'a mut [PenumbraSummary],
 }
 
-impl Work for Find<'_> {
+impl LaneTask for Find<'_> {
     type Output = Clock;
 
     #[inline(always)]
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
         let Self { shared, index, hits, cells, edges } = self;
-        let Shared { job, frame, .. } = shared;
-        let Job { views, lists, geometry, .. } = job;
+        let Shared { context, frame, .. } = shared;
+        let FrameContext { views, lists, geometry, .. } = context;
         let camera = &views[Frame::CAMERA as usize];
         let (mut clock, mut start) = (Clock::default(), Instant::now());
         for first in (0..RAYS).step_by(L::WIDTH * G) {
             let ray = RayIndex(index * BLOCK_RAYS + first as u32);
-            let last: [Best<L>; G] = groups(
+            let last: [ClosestHit<L>; G] = groups(
                 #[inline(always)]
                 |g| load(token, hits, first + g * L::WIDTH),
             );
-            let best = job.seen(token, frame, ray, &last);
+            let best = context.seen(token, frame, ray, &last);
             clock.lap(shared.stage(2), &mut start);
             let directions = directions::<L, G>(token, frame, camera, ray);
-            let mut surfaces = job.surfaces(token, &directions, &best);
+            let mut surfaces = context.surfaces(token, &directions, &best);
             clock.lap(shared.stage(3), &mut start);
-            job.detail(token, &best, &mut surfaces);
+            context.detail(token, &best, &mut surfaces);
             for g in 0..G {
                 let at = first + g * L::WIDTH;
-                let Best { t, object, triangle, u, v } = best[g];
-                let hit = [t.to_bits(), object, triangle, u.to_bits(), v.to_bits()];
+                let ClosestHit { t, instance, triangle, u, v } = best[g];
+                let hit = [t.to_bits(), instance, triangle, u.to_bits(), v.to_bits()];
                 for (plane, word) in hit.into_iter().enumerate() {
                     L::store(word, &mut hits[plane * RAYS + at..]);
                 }
@@ -284,13 +290,13 @@ impl Work for Find<'_> {
                     #[inline(always)]
                     |g| {
                         let ray = RayIndex(ray.0 + (g * L::WIDTH) as u32);
-                        ask(frame, views, light, ray, &surfaces[g])
+                        potentially_lit(frame, views, light, ray, &surfaces[g])
                     },
                 );
-                let found = L::apart(
+                let found = L::outlined(
                     token,
                     #[inline(always)]
-                    || near::<L, G>(frame, views, lists, geometry, light, ray, &origins, &asked),
+                    || blocker_search::<L, G>(frame, views, lists, geometry, light, ray, &origins, &asked),
                 );
                 let plane = (OF_SURFACE + 2 * light as usize) * RAYS;
                 for (g, (word, size)) in found.into_iter().enumerate() {
@@ -308,7 +314,7 @@ impl Work for Find<'_> {
                 frame.grid(),
                 block,
                 #[inline(always)]
-                |ray| Edges::of(left[ray as usize], f32::from_bits(sizes[ray as usize])),
+                |ray| PenumbraSummary::of(left[ray as usize], f32::from_bits(sizes[ray as usize])),
             );
         }
         clock.lap(shared.stage(5), &mut start);
@@ -324,33 +330,33 @@ struct Blur<'a> {
     planes: &'a Planes,
     is_soft: &'a [u32],
     cells: &'a [u32],
-    tints: &'a mut [u32],
+    transmittance: &'a mut [u32],
 }
 
-impl Work for Blur<'_> {
+impl LaneTask for Blur<'_> {
     type Output = Clock;
 
     #[inline(always)]
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
-        let Self { shared, index, planes, is_soft, cells, tints } = self;
+        let Self { shared, index, planes, is_soft, cells, transmittance } = self;
         let (frame, start) = (shared.frame, Instant::now());
         let [left, top] = frame.grid().ray(RayIndex(index * BLOCK_RAYS));
-        for (light, tints) in tints.chunks_mut(RAYS).enumerate() {
+        for (light, transmittance) in transmittance.chunks_mut(RAYS).enumerate() {
             if is_soft[light] == 0 {
-                tints.copy_from_slice(&cells[(OF_SURFACE + 2 * light) * RAYS..][..RAYS]);
+                transmittance.copy_from_slice(&cells[(OF_SURFACE + 2 * light) * RAYS..][..RAYS]);
                 continue;
             }
             for y in 0..BLOCK {
                 for x in (0..BLOCK).step_by(L::WIDTH) {
                     let rows = Rows::new(token, planes, [left + x, top + y], light as u32);
-                    let words = L::apart(
+                    let words = L::outlined(
                         token,
                         #[inline(always)]
-                        || soften::<L, _>(frame, shared.job.views, &rows, light as u32),
+                        || filter_penumbra::<L, _>(frame, shared.context.views, &rows, light as u32),
                     );
                     let words = words.row();
                     for lane in 0..L::WIDTH {
-                        tints[number([x + lane as u32, y]) as usize] = words.at(lane);
+                        transmittance[number([x + lane as u32, y]) as usize] = words.at(lane);
                     }
                 }
             }
@@ -368,34 +374,34 @@ struct Lighten<'a, 'b> {
     index: u32,
     hits: &'a mut [u32],
     is_done: &'a mut bool,
-    tints: &'a [u32],
+    transmittance: &'a [u32],
     colors: &'a mut [[f32; 4]],
     records: Option<&'a mut Records<'b>>,
 }
 
-impl Work for Lighten<'_, '_> {
+impl LaneTask for Lighten<'_, '_> {
     type Output = Clock;
 
     #[inline(always)]
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
-        let Self { shared, index, hits, is_done, tints, colors, mut records } = self;
-        let Shared { job, frame, number } = shared;
-        let camera = &job.views[Frame::CAMERA as usize];
+        let Self { shared, index, hits, is_done, transmittance, colors, mut records } = self;
+        let Shared { context, frame, number } = shared;
+        let camera = &context.views[Frame::CAMERA as usize];
         let (mut clock, mut start) = (Clock::default(), Instant::now());
         *is_done = true;
         for first in (0..RAYS).step_by(L::WIDTH * G) {
             let ray = RayIndex(index * BLOCK_RAYS + first as u32);
-            let best: [Best<L>; G] = groups(
+            let best: [ClosestHit<L>; G] = groups(
                 #[inline(always)]
                 |g| load(token, hits, first + g * L::WIDTH),
             );
             let directions = directions::<L, G>(token, frame, camera, ray);
-            let mut surfaces = job.surfaces(token, &directions, &best);
+            let mut surfaces = context.surfaces(token, &directions, &best);
             clock.lap(shared.stage(3), &mut start);
-            job.detail(token, &best, &mut surfaces);
+            context.detail(token, &best, &mut surfaces);
             clock.lap(shared.stage(4), &mut start);
-            let shadows = Shadows::Tints(token, &tints[first..]);
-            let arriving = job.arriving(token, frame, ray, &directions, &surfaces, &shadows);
+            let shadows = Shadows::Transmittance(token, &transmittance[first..]);
+            let arriving = context.arriving(token, frame, ray, &directions, &surfaces, &shadows);
             clock.lap(shared.stage(6), &mut start);
             let mut sums: [[L; 4]; G] = groups(
                 #[inline(always)]
@@ -408,18 +414,18 @@ impl Work for Lighten<'_, '_> {
                     color
                 },
             );
-            job.shade(token, frame, &directions, &surfaces, &arriving, &mut sums);
+            context.shade(token, frame, &directions, &surfaces, &arriving, &mut sums);
             store(&sums, &mut colors[first..]);
             if let Some(records) = &mut records {
-                records.keep(job.frame, number, first, &best, &surfaces, &shadows, &arriving);
+                records.keep(context.frame, number, first, &best, &surfaces, &shadows, &arriving);
             }
             for g in 0..G {
-                let object = best[g].object;
-                let missing = object.like(NONE);
-                let covered = is_covered(sums[g][3]).select(missing, object);
-                let object = if frame.layers <= 1 { missing } else { covered };
-                L::store(object, &mut hits[RAYS + first + g * L::WIDTH..]);
-                *is_done &= !(!object.equal(missing)).any();
+                let instance = best[g].instance;
+                let missing = instance.broadcast(NONE);
+                let covered = is_covered(sums[g][3]).select(missing, instance);
+                let instance = if frame.layers <= 1 { missing } else { covered };
+                L::store(instance, &mut hits[RAYS + first + g * L::WIDTH..]);
+                *is_done &= !(!instance.eq(missing)).any();
             }
             clock.lap(shared.stage(7), &mut start);
         }
@@ -429,20 +435,20 @@ impl Work for Lighten<'_, '_> {
 
 /// Makes the pixels of a block.
 struct Encode<'a> {
-    job: &'a Job<'a>,
+    context: &'a FrameContext<'a>,
     index: u32,
     colors: &'a [[f32; 4]],
     tile: &'a mut [u32],
 }
 
-impl Work for Encode<'_> {
+impl LaneTask for Encode<'_> {
     type Output = Clock;
 
     #[inline(always)]
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
-        let Self { job, index, colors, tile } = self;
+        let Self { context, index, colors, tile } = self;
         let start = Instant::now();
-        resolved::<L>(token, job, index, colors, tile);
+        resolved::<L>(token, context, index, colors, tile);
         let mut clock = Clock::default();
         clock.add(9, start);
         clock

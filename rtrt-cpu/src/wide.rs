@@ -14,7 +14,7 @@ use rtrt_core::lane::{Bits, Lane, Mask, Select, Word};
 pub trait Wide: Lane {
     /// Runs `work` with the lanes' instructions, as a function of its own: one function of all
     /// stages takes the compiler far longer than one for each.
-    fn apart<R>(token: Self::Token, work: impl FnOnce() -> R) -> R;
+    fn outlined<R>(token: Self::Token, work: impl FnOnce() -> R) -> R;
     /// The words that a slice begins with.
     fn load(token: Self::Token, words: &[u32]) -> Self::Bits;
     /// Makes a slice begin with these words.
@@ -23,7 +23,7 @@ pub trait Wide: Lane {
 
 impl Wide for f32 {
     #[inline(never)]
-    fn apart<R>((): (), work: impl FnOnce() -> R) -> R {
+    fn outlined<R>((): (), work: impl FnOnce() -> R) -> R {
         work()
     }
     #[inline(always)]
@@ -146,7 +146,7 @@ macro_rules! lane {
             type Row = [u32; $width];
 
             #[inline(always)]
-            fn like(self, value: u32) -> Self {
+            fn broadcast(self, value: u32) -> Self {
                 Self($u::splat(self.0.token(), value))
             }
             #[inline(always)]
@@ -154,11 +154,11 @@ macro_rules! lane {
                 Self(self.0 ^ other.0)
             }
             #[inline(always)]
-            fn equal(self, other: Self) -> $mask<S> {
+            fn eq(self, other: Self) -> $mask<S> {
                 $mask(self.0.simd_eq(other.0))
             }
             #[inline(always)]
-            fn less_than(self, other: Self) -> $mask<S> {
+            fn lt(self, other: Self) -> $mask<S> {
                 $mask(self.0.simd_lt(other.0))
             }
             #[inline(always)]
@@ -169,7 +169,7 @@ macro_rules! lane {
 
         impl<S: Simd> Wide for $float<S> {
             #[inline(never)]
-            fn apart<R>(token: S, work: impl FnOnce() -> R) -> R {
+            fn outlined<R>(token: S, work: impl FnOnce() -> R) -> R {
                 token.vectorize(work)
             }
             #[inline(always)]
@@ -252,11 +252,11 @@ macro_rules! lane {
                 self.0.into()
             }
             #[inline(always)]
-            fn less_than(self, other: Self) -> $mask<S> {
+            fn lt(self, other: Self) -> $mask<S> {
                 $mask(self.0.simd_lt(other.0))
             }
             #[inline(always)]
-            fn less_equal(self, other: Self) -> $mask<S> {
+            fn le(self, other: Self) -> $mask<S> {
                 $mask(self.0.simd_le(other.0))
             }
             // One instruction of x86 is the comparison and selection that `Lane` defines: the

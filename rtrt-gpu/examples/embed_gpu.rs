@@ -11,7 +11,7 @@
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, LAYERS, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
-use rtrt_core::scene::{Camera, Light, Mesh, MeshError, MeshTree, Projection, Scene, Sequential, phong};
+use rtrt_core::scene::{Bvh, Camera, Light, Mesh, MeshError, Projection, Scene, Sequential, phong};
 use rtrt_gpu::{Gpu, Route, wgpu};
 use std::error::Error;
 
@@ -92,8 +92,8 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
     for (corners, material) in [([[-1.0, -0.6, 0.0], [1.0, -0.6, 0.3], [0.0, 1.0, -0.2]], red), (floor, gray)]
     {
         let mesh = triangle(corners)?;
-        let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential))?;
-        scene.add_object(mesh, material, Mat4::IDENTITY)?;
+        let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential))?;
+        scene.add_instance(mesh, material, Mat4::IDENTITY)?;
     }
     let position = Vec3::new(2.0, 4.0, 2.0);
     scene.add_light(Light::Point {

@@ -2,14 +2,14 @@
 
 use rtrt_core::grid::BLOCK_RAYS;
 use rtrt_core::layout::{Frame, Surface};
-use rtrt_core::stage::edges::around;
+use rtrt_core::stage::penumbra_blocks::around;
 use std::ops::Range;
 
-/// Words a ray of the shadows and of the tints: where either is bound with the starts of shadow
+/// Words a ray of the shadows and of the transmittance: where either is bound with the starts of shadow
 /// rays, these are behind the rest.
 pub fn shadow_words(frame: &Frame) -> [u64; 2] {
     let lights = u64::from(frame.lights);
-    match (frame.window, frame.layers) {
+    match (frame.penumbra_window, frame.layers) {
         (0, 0) => [0, 0],
         (0, _) => [0, lights + 3],
         _ => [2 * lights + 3, lights],
@@ -42,9 +42,10 @@ impl Band {
 pub fn bands(frame: &Frame, bytes: u64) -> impl Iterator<Item = Band> + use<> {
     let frame = *frame;
     let row = frame.grid().blocks_x() * BLOCK_RAYS;
-    let [shadows, tints] = shadow_words(&frame).map(|words| 4 * words);
-    let largest = (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words)).max(tints).max(shadows);
-    let around = if frame.window == 0 { 0 } else { around(&frame) };
+    let [shadows, transmittance] = shadow_words(&frame).map(|words| 4 * words);
+    let largest =
+        (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words)).max(transmittance).max(shadows);
+    let around = if frame.penumbra_window == 0 { 0 } else { around(&frame) };
     let rows = (bytes / largest / u64::from(row)).saturating_sub(2 * u64::from(around)).max(1);
     let step = (rows * u64::from(row)).min(u64::from(frame.rays)) as u32;
     let all = frame.rays;
@@ -70,7 +71,7 @@ mod tests {
         assert_eq!(split(u64::MAX), [(0, 6 * row)]);
         assert_eq!(split(0).len(), 6);
         assert_eq!(split(56 * 4 * u64::from(row) + 55), [(0, 4 * row), (4 * row, 2 * row)]);
-        let soft = Frame { window: 24, lights: 1, ..frame };
+        let soft = Frame { penumbra_window: 24, lights: 1, ..frame };
         let split: Vec<_> =
             bands(&soft, 0).map(|band| (band.first, band.frame.first_ray, band.frame.rays)).collect();
         assert_eq!(split[0], (0, 0, 3 * row));

@@ -15,25 +15,25 @@ use wgpu::BufferUsages;
 pub(crate) enum Slot {
     Frame,
     Views,
-    Objects,
+    Instances,
     Nodes,
-    Words,
+    MeshData,
     Positions,
     Attributes,
     Materials,
     Texels,
-    Covers,
+    ScreenBounds,
     Counts,
     Placed,
-    Lists,
+    BlockLists,
     Drawn,
     Hits,
     Surfaces,
     Masks,
     Shadows,
-    Edges,
+    PenumbraSummary,
     Soft,
-    Tints,
+    Transmittance,
     Lit,
     Colors,
     Layers,
@@ -48,25 +48,25 @@ impl Slot {
         const NAMES: [&str; Slot::COUNT] = [
             "frame",
             "views",
-            "objects",
+            "instances",
             "nodes",
-            "words",
+            "mesh data",
             "positions",
             "attributes",
             "materials",
             "texels",
-            "covers",
+            "screen bounds",
             "counts",
             "placed",
-            "lists",
+            "block lists",
             "drawn",
             "hits",
             "surfaces",
             "masks",
             "shadows",
-            "edges",
+            "penumbra summary",
             "soft",
-            "tints",
+            "transmittance",
             "lit",
             "colors",
             "layers",
@@ -158,7 +158,7 @@ impl Buffers {
         Ok(true)
     }
 
-    /// Uploads what has changed in the scene since the last call, and its objects if other levels of
+    /// Uploads what has changed in the scene since the last call, and its instances if other levels of
     /// detail are seen.
     pub fn upload_scene(&mut self, device: &Device, scene: &Scene, setup: &Setup) -> Result<(), Error> {
         let versions = scene.versions();
@@ -166,10 +166,10 @@ impl Buffers {
         let known_version =
             |part: fn(&Versions) -> u32| known.as_ref().map(|(_, versions, _)| part(versions));
         let changed = |part: fn(&Versions) -> u32| known_version(part) != Some(part(&versions));
-        let chosen = (setup.chosen(), setup.part_triangles());
+        let chosen = (setup.lod_revision(), setup.cut_triangles());
         if changed(|v| v.geometry) {
             self.upload(device, Slot::Nodes, scene.nodes())?;
-            self.upload(device, Slot::Words, scene.words())?;
+            self.upload(device, Slot::MeshData, scene.mesh_data())?;
             self.upload(device, Slot::Positions, scene.positions())?;
             self.upload(device, Slot::Attributes, scene.attributes())?;
         }
@@ -179,8 +179,8 @@ impl Buffers {
         if changed(|v| v.materials) {
             self.upload(device, Slot::Materials, scene.materials())?;
         }
-        if changed(|v| v.objects) || known.is_some_and(|(.., known)| known != chosen) {
-            self.upload(device, Slot::Objects, setup.objects(scene))?;
+        if changed(|v| v.instances) || known.is_some_and(|(.., known)| known != chosen) {
+            self.upload(device, Slot::Instances, setup.instances(scene))?;
         }
         self.resident = Some((scene.id(), versions, chosen));
         Ok(())

@@ -4,7 +4,7 @@ use crate::Error;
 use crate::device::{Device, watched};
 use crate::pipeline::{Access, groups};
 use rtrt_core::kernel::canary::{NAMES, OUTPUTS, canary};
-use rtrt_core::layout::{Attribute, Frame, Hit, Material, Node, Object, PROBES, Surface, View, probe};
+use rtrt_core::layout::{Attribute, Frame, Hit, Instance, Material, Node, PROBES, Surface, View, probe};
 
 /// What the entry point `kernels` binds.
 pub(crate) const KERNELS: &[Access] = &[Access::Read, Access::Write];
@@ -58,7 +58,7 @@ pub(crate) fn layout(device: &Device) -> Result<[u32; PROBES], Error> {
     let buffers = [
         frame,
         pair::<View>(),
-        pair::<Object>(),
+        pair::<Instance>(),
         pair::<Node>(),
         pair::<Attribute>(),
         pair::<Material>(),
@@ -66,7 +66,7 @@ pub(crate) fn layout(device: &Device) -> Result<[u32; PROBES], Error> {
         pair::<Hit>(),
     ];
     let inputs: Vec<&[u8]> = buffers.iter().map(Vec::as_slice).collect();
-    let found = run(device, "layout", LAYOUT, &inputs, 4 * PROBES as u64, [1, 1, 1])?;
+    let found = run(device, "probe_layout", LAYOUT, &inputs, 4 * PROBES as u64, [1, 1, 1])?;
     let mut words = [0; PROBES];
     words.copy_from_slice(&bytemuck::pod_collect_to_vec::<u8, u32>(&found));
     Ok(words)
@@ -77,7 +77,7 @@ pub(crate) fn expected_layout() -> [u32; PROBES] {
     probe(
         &pattern(),
         &pattern::<[View; 2]>(),
-        &pattern::<[Object; 2]>(),
+        &pattern::<[Instance; 2]>(),
         &pattern::<[Node; 2]>(),
         &pattern::<[Attribute; 2]>(),
         &pattern::<[Material; 2]>(),

@@ -193,7 +193,7 @@ fn module(device: &wgpu::Device, route: Route) -> wgpu::ShaderModule {
         let passes = PASSES.iter().chain(DRAWN).map(|pass| entry(pass.entry));
         let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
             label: None,
-            entry_points: passes.chain(["kernels", "layout", VERTEX, FRAGMENT].map(entry)).collect(),
+            entry_points: passes.chain(["kernels", "probe_layout", VERTEX, FRAGMENT].map(entry)).collect(),
             spirv: Some(Cow::Borrowed(&words)),
             ..Default::default()
         };

@@ -18,17 +18,17 @@ impl Renderer {
         deferred: &mut Option<Deferred>,
     ) -> Result<(), Error> {
         let Some(deferred) = deferred else { return Ok(()) };
-        let (frame, tints) = (&band.frame, deferred.tint_words);
+        let (frame, transmittance) = (&band.frame, deferred.transmittance_words);
         self.fetch(Slot::Hits, band.kept(1), &mut deferred.hits)?;
         self.fetch(Slot::Surfaces, band.kept(1), &mut deferred.surfaces)?;
         self.fetch(Slot::Masks, band.kept(frame.mask_words), &mut deferred.masks)?;
         self.fetch(Slot::Lit, band.kept(1), &mut deferred.lit)?;
-        self.fetch(Slot::Tints, band.kept(tints), &mut deferred.tints)?;
-        if frame.window > 0 {
-            let (left, behind) = (band.kept(tints), frame.rays as usize * tints as usize);
-            self.fetch(Slot::Shadows, left.clone(), &mut deferred.left)?;
+        self.fetch(Slot::Transmittance, band.kept(transmittance), &mut deferred.transmittance)?;
+        if frame.penumbra_window > 0 {
+            let (left, behind) = (band.kept(transmittance), frame.rays as usize * transmittance as usize);
+            self.fetch(Slot::Shadows, left.clone(), &mut deferred.raw_transmittance)?;
             let sizes = left.start + behind..left.end + behind;
-            self.fetch(Slot::Shadows, sizes, &mut deferred.penumbras)?;
+            self.fetch(Slot::Shadows, sizes, &mut deferred.penumbra_radii)?;
         }
         Ok(())
     }

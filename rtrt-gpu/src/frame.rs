@@ -10,12 +10,12 @@ use crate::texture::{check, copy};
 use crate::timer::{HostClock, Timer};
 use rtrt_core::backend::{Deferred, Picture, STAGES};
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
-use rtrt_core::kernel::cover::Cover;
-use rtrt_core::kernel::lists::{Entry, Lists};
+use rtrt_core::kernel::lists::{BlockLists, ListEntry};
+use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::layout::{Frame, Hit, Lit, Surface, View};
-use rtrt_core::scene::{Kept, Scene, Setup, Source};
+use rtrt_core::scene::{ListCacheKey, ReusableLists, Scene, Setup};
 use rtrt_core::stage;
-use rtrt_core::stage::edges::Edges;
+use rtrt_core::stage::penumbra_blocks::PenumbraSummary;
 use wgpu::BufferUsages;
 
 /// Entries that the lists have room for at first.
@@ -40,7 +40,7 @@ pub(crate) struct Renderer {
     raster: Option<Raster>,
     capacity: u32,
     /// What the lists were made of that are there, the blocks that they have, and their room.
-    source: Source,
+    list_key: ListCacheKey,
     listed: Option<[u32; 2]>,
     /// The most bytes that a buffer of a band may have.
     band_bytes: u64,
@@ -60,7 +60,7 @@ impl Renderer {
             timer,
             raster: None,
             capacity: FIRST_CAPACITY,
-            source: Source::default(),
+            list_key: ListCacheKey::default(),
             listed: None,
         })
     }
@@ -118,34 +118,34 @@ impl Renderer {
             }
         }
         let empty = || {
-            let tint_words = if frame.is_tinted() { frame.lights } else { 0 };
+            let transmittance_words = if frame.has_transmittance() { frame.lights } else { 0 };
             let layer_count = frame.layers.max(1) - 1;
             let mask_words = frame.mask_words;
-            deferred.then(|| Deferred { mask_words, tint_words, layer_count, ..Deferred::default() })
+            deferred.then(|| Deferred { mask_words, transmittance_words, layer_count, ..Deferred::default() })
         };
         picture.stages_ms = [0.0; STAGES.len()];
         self.buffers.upload_scene(&self.device, scene, setup)?;
         self.buffers.renew::<View>(&self.device, Slot::Views, &setup.views)?;
-        let covers = u64::from(stage::prepare::count(&frame));
-        self.buffers.reserve::<Cover>(&self.device, Slot::Covers, covers)?;
+        let screen_bounds = u64::from(stage::prepare::count(&frame));
+        self.buffers.reserve::<ScreenBounds>(&self.device, Slot::ScreenBounds, screen_bounds)?;
         self.buffers.reserve::<u32>(&self.device, Slot::Counts, u64::from(frame.blocks))?;
         if let Some(raster) = &mut self.raster {
             raster.begin(scene, setup);
         }
 
-        let mut kept = self.source.kept(setup, scene);
+        let mut kept = self.list_key.reusable(setup, scene);
         if self.listed.take() != Some([frame.blocks, self.capacity]) {
-            kept = Kept::Nothing;
+            kept = ReusableLists::Nothing;
         }
         let entries = loop {
             picture.deferred = empty();
             let (frame, first_stage) = match kept {
-                Kept::Nothing => (frame, 0),
-                Kept::Lights => {
+                ReusableLists::Nothing => (frame, 0),
+                ReusableLists::Lights => {
                     let first_block = setup.views[Frame::CAMERA as usize].first_block;
                     (Frame { views: 1, first_block, ..frame }, 0)
                 }
-                Kept::All => (frame, FIRST_OF_BAND),
+                ReusableLists::All => (frame, FIRST_OF_BAND),
             };
             let frame = Frame { capacity: self.capacity, ..frame };
             let mut bands = bands(&frame, self.band_bytes);
@@ -159,13 +159,13 @@ impl Renderer {
             }
             // Nothing is lost because a list was full: the frame begins again with room.
             self.capacity = entries.saturating_add(entries / 4);
-            kept = Kept::Nothing;
+            kept = ReusableLists::Nothing;
             picture.stages_ms = [0.0; STAGES.len()];
         };
         self.listed = Some([frame.blocks, self.capacity]);
         if let Some(deferred) = &mut picture.deferred {
-            let words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(entries);
-            self.fetch(Slot::Lists, 0..words as usize, &mut deferred.lists)?;
+            let words = u64::from(BlockLists::header(frame.blocks)) + 2 * u64::from(entries);
+            self.fetch(Slot::BlockLists, 0..words as usize, &mut deferred.lists)?;
         }
         Ok(())
     }
@@ -185,10 +185,10 @@ impl Renderer {
         let [first_pixel, kept_pixels] = frame.grid().pixels(RayIndex(band.first), band.rays);
         let skipped = first_pixel - first_made;
         let rays = u64::from(frame.rays);
-        let list_words = u64::from(Lists::header(frame.blocks)) + 2 * u64::from(frame.capacity);
+        let list_words = u64::from(BlockLists::header(frame.blocks)) + 2 * u64::from(frame.capacity);
         let behind = frame.layers.max(1) - 1;
         let kept = if picture.deferred.is_some() { u64::from(behind) } else { 0 };
-        let [shadows, tints] = shadow_words(frame);
+        let [shadows, transmittance] = shadow_words(frame);
         while self.layers.len() < behind as usize {
             let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
             self.layers.push(device.buffer("frame of a layer", size_of::<Frame>() as u64, usage)?);
@@ -202,16 +202,20 @@ impl Renderer {
                 );
             }
         }
-        self.buffers.reserve::<Entry>(device, Slot::Placed, u64::from(frame.capacity))?;
-        self.buffers.reserve::<u32>(device, Slot::Lists, list_words)?;
+        self.buffers.reserve::<ListEntry>(device, Slot::Placed, u64::from(frame.capacity))?;
+        self.buffers.reserve::<u32>(device, Slot::BlockLists, list_words)?;
         self.buffers.reserve::<Hit>(device, Slot::Hits, rays)?;
         self.buffers.reserve::<Surface>(device, Slot::Surfaces, rays)?;
         self.buffers.reserve::<u32>(device, Slot::Masks, rays * u64::from(frame.mask_words))?;
         self.buffers.reserve::<u32>(device, Slot::Shadows, rays * shadows)?;
-        let blocks = if frame.window == 0 { 0 } else { rays / u64::from(BLOCK_RAYS) };
-        self.buffers.reserve::<Edges>(device, Slot::Edges, blocks * u64::from(frame.lights))?;
+        let blocks = if frame.penumbra_window == 0 { 0 } else { rays / u64::from(BLOCK_RAYS) };
+        self.buffers.reserve::<PenumbraSummary>(
+            device,
+            Slot::PenumbraSummary,
+            blocks * u64::from(frame.lights),
+        )?;
         self.buffers.reserve::<u32>(device, Slot::Soft, blocks * u64::from(frame.lights))?;
-        self.buffers.reserve::<u32>(device, Slot::Tints, rays * tints)?;
+        self.buffers.reserve::<u32>(device, Slot::Transmittance, rays * transmittance)?;
         self.buffers.reserve::<Hit>(device, Slot::Layers, rays * kept)?;
         self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;
         self.buffers.reserve::<[f32; 4]>(device, Slot::Colors, rays)?;
@@ -239,7 +243,7 @@ impl Renderer {
             self.timer.end_stage(device, &mut commands, clock, stage, &mut picture.stages_ms)?;
         }
         let (Some(read_back), Some(lists), Some(made)) =
-            (&self.read_back, self.buffers.get(Slot::Lists), self.buffers.get(Slot::Pixels))
+            (&self.read_back, self.buffers.get(Slot::BlockLists), self.buffers.get(Slot::Pixels))
         else {
             return Ok(0);
         };
@@ -376,7 +380,7 @@ mod tests {
     use glam::{Mat4, Vec3};
     use rtrt_core::backend::{Backend, Request, Shadows};
     use rtrt_core::layout::{Attribute, Texture};
-    use rtrt_core::scene::{Camera, Mesh, MeshTree, Projection, Sequential, phong};
+    use rtrt_core::scene::{Bvh, Camera, Mesh, Projection, Sequential, phong};
     use rtrt_core::stage::raster::is_untraced;
 
     const CAMERA: Camera = Camera {
@@ -433,8 +437,8 @@ mod tests {
         let mut scene = Scene::new();
         let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3])).unwrap();
         let mesh = square(100);
-        let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
-        scene.add_object(mesh, white, Mat4::from_rotation_z(0.3)).unwrap();
+        let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+        scene.add_instance(mesh, white, Mat4::from_rotation_z(0.3)).unwrap();
         let camera = Camera { eye: Vec3::new(0.2, 0.3, 4.0), look_at: Vec3::ZERO, ..CAMERA };
         let request = Request { camera: &camera, size: [320, 240], deferred: true, ..REQUEST };
         gpu.set_hybrid(true).unwrap();

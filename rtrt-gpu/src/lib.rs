@@ -160,8 +160,8 @@ impl Gpu {
     /// # Errors
     /// The device cannot draw.
     pub fn set_hybrid(&mut self, is_hybrid: bool) -> Result<(), Error> {
-        // What is drawn are objects, not their parts.
-        self.setup.keep_objects_whole(is_hybrid);
+        // What is drawn are instances, not their parts.
+        self.setup.keep_instances_closed(is_hybrid);
         self.renderer.set_hybrid(is_hybrid)
     }
 

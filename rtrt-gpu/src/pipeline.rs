@@ -35,8 +35,8 @@ pub(crate) struct Pass {
 pub(crate) const DRAWN: &[Pass] = {
     use Slot::*;
     &[
-        Pass { stage: FIRST_OF_BAND, entry: "pick", reads: &[Frame, Views, Objects, Words, Positions, Drawn], writes: &[Hits], work: rays },
-        Pass { stage: FIRST_OF_BAND, entry: "layer", reads: LAYER, writes: &[Hits], work: rays },
+        Pass { stage: FIRST_OF_BAND, entry: "pick", reads: &[Frame, Views, Instances, MeshData, Positions, Drawn], writes: &[Hits], work: rays },
+        Pass { stage: FIRST_OF_BAND, entry: "peel", reads: LAYER, writes: &[Hits], work: rays },
     ]
 };
 
@@ -82,10 +82,10 @@ pub(crate) const LAYERS: usize = 8;
 const LAYER: &[Slot] = &[
     Slot::Frame,
     Slot::Views,
-    Slot::Lists,
-    Slot::Objects,
+    Slot::BlockLists,
+    Slot::Instances,
     Slot::Nodes,
-    Slot::Words,
+    Slot::MeshData,
     Slot::Positions,
     Slot::Texels,
 ];
@@ -94,60 +94,74 @@ const SURFACE: &[Slot] = &[
     Slot::Frame,
     Slot::Views,
     Slot::Hits,
-    Slot::Objects,
+    Slot::Instances,
     Slot::Nodes,
-    Slot::Words,
+    Slot::MeshData,
     Slot::Positions,
     Slot::Attributes,
 ];
-const DETAIL: &[Slot] =
-    &[Slot::Frame, Slot::Hits, Slot::Objects, Slot::Words, Slot::Attributes, Slot::Materials, Slot::Texels];
-const LIGHT: &[Slot] =
-    &[Slot::Frame, Slot::Views, Slot::Materials, Slot::Texels, Slot::Surfaces, Slot::Masks, Slot::Tints];
+const DETAIL: &[Slot] = &[
+    Slot::Frame,
+    Slot::Hits,
+    Slot::Instances,
+    Slot::MeshData,
+    Slot::Attributes,
+    Slot::Materials,
+    Slot::Texels,
+];
+const LIGHT: &[Slot] = &[
+    Slot::Frame,
+    Slot::Views,
+    Slot::Materials,
+    Slot::Texels,
+    Slot::Surfaces,
+    Slot::Masks,
+    Slot::Transmittance,
+];
 
 /// A frame, in order.
 #[rustfmt::skip]
 pub(crate) const PASSES: &[Pass] = {
     use Slot::*;
     &[
-        Pass { stage: 0, entry: "prepare", reads: &[Frame, Views, Objects], writes: &[Covers], work: covers },
-        Pass { stage: 1, entry: "count", reads: &[Frame, Views, Objects, Covers], writes: &[Counts], work: shares },
-        Pass { stage: 1, entry: "scan", reads: &[Frame], writes: &[Counts, Lists], work: one_group },
-        Pass { stage: 1, entry: "scatter", reads: &[Frame, Views, Objects, Covers, Lists], writes: &[Counts, Placed], work: shares },
-        Pass { stage: 1, entry: "rank", reads: &[Frame, Placed], writes: &[Lists], work: entries },
-        Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions], writes: &[Hits], work: opaque },
-        Pass { stage: 2, entry: "layer", reads: LAYER, writes: &[Hits], work: see_through },
+        Pass { stage: 0, entry: "prepare", reads: &[Frame, Views, Instances], writes: &[ScreenBounds], work: screen_bounds },
+        Pass { stage: 1, entry: "count", reads: &[Frame, Views, Instances, ScreenBounds], writes: &[Counts], work: shares },
+        Pass { stage: 1, entry: "scan", reads: &[Frame], writes: &[Counts, BlockLists], work: one_group },
+        Pass { stage: 1, entry: "scatter", reads: &[Frame, Views, Instances, ScreenBounds, BlockLists], writes: &[Counts, Placed], work: shares },
+        Pass { stage: 1, entry: "rank", reads: &[Frame, Placed], writes: &[BlockLists], work: entries },
+        Pass { stage: 2, entry: "visibility", reads: &[Frame, Views, BlockLists, Instances, Nodes, MeshData, Positions], writes: &[Hits], work: opaque },
+        Pass { stage: 2, entry: "peel", reads: LAYER, writes: &[Hits], work: see_through },
         Pass { stage: 3, entry: "surface", reads: SURFACE, writes: &[Surfaces], work: rays },
         Pass { stage: 4, entry: "detail", reads: DETAIL, writes: &[Surfaces], work: details },
-        Pass { stage: 5, entry: "occlusion", reads: &[Frame, Views, Lists, Objects, Nodes, Words, Positions, Surfaces], writes: &[Masks], work: lights },
-        Pass { stage: 5, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Tints], work: colored_lights },
-        Pass { stage: 5, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
-        Pass { stage: 5, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
-        Pass { stage: 5, entry: "near", reads: TINT, writes: &[Shadows], work: soft_lights },
-        Pass { stage: 5, entry: "edges", reads: &[Frame, Shadows], writes: &[Edges], work: soft_blocks },
-        Pass { stage: 5, entry: "choose", reads: &[Frame, Edges], writes: &[Soft], work: soft_blocks },
-        Pass { stage: 5, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows, Soft], writes: &[Tints], work: soft_lights },
-        Pass { stage: 5, entry: "fold", reads: &[Frame, Tints], writes: &[Masks], work: tinted },
+        Pass { stage: 5, entry: "occlusion", reads: &[Frame, Views, BlockLists, Instances, Nodes, MeshData, Positions, Surfaces], writes: &[Masks], work: lights },
+        Pass { stage: 5, entry: "potentially_lit", reads: &[Frame, Views, Surfaces], writes: &[Transmittance], work: colored_lights },
+        Pass { stage: 5, entry: "transmittance", reads: TINT, writes: &[Transmittance], work: colored_lights },
+        Pass { stage: 5, entry: "potentially_lit", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
+        Pass { stage: 5, entry: "blocker_search", reads: TINT, writes: &[Shadows], work: soft_lights },
+        Pass { stage: 5, entry: "summarize_penumbras", reads: &[Frame, Shadows], writes: &[PenumbraSummary], work: soft_blocks },
+        Pass { stage: 5, entry: "select_filter_blocks", reads: &[Frame, PenumbraSummary], writes: &[Soft], work: soft_blocks },
+        Pass { stage: 5, entry: "filter_penumbra", reads: &[Frame, Views, Surfaces, Shadows, Soft], writes: &[Transmittance], work: soft_lights },
+        Pass { stage: 5, entry: "mask", reads: &[Frame, Transmittance], writes: &[Masks], work: tinted },
         Pass { stage: 6, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
         Pass { stage: 7, entry: "shade", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
-        Pass { stage: LAYERS, entry: "end", reads: &[Frame, Colors], writes: &[Hits], work: rays },
-        Pass { stage: LAYERS, entry: "layer", reads: LAYER, writes: &[Hits], work: rays },
+        Pass { stage: LAYERS, entry: "end_covered", reads: &[Frame, Colors], writes: &[Hits], work: rays },
+        Pass { stage: LAYERS, entry: "peel", reads: LAYER, writes: &[Hits], work: rays },
         Pass { stage: LAYERS, entry: "surface", reads: SURFACE, writes: &[Surfaces], work: rays },
         Pass { stage: LAYERS, entry: "detail", reads: DETAIL, writes: &[Surfaces], work: details },
-        Pass { stage: LAYERS, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Tints], work: colored_lights },
-        Pass { stage: LAYERS, entry: "tint", reads: TINT, writes: &[Tints], work: colored_lights },
-        Pass { stage: LAYERS, entry: "ask", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
-        Pass { stage: LAYERS, entry: "near", reads: TINT, writes: &[Shadows], work: soft_lights },
-        Pass { stage: LAYERS, entry: "edges", reads: &[Frame, Shadows], writes: &[Edges], work: soft_blocks },
-        Pass { stage: LAYERS, entry: "choose", reads: &[Frame, Edges], writes: &[Soft], work: soft_blocks },
-        Pass { stage: LAYERS, entry: "soften", reads: &[Frame, Views, Surfaces, Shadows, Soft], writes: &[Tints], work: soft_lights },
+        Pass { stage: LAYERS, entry: "potentially_lit", reads: &[Frame, Views, Surfaces], writes: &[Transmittance], work: colored_lights },
+        Pass { stage: LAYERS, entry: "transmittance", reads: TINT, writes: &[Transmittance], work: colored_lights },
+        Pass { stage: LAYERS, entry: "potentially_lit", reads: &[Frame, Views, Surfaces], writes: &[Shadows], work: soft_lights },
+        Pass { stage: LAYERS, entry: "blocker_search", reads: TINT, writes: &[Shadows], work: soft_lights },
+        Pass { stage: LAYERS, entry: "summarize_penumbras", reads: &[Frame, Shadows], writes: &[PenumbraSummary], work: soft_blocks },
+        Pass { stage: LAYERS, entry: "select_filter_blocks", reads: &[Frame, PenumbraSummary], writes: &[Soft], work: soft_blocks },
+        Pass { stage: LAYERS, entry: "filter_penumbra", reads: &[Frame, Views, Surfaces, Shadows, Soft], writes: &[Transmittance], work: soft_lights },
         Pass { stage: LAYERS, entry: "light", reads: LIGHT, writes: &[Lit], work: rays },
         Pass { stage: LAYERS, entry: "blend", reads: &[Frame, Views, Materials, Texels, Surfaces, Lit], writes: &[Colors], work: rays },
         Pass { stage: 9, entry: "resolve", reads: &[Frame, Colors], writes: &[Pixels], work: pixels },
     ]
 };
 
-fn covers(frame: &Frame) -> Work {
+fn screen_bounds(frame: &Frame) -> Work {
     stage::prepare::count(frame).into()
 }
 fn shares(frame: &Frame) -> Work {
@@ -166,26 +180,26 @@ fn rays(frame: &Frame) -> Work {
 fn details(frame: &Frame) -> Work {
     (frame.rays * frame.details).into()
 }
-/// The rays of a frame in which every object is opaque.
+/// The rays of a frame in which every instance is opaque.
 fn opaque(frame: &Frame) -> Work {
     (if frame.layers == 0 { frame.rays } else { 0 }).into()
 }
-/// The rays of a frame in which not every object is.
+/// The rays of a frame in which not every instance is.
 fn see_through(frame: &Frame) -> Work {
     (if frame.layers == 0 { 0 } else { frame.rays }).into()
 }
 /// The rays of a frame whose shadows are not bits.
 fn tinted(frame: &Frame) -> Work {
-    (if frame.is_tinted() { frame.rays } else { 0 }).into()
+    (if frame.has_transmittance() { frame.rays } else { 0 }).into()
 }
-/// The rays and lights of a frame in which not every object is opaque, and shadows are hard.
+/// The rays and lights of a frame in which not every instance is opaque, and shadows are hard.
 fn colored_lights(frame: &Frame) -> Work {
-    let work = if frame.window == 0 { see_through(frame) } else { 0.into() };
+    let work = if frame.penumbra_window == 0 { see_through(frame) } else { 0.into() };
     Work { layers: frame.lights, ..work }
 }
 /// The rays and lights of a frame with soft shadows.
 fn soft_lights(frame: &Frame) -> Work {
-    Work { invocations: if frame.window == 0 { 0 } else { frame.rays }, layers: frame.lights }
+    Work { invocations: if frame.penumbra_window == 0 { 0 } else { frame.rays }, layers: frame.lights }
 }
 /// The blocks and lights of such a frame.
 fn soft_blocks(frame: &Frame) -> Work {
@@ -195,7 +209,7 @@ fn soft_blocks(frame: &Frame) -> Work {
 /// A layer a light: an invocation that asked for all of them would take more loop turns than
 /// some devices allow.
 fn lights(frame: &Frame) -> Work {
-    Work { invocations: if frame.is_tinted() { 0 } else { frame.rays }, layers: frame.lights }
+    Work { invocations: if frame.has_transmittance() { 0 } else { frame.rays }, layers: frame.lights }
 }
 fn pixels(frame: &Frame) -> Work {
     frame.grid().pixels(RayIndex(frame.first_ray), frame.rays)[1].into()
@@ -323,7 +337,7 @@ mod tests {
             PASSES.iter().chain(DRAWN).map(|pass| (pass.entry, pass.accesses().collect())).collect();
         expected.sort_unstable_by_key(|(name, _)| *name);
         expected.dedup();
-        expected.extend([("kernels", KERNELS.to_vec()), ("layout", LAYOUT.to_vec())]);
+        expected.extend([("kernels", KERNELS.to_vec()), ("probe_layout", LAYOUT.to_vec())]);
         expected.extend([(raster::VERTEX, raster::accesses().collect()), (raster::FRAGMENT, vec![])]);
         let found = entry_points(rtrt_shaders::SPIRV).unwrap();
         assert_eq!(found.len(), expected.len());
@@ -331,7 +345,7 @@ mod tests {
             let entry = found.iter().find(|entry| entry.name == name).unwrap();
             let group = match name {
                 "scan" => Some(256),
-                "layout" => Some(1),
+                "probe_layout" => Some(1),
                 raster::VERTEX | raster::FRAGMENT => None,
                 _ => Some(GROUP),
             };

@@ -7,8 +7,8 @@ use crate::device::Device;
 use crate::pipeline::{Access, DRAWN, Pipeline, bind_group, bind_group_layout, pipeline_layout};
 use crate::timer::Timer;
 use rtrt_core::grid::{BLOCK, BLOCK_RAYS};
-use rtrt_core::kernel::cover::Cover;
-use rtrt_core::kernel::project::Window;
+use rtrt_core::kernel::project::ClipWindow;
+use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::layout::{Frame, View};
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::stage;
@@ -20,9 +20,9 @@ pub(crate) const VERTEX: &str = "vertex";
 pub(crate) const FRAGMENT: &str = "fragment";
 /// What the first of them binds: these slots from 0 on, with the window second.
 pub(crate) const SLOTS: [Slot; 6] =
-    [Slot::Frame, Slot::Views, Slot::Covers, Slot::Objects, Slot::Words, Slot::Positions];
+    [Slot::Frame, Slot::Views, Slot::ScreenBounds, Slot::Instances, Slot::MeshData, Slot::Positions];
 
-/// An object and a triangle.
+/// An instance and a triangle.
 const NUMBERS: TextureFormat = TextureFormat::Rg32Uint;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
@@ -37,10 +37,10 @@ pub(crate) struct Raster {
     pub pipelines: Vec<Pipeline>,
     /// The numbers of the windows.
     uniforms: Option<wgpu::Buffer>,
-    windows: Vec<Window>,
+    windows: Vec<ClipWindow>,
     target: Option<[wgpu::Texture; 2]>,
-    /// Vertices of each object, and what it covers.
-    objects: Vec<(u32, Cover)>,
+    /// Vertices of each instance, and what it covers.
+    instances: Vec<(u32, ScreenBounds)>,
     camera: Option<View>,
 }
 
@@ -91,17 +91,18 @@ impl Raster {
             uniforms: None,
             windows: Vec::new(),
             target: None,
-            objects: Vec::new(),
+            instances: Vec::new(),
             camera: None,
         }
     }
 
-    /// Begins a frame: finds out what each object covers.
+    /// Begins a frame: finds out what each instance covers.
     pub fn begin(&mut self, scene: &Scene, setup: &Setup) {
-        let objects = setup.objects(scene);
-        let cover = |index: u32| stage::prepare::prepare(&setup.frame, &setup.views, objects, index);
-        self.objects.clear();
-        self.objects.extend((0..).zip(objects).map(|(index, object)| (3 * object.triangles, cover(index))));
+        let instances = setup.instances(scene);
+        let cover = |index: u32| stage::prepare::prepare(&setup.frame, &setup.views, instances, index);
+        self.instances.clear();
+        self.instances
+            .extend((0..).zip(instances).map(|(index, instance)| (3 * instance.triangles, cover(index))));
         self.camera = setup.views.get(Frame::CAMERA as usize).copied();
     }
 
@@ -117,7 +118,8 @@ impl Raster {
             let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
             self.uniforms = Some(device.buffer("windows", bytes, usage)?);
         }
-        let most = |length: fn(&Window) -> u32| self.windows.iter().map(length).max().unwrap_or(1) * BLOCK;
+        let most =
+            |length: fn(&ClipWindow) -> u32| self.windows.iter().map(length).max().unwrap_or(1) * BLOCK;
         let [width, height] = [most(|window| window.columns), most(|window| window.rows)];
         let is_large =
             |target: &[wgpu::Texture; 2]| target[0].width() >= width && target[0].height() >= height;
@@ -189,7 +191,7 @@ impl Raster {
             let window_at = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: uniforms,
                 offset: at as u64 * STEP,
-                size: wgpu::BufferSize::new(size_of::<Window>() as u64),
+                size: wgpu::BufferSize::new(size_of::<ClipWindow>() as u64),
             });
             let bound = |slot: &Slot| buffers.get(*slot).map(wgpu::Buffer::as_entire_binding);
             let (of_frame, others) = SLOTS.split_at(1);
@@ -204,7 +206,7 @@ impl Raster {
             pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
             pass.set_scissor_rect(0, 0, width, height);
             for (index, (vertices, _)) in (0..)
-                .zip(&self.objects)
+                .zip(&self.instances)
                 .filter(|(_, (vertices, cover))| *vertices > 0 && is_in(frame, camera, window, cover))
             {
                 pass.draw(0..*vertices, index..index + 1);
@@ -229,12 +231,12 @@ impl Raster {
 }
 
 /// The blocks of a band in rectangles of at most so many on a side.
-fn windows(frame: &Frame, side: u32) -> impl Iterator<Item = Window> + use<> {
+fn windows(frame: &Frame, side: u32) -> impl Iterator<Item = ClipWindow> + use<> {
     let columns = frame.grid().blocks_x();
     let [first, rows] = [frame.first_ray, frame.rays].map(|rays| rays / (columns * BLOCK_RAYS));
     let step = side.max(1) as usize;
     (first..first + rows).step_by(step).flat_map(move |row| {
-        (0..columns).step_by(step).map(move |column| Window {
+        (0..columns).step_by(step).map(move |column| ClipWindow {
             column,
             row,
             columns: side.min(columns - column),
@@ -262,7 +264,7 @@ mod tests {
             }
         }
         assert_eq!(drawn, [[0; 7], [1; 7], [1; 7], [1; 7], [1; 7], [0; 7]]);
-        let whole = Window { column: 0, row: 1, columns: 7, rows: 4 };
+        let whole = ClipWindow { column: 0, row: 1, columns: 7, rows: 4 };
         assert_eq!(windows(&band, 1024).collect::<Vec<_>>(), [whole]);
     }
 }

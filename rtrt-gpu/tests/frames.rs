@@ -4,7 +4,7 @@ use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::compare::compare;
 use rtrt_core::layout::{Attribute, Texture, Wrap};
-use rtrt_core::scene::{Camera, Image, Light, Mesh, MeshTree, Projection, Scene, Sequential, phong};
+use rtrt_core::scene::{Bvh, Camera, Image, Light, Mesh, Projection, Scene, Sequential, phong};
 use rtrt_cpu::Cpu;
 use rtrt_gpu::{Error, Gpu, Options, Route};
 
@@ -54,8 +54,8 @@ fn floor() -> Mesh {
     Mesh::new(corners.to_vec(), corners.map(attribute).to_vec(), vec![0, 1, 2, 0, 2, 3]).unwrap()
 }
 
-/// `objects` heaps of shards over a textured floor, with some of every light.
-fn heaps(objects: usize, lights: usize) -> Scene {
+/// `instances` heaps of shards over a textured floor, with some of every light.
+fn heaps(instances: usize, lights: usize) -> Scene {
     let mut scene = Scene::new();
     let rgba = (0..29 * 13 * 4).map(|i| (i * 97 % 251) as u8).collect();
     let image = Image { width: 29, height: 13, rgba };
@@ -64,15 +64,15 @@ fn heaps(objects: usize, lights: usize) -> Scene {
     let ground = scene.add_material(phong([0.9, 0.8, 0.7], 0.0, 0.9, checks, [0.0; 3])).unwrap();
     let shiny = scene.add_material(phong([0.3, 0.5, 0.9], 0.6, 0.2, none, [0.01, 0.0, 0.02])).unwrap();
     let mut place = |mesh: &Mesh, material, at: &[Mat4]| {
-        let mesh = scene.add_mesh(mesh, &MeshTree::build(mesh, &Sequential)).unwrap();
+        let mesh = scene.add_mesh(mesh, &Bvh::build(mesh, &Sequential)).unwrap();
         for &at in at {
-            scene.add_object(mesh, material, at).unwrap();
+            scene.add_instance(mesh, material, at).unwrap();
         }
     };
     place(&floor(), ground, &[Mat4::from_scale(Vec3::splat(20.0))]);
     let mut next = numbers();
     let mut at = vec![Mat4::IDENTITY];
-    for _ in 1..objects {
+    for _ in 1..instances {
         let turn = Mat4::from_rotation_y(next() * 6.0) * Mat4::from_rotation_x(next() * 3.0);
         let position = Vec3::new(next() * 10.0 - 5.0, next() * 2.0 + 0.5, next() * 10.0 - 5.0);
         at.push(Mat4::from_translation(position) * turn * Mat4::from_scale(Vec3::new(0.4, 0.6, 0.5)));
@@ -116,7 +116,7 @@ fn agree(gpu: &mut Gpu, what: &str, scene: &Scene, request: &Request<'_>) -> Pic
     }
     let total: f64 = actual.stages_ms.iter().sum();
     println!("{what}: equal; {total:.1} ms {:.1?}", actual.stages_ms);
-    assert!(actual.pixels.iter().any(|pixel| *pixel != actual.pixels[0]) || scene.objects().is_empty());
+    assert!(actual.pixels.iter().any(|pixel| *pixel != actual.pixels[0]) || scene.instances().is_empty());
     actual
 }
 
@@ -157,8 +157,8 @@ fn light_too_faint_to_count_is_nothing_everywhere() {
     let mut scene = Scene::new();
     let polished = scene.add_material(phong([1e-18; 3], 0.1, 0.33, Texture::NONE, [0.0; 3])).unwrap();
     let mesh = shards(200);
-    let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
-    scene.add_object(mesh, polished, Mat4::IDENTITY).unwrap();
+    let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+    scene.add_instance(mesh, polished, Mat4::IDENTITY).unwrap();
     scene.ambient = Vec3::ZERO;
     for (color, distance) in [(1.0, 1e2), (1e-3, 1e4), (1e-15, 3.0), (1e-30, 3.0), (1e-40, 3.0)] {
         let position = Vec3::new(distance, 3.0, distance);
@@ -178,12 +178,12 @@ fn a_changed_scene_is_uploaded_again() {
     let mut scene = heaps(3, 2);
     let request = request([64, 36], 1);
     agree(&mut gpu, "before", &scene, &request);
-    scene.set_transform(rtrt_core::scene::ObjectIndex(2), Mat4::from_scale(Vec3::splat(0.7))).unwrap();
+    scene.set_transform(rtrt_core::scene::InstanceIndex(2), Mat4::from_scale(Vec3::splat(0.7))).unwrap();
     agree(&mut gpu, "moved", &scene, &request);
     let red = scene.add_material(phong([0.9, 0.1, 0.1], 0.0, 0.5, Texture::NONE, [0.0; 3])).unwrap();
     let mesh = shards(50);
-    let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
-    scene.add_object(mesh, red, Mat4::from_translation(Vec3::new(1.0, 1.0, 1.0))).unwrap();
+    let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+    scene.add_instance(mesh, red, Mat4::from_translation(Vec3::new(1.0, 1.0, 1.0))).unwrap();
     agree(&mut gpu, "more", &scene, &request);
     agree(&mut gpu, "another", &heaps(2, 0), &request);
 }

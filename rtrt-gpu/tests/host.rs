@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, LAYERS, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
-use rtrt_core::scene::{Camera, Light, Mesh, MeshTree, Projection, Scene, Sequential, phong};
+use rtrt_core::scene::{Bvh, Camera, Light, Mesh, Projection, Scene, Sequential, phong};
 use rtrt_gpu::{Gpu, Options};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -29,18 +29,18 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// So many triangles strewn around, each an object, with a sun and some lamps.
-fn scene(objects: u32) -> Scene {
+/// So many triangles strewn around, each an instance, with a sun and some lamps.
+fn scene(instances: u32) -> Scene {
     let mut scene = Scene::new();
     let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2]).unwrap();
-    let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
+    let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
     let paint = scene.add_material(phong([0.8, 0.5, 0.3], 0.0, 0.7, Texture::NONE, [0.0; 3])).unwrap();
     let place =
         |n: u32| Vec3::new((n * 37 % 101) as f32, (n * 59 % 103) as f32, (n * 71 % 107) as f32) - 50.0;
-    for object in 0..objects {
-        scene.add_object(mesh, paint, Mat4::from_translation(place(object))).unwrap();
+    for instance in 0..instances {
+        scene.add_instance(mesh, paint, Mat4::from_translation(place(instance))).unwrap();
     }
     scene.add_light(Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::ONE, radius: 0.0 });
     for lamp in 0..3 {
@@ -81,10 +81,10 @@ fn a_frame_of_ten_thousand_objects_costs_the_host_what_one_of_ten_does() {
         Err(error) if std::env::var_os("RTRT_REQUIRE_GPU").is_some() => panic!("{error}"),
         Err(error) => return println!("skipped: {error}"),
     };
-    let [(few_ms, few), (many_ms, many)] = [10, 10_000].map(|objects| cost(&mut gpu, &scene(objects)));
-    println!("10 objects: {few_ms:.3} ms, {few} allocations; 10,000: {many_ms:.3} ms, {many} allocations");
+    let [(few_ms, few), (many_ms, many)] = [10, 10_000].map(|instances| cost(&mut gpu, &scene(instances)));
+    println!("10 instances: {few_ms:.3} ms, {few} allocations; 10,000: {many_ms:.3} ms, {many} allocations");
     // Generous: other work may keep the processor. 0.3 ms is usual.
     assert!(many_ms < 5.0, "{many_ms} ms");
     // All are wgpu's own, for commands.
-    assert!(many <= few + few / 4, "{many} allocations, {few} with 10 objects");
+    assert!(many <= few + few / 4, "{many} allocations, {few} with 10 instances");
 }

@@ -1,9 +1,9 @@
 //! Bin: count, add up, place, rank.
 
 use crate::{SHARES, index};
-use rtrt_core::kernel::cover::Cover;
 use rtrt_core::kernel::lists::{rank as rank_entry, scan_share, scan_starts, scan_total, store};
-use rtrt_core::layout::{Frame, Object, View};
+use rtrt_core::kernel::screen_bounds::ScreenBounds;
+use rtrt_core::layout::{Frame, Instance, View};
 use rtrt_core::stage;
 use spirv_std::arch::{atomic_i_add, workgroup_memory_barrier_with_group_sync};
 use spirv_std::glam::UVec3;
@@ -11,11 +11,14 @@ use spirv_std::memory::{Scope, Semantics};
 use spirv_std::spirv;
 
 /// Adds 1 to a word that many invocations add to, and gives what it was.
-fn take(words: &mut [u32], at: u32) -> u32 {
+fn take(mesh_data: &mut [u32], at: u32) -> u32 {
     // SAFETY: the word is in a storage buffer, and every other access to it during the
     // dispatch goes through here.
     unsafe {
-        atomic_i_add::<u32, { Scope::Device as u32 }, { Semantics::NONE.bits() }>(&mut words[at as usize], 1)
+        atomic_i_add::<u32, { Scope::Device as u32 }, { Semantics::NONE.bits() }>(
+            &mut mesh_data[at as usize],
+            1,
+        )
     }
 }
 
@@ -25,19 +28,27 @@ pub fn count(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] objects: &[Object],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] covers: &[Cover],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] instances: &[Instance],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] screen_bounds: &[ScreenBounds],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] counts: &mut [u32],
 ) {
     let (cover, share) = (index(id) / SHARES, index(id) % SHARES);
     if cover < stage::prepare::count(frame) {
-        stage::bin::each_block_of_share(frame, views, objects, covers, cover, [share, SHARES], |block, _| {
-            take(counts, block);
-        });
+        stage::bin::each_block_of_share(
+            frame,
+            views,
+            instances,
+            screen_bounds,
+            cover,
+            [share, SHARES],
+            |block, _| {
+                take(counts, block);
+            },
+        );
     }
 }
 
-/// Where each block's entries start: one workgroup, whose invocations share the blocks. Lists that
+/// Where each block's entries start: one workgroup, whose invocations share the blocks. BlockLists that
 /// are kept stay where they are, before those that are made.
 #[spirv(compute(threads(256), entry_point_name = "scan"))]
 pub fn scan(
@@ -72,8 +83,8 @@ pub fn scatter(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] objects: &[Object],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] covers: &[Cover],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] instances: &[Instance],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] screen_bounds: &[ScreenBounds],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] lists: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] counts: &mut [u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] placed: &mut [u32],
@@ -83,8 +94,8 @@ pub fn scatter(
         stage::bin::each_block_of_share(
             frame,
             views,
-            objects,
-            covers,
+            instances,
+            screen_bounds,
             cover,
             [share, SHARES],
             |block, entry| {

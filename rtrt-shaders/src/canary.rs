@@ -3,21 +3,21 @@
 use crate::index;
 use rtrt_core::kernel::canary::{OUTPUTS, canary};
 use rtrt_core::lane::groups;
-use rtrt_core::layout::{Attribute, Frame, Hit, Material, Node, Object, Surface, View, probe};
+use rtrt_core::layout::{Attribute, Frame, Hit, Instance, Material, Node, Surface, View, probe};
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
-/// The kernels' answers to arrays of words, as many words an invocation as
+/// The kernels' answers to arrays of mesh_data, as many mesh_data an invocation as
 /// [`rtrt_core::kernel::canary::NAMES`] has names.
 #[spirv(compute(threads(64), entry_point_name = "kernels"))]
 pub fn kernels(
     #[spirv(global_invocation_id)] id: UVec3,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] mesh_data: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] answers: &mut [[u32; OUTPUTS]],
 ) {
     let index = index(id);
     if (index as usize) < answers.len() {
-        let found = canary::<f32>((), words, index);
+        let found = canary::<f32>((), mesh_data, index);
         answers[index as usize] = groups(
             #[inline(always)]
             |i| found[i].0,
@@ -26,11 +26,11 @@ pub fn kernels(
 }
 
 /// Where this device finds the fields of what both sides read.
-#[spirv(compute(threads(1), entry_point_name = "layout"))]
-pub fn layout(
+#[spirv(compute(threads(1), entry_point_name = "probe_layout"))]
+pub fn probe_layout(
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] objects: &[Object],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] instances: &[Instance],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] nodes: &[Node],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] attributes: &[Attribute],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
@@ -38,7 +38,7 @@ pub fn layout(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] hits: &[Hit],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] answers: &mut [u32],
 ) {
-    let found = probe(frame, views, objects, nodes, attributes, materials, surfaces, hits);
+    let found = probe(frame, views, instances, nodes, attributes, materials, surfaces, hits);
     let mut i = 0;
     while i < found.len() {
         answers[i] = found[i];

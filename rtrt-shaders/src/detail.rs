@@ -2,8 +2,8 @@
 
 use crate::index;
 use rtrt_core::kernel::texture::Maps;
-use rtrt_core::kernel::traverse::Best;
-use rtrt_core::layout::{Attribute, Frame, Hit, Material, Object, Surface};
+use rtrt_core::kernel::traverse::ClosestHit;
+use rtrt_core::layout::{Attribute, Frame, Hit, Instance, Material, Surface};
 use rtrt_core::stage;
 use rtrt_core::stage::surface::{Surfaces, Vertices};
 use spirv_std::glam::UVec3;
@@ -15,8 +15,8 @@ pub fn detail(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] hits: &[Hit],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] objects: &[Object],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] instances: &[Instance],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] mesh_data: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] attributes: &[Attribute],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] texels: &[u32],
@@ -25,8 +25,8 @@ pub fn detail(
     let index = index(id);
     if index < frame.rays {
         let maps = Maps { materials, texels };
-        let vertices = Vertices { objects, words, attributes };
-        let best = Best::new(&hits[index as usize]);
+        let vertices = Vertices { instances, mesh_data, attributes };
+        let best = ClosestHit::new(&hits[index as usize]);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let found = stage::detail::detail(&maps, &vertices, &best, &surface);
         surfaces[index as usize] = found.lane(0);

@@ -15,16 +15,16 @@
 pub mod bin;
 pub mod canary;
 pub mod detail;
-pub mod layers;
 pub mod light;
 pub mod occlusion;
+pub mod peel;
 pub mod penumbra;
 pub mod prepare;
 pub mod raster;
 pub mod resolve;
 pub mod shade;
 pub mod surface;
-pub mod tint;
+pub mod transmittance;
 pub mod visibility;
 
 #[cfg(feature = "reflect")]

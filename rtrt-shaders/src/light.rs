@@ -6,7 +6,7 @@ use rtrt_core::kernel::texture::Maps;
 use rtrt_core::lane::Word;
 use rtrt_core::layout::{Frame, Lit, Material, Surface, View};
 use rtrt_core::stage;
-use rtrt_core::stage::penumbra::left_at;
+use rtrt_core::stage::blocker_search::transmittance_at;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
@@ -21,7 +21,7 @@ pub fn light(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] texels: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] surfaces: &[Surface],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] masks: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] tints: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] transmittance: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] lit: &mut [Lit],
 ) {
     let index = index(id);
@@ -31,7 +31,7 @@ pub fn light(
         let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let mask = |word: u32| Word(masks[(index * frame.mask_words + word) as usize]);
-        let tint = |light: u32| Word(tints[left_at(frame, index, light)]);
+        let tint = |light: u32| Word(transmittance[transmittance_at(frame, index, light)]);
         let maps = Maps { materials, texels };
         let arriving = stage::light::light(frame, views, &maps, mask, tint, ray, direction, &surface);
         lit[index as usize] = arriving.lane(0);

@@ -2,9 +2,9 @@
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
-use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::traverse::Geometry;
-use rtrt_core::layout::{Frame, Node, Object, Surface, View};
+use rtrt_core::layout::{Frame, Instance, Node, Surface, View};
 use rtrt_core::stage;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::arch::atomic_or;
@@ -20,18 +20,24 @@ pub fn occlusion(
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] lists: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] objects: &[Object],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] instances: &[Instance],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] nodes: &[Node],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] mesh_data: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] positions: &[[f32; 3]],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] surfaces: &[Surface],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] masks: &mut [u32],
 ) {
     let (index, light) = (index(id), id.z);
     if index < frame.rays {
-        let lists = Lists { words: lists, blocks: frame.blocks };
-        let geometry =
-            Geometry { objects, nodes, words, positions, texels: words, magnitude: frame.magnitude };
+        let lists = BlockLists { data: lists, blocks: frame.blocks };
+        let geometry = Geometry {
+            instances,
+            nodes,
+            mesh_data,
+            positions,
+            texels: mesh_data,
+            magnitude: frame.magnitude,
+        };
         let ray = RayIndex(frame.first_ray + index);
         let surface = [Surfaces::new(&surfaces[index as usize])];
         let lit = stage::occlusion::occlusion(frame, views, &lists, &geometry, light, ray, &surface);

@@ -5,7 +5,7 @@ use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::layout::{Frame, Lit, Material, Surface, View};
 use rtrt_core::stage;
-use rtrt_core::stage::light::Arriving;
+use rtrt_core::stage::light::IncomingLight;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
@@ -28,9 +28,9 @@ pub fn shade(
         let camera = &views[Frame::CAMERA as usize];
         let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
-        let arriving = Arriving::new(&lit[index as usize]);
+        let arriving = IncomingLight::new(&lit[index as usize]);
         let shaded = stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving);
         colors[index as usize] =
-            if frame.layers == 0 { shaded } else { stage::layers::blend(frame, [0.0; 4], shaded) };
+            if frame.layers == 0 { shaded } else { stage::peel::blend(frame, [0.0; 4], shaded) };
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
-use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::traverse::Geometry;
-use rtrt_core::layout::{Frame, Hit, Node, Object, View};
+use rtrt_core::layout::{Frame, Hit, Instance, Node, View};
 use rtrt_core::stage;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
@@ -16,17 +16,23 @@ pub fn visibility(
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] lists: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] objects: &[Object],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] instances: &[Instance],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] nodes: &[Node],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] mesh_data: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] positions: &[[f32; 3]],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] hits: &mut [Hit],
 ) {
     let index = index(id);
     if index < frame.rays {
-        let lists = Lists { words: lists, blocks: frame.blocks };
-        let geometry =
-            Geometry { objects, nodes, words, positions, texels: words, magnitude: frame.magnitude };
+        let lists = BlockLists { data: lists, blocks: frame.blocks };
+        let geometry = Geometry {
+            instances,
+            nodes,
+            mesh_data,
+            positions,
+            texels: mesh_data,
+            magnitude: frame.magnitude,
+        };
         let ray = RayIndex(frame.first_ray + index);
         let best = stage::visibility::visibility::<f32, 1>((), frame, views, &lists, &geometry, ray);
         hits[index as usize] = stage::visibility::hit(&best[0], 0);

@@ -16,7 +16,7 @@ use rtrt::choose::{Choice, Options, choose};
 use rtrt::hash;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
-use rtrt_core::scene::{Camera, Light, Mesh, MeshTree, ObjectIndex, Projection, Scene, Sequential, phong};
+use rtrt_core::scene::{Bvh, Camera, InstanceIndex, Light, Mesh, Projection, Scene, Sequential, phong};
 use std::error::Error;
 
 const FRAMES: u32 = 100;
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// A ball: where it is, how it moves.
 struct Ball {
-    object: ObjectIndex,
+    object: InstanceIndex,
     at: Vec3,
     step: Vec3,
 }
@@ -109,15 +109,15 @@ fn start() -> Result<(Scene, Vec<Ball>), Box<dyn Error>> {
     let up = Attribute { normal: y, uv: [0.0; 2], color: u32::MAX };
     let corners = vec![[-2.0, -1.3, 2.0], [2.0, -1.3, 2.0], [0.0, -1.3, -4.0]];
     let floor = Mesh::new(corners, vec![up; 3], vec![0, 1, 2])?;
-    let floor = scene.add_mesh(&floor, &MeshTree::build(&floor, &Sequential))?;
-    scene.add_object(floor, white, Mat4::IDENTITY)?;
-    let ball = scene.add_mesh(&ball, &MeshTree::build(&ball, &Sequential))?;
+    let floor = scene.add_mesh(&floor, &Bvh::build(&floor, &Sequential))?;
+    scene.add_instance(floor, white, Mat4::IDENTITY)?;
+    let ball = scene.add_mesh(&ball, &Bvh::build(&ball, &Sequential))?;
     let mut balls = vec![];
     for number in 0..BALLS {
         let i = number as f32;
         let at = Vec3::new(i * 0.375 - 0.75, 0.125 * i, 0.25 - i * 0.125);
         let step = Vec3::new(0.03125, 0.0, 0.0625) * (i - 1.5);
-        balls.push(Ball { object: scene.add_object(ball, blue, placed(at))?, at, step });
+        balls.push(Ball { object: scene.add_instance(ball, blue, placed(at))?, at, step });
     }
     let position = Vec3::new(1.0, 4.0, 2.0);
     scene.add_light(Light::Point {

@@ -11,19 +11,19 @@
 //!
 //! Nothing in it is trusted. A file that is not of this mesh and version, is cut off, or has one
 //! bit that is not as it was written is built anew, and so is one whose words make no tree
-//! ([`MeshTree::from_links`]). Boxes are not in it: they are computed from the mesh. So the worst
+//! ([`Bvh::from_links`]). Boxes are not in it: they are computed from the mesh. So the worst
 //! that a file made on purpose can do is to be slow, and to say which of two triangles at exactly
 //! the same distance is seen.
 
 use crate::replace::replace;
-use rtrt_core::scene::{Join, Mesh, MeshTree};
+use rtrt_core::scene::{Bvh, Join, Mesh};
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"rtrttree";
-/// Counts up when the format changes, or the trees that [`MeshTree::build`] makes.
+/// Counts up when the format changes, or the trees that [`Bvh::build`] makes.
 const VERSION: u32 = 2;
 /// Bytes before the nodes.
 const HEADER: usize = 8 + 4 + 32 + 4 + 4;
@@ -51,13 +51,13 @@ impl Cache {
     ///
     /// # Errors
     /// The tree was built and could not be kept; it comes with the error.
-    pub fn tree(&self, mesh: &Mesh, join: &impl Join) -> Result<MeshTree, (MeshTree, io::Error)> {
+    pub fn tree(&self, mesh: &Mesh, join: &impl Join) -> Result<Bvh, (Bvh, io::Error)> {
         let key = key(mesh);
         let path = self.path(&key);
         if let Some(tree) = read(&path, mesh, &key) {
             return Ok(tree);
         }
-        let tree = MeshTree::build(mesh, join);
+        let tree = Bvh::build(mesh, join);
         match replace(&path, &encode(&tree, &key)) {
             Ok(()) => Ok(tree),
             Err(error) => Err((tree, error)),
@@ -85,7 +85,7 @@ fn key(mesh: &Mesh) -> [u8; DIGEST] {
     digest.finalize().into()
 }
 
-fn encode(tree: &MeshTree, key: &[u8; DIGEST]) -> Vec<u8> {
+fn encode(tree: &Bvh, key: &[u8; DIGEST]) -> Vec<u8> {
     let links = tree.links();
     let mut bytes = Vec::with_capacity(length(links.len(), tree.triangles.len()));
     bytes.extend_from_slice(MAGIC);
@@ -108,7 +108,7 @@ fn length(nodes: usize, triangles: usize) -> usize {
 }
 
 /// The tree in a file; none if there is no such file, or it is not exactly as it was written.
-fn read(path: &Path, mesh: &Mesh, key: &[u8; DIGEST]) -> Option<MeshTree> {
+fn read(path: &Path, mesh: &Mesh, key: &[u8; DIGEST]) -> Option<Bvh> {
     // A tree of n triangles has at most 2n − 1 nodes; an empty one has one.
     let longest = length(2 * mesh.triangles() + 1, mesh.triangles()) as u64;
     let file = File::open(path).ok()?;
@@ -120,7 +120,7 @@ fn read(path: &Path, mesh: &Mesh, key: &[u8; DIGEST]) -> Option<MeshTree> {
     decode(&bytes, mesh, key)
 }
 
-fn decode(bytes: &[u8], mesh: &Mesh, key: &[u8; DIGEST]) -> Option<MeshTree> {
+fn decode(bytes: &[u8], mesh: &Mesh, key: &[u8; DIGEST]) -> Option<Bvh> {
     let (content, digest) = bytes.split_at_checked(bytes.len().checked_sub(DIGEST)?)?;
     let (header, words) = content.split_at_checked(HEADER)?;
     if !header.starts_with(MAGIC) || header[8..12] != VERSION.to_le_bytes() || header[12..44] != key[..] {
@@ -137,7 +137,7 @@ fn decode(bytes: &[u8], mesh: &Mesh, key: &[u8; DIGEST]) -> Option<MeshTree> {
     let words = words.chunks_exact(4).map(word).collect::<Result<Vec<_>, _>>().ok()?;
     let (links, triangles) = words.split_at(2 * nodes);
     let links: Vec<[u32; 2]> = links.chunks_exact(2).map(|link| [link[0], link[1]]).collect();
-    MeshTree::from_links(mesh, &links, triangles.to_vec()).ok()
+    Bvh::from_links(mesh, &links, triangles.to_vec()).ok()
 }
 
 #[cfg(test)]
@@ -165,7 +165,7 @@ mod tests {
         let cache = cache("kept");
         for count in [0, 1, 2, 300] {
             let mesh = mesh(count);
-            let (built, path) = (MeshTree::build(&mesh, &Sequential), cache.path(&key(&mesh)));
+            let (built, path) = (Bvh::build(&mesh, &Sequential), cache.path(&key(&mesh)));
             assert_eq!(read(&path, &mesh, &key(&mesh)), None);
             assert_eq!(cache.tree(&mesh, &Sequential).unwrap(), built);
             assert_eq!(read(&path, &mesh, &key(&mesh)), Some(built.clone()));
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn no_damaged_byte_is_trusted() {
         let mesh = mesh(25);
-        let (tree, key) = (MeshTree::build(&mesh, &Sequential), key(&mesh));
+        let (tree, key) = (Bvh::build(&mesh, &Sequential), key(&mesh));
         let whole = encode(&tree, &key);
         assert_eq!(decode(&whole, &mesh, &key), Some(tree));
         for end in 0..whole.len() {
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn a_file_with_the_right_sums_and_the_wrong_words_is_no_tree() {
         let mesh = mesh(25);
-        let (tree, key) = (MeshTree::build(&mesh, &Sequential), key(&mesh));
+        let (tree, key) = (Bvh::build(&mesh, &Sequential), key(&mesh));
         let whole = encode(&tree, &key);
         let mut refused = 0;
         for at in (HEADER..whole.len() - DIGEST).step_by(4) {
@@ -224,7 +224,7 @@ mod tests {
         let tree = cache.tree(&mesh, &Sequential).unwrap();
         let path = cache.path(&key(&mesh));
         let whole = std::fs::read(&path).unwrap();
-        let other = encode(&MeshTree::build(&self::mesh(41), &Sequential), &key(&self::mesh(41)));
+        let other = encode(&Bvh::build(&self::mesh(41), &Sequential), &key(&self::mesh(41)));
         for bad in [&whole[..100], b"", &other] {
             std::fs::write(&path, bad).unwrap();
             assert_eq!(cache.tree(&mesh, &Sequential).unwrap(), tree);

@@ -3,7 +3,7 @@
 
 use crate::layers::Layers;
 use rtrt_core::backend::{Picture, Request};
-use rtrt_core::kernel::lists::Lists;
+use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::kernel::view::camera_ray;
 use rtrt_core::layout::{Frame, NONE};
@@ -125,11 +125,11 @@ fn inspected(
     let frame = setup.frame;
     let (grid, camera) = (frame.grid(), setup.views[Frame::CAMERA as usize]);
     let words = picture.deferred.as_ref().map_or(&[][..], |deferred| &deferred.lists);
-    let lists = Lists { words, blocks: frame.blocks };
+    let lists = BlockLists { data: words, blocks: frame.blocks };
     let geometry = Geometry {
-        objects: setup.objects(scene),
+        instances: setup.instances(scene),
         nodes: scene.nodes(),
-        words: scene.words(),
+        mesh_data: scene.mesh_data(),
         positions: scene.positions(),
         texels: scene.texels(),
         magnitude: frame.magnitude,
@@ -145,7 +145,7 @@ fn inspected(
 /// The color of a ray in figure 1a; none for one that hits.
 fn block(found: &Inspection) -> Option<[f32; 3]> {
     match found {
-        Inspection { hit, .. } if hit.object != NONE => None,
+        Inspection { hit, .. } if hit.instance != NONE => None,
         Inspection { entries: 0, .. } => Some([0.0; 3]),
         Inspection { sphere: false, .. } => Some([0.0, 0.0, 1.0]),
         _ => Some([1.0; 3]),
@@ -217,14 +217,14 @@ mod tests {
             let mut asked = 0;
             for (i, found) in inspected(&loaded.scene, &request, &picture).unwrap().enumerate() {
                 let hit = found.hit;
-                let t = if hit.object == NONE { f32::INFINITY } else { hit.t };
-                assert_eq!((hit.object, hit.triangle), (layers.object[i], layers.triangle[i]));
+                let t = if hit.instance == NONE { f32::INFINITY } else { hit.t };
+                assert_eq!((hit.instance, hit.triangle), (layers.object[i], layers.triangle[i]));
                 assert_eq!(
                     ([t, hit.u, hit.v]),
                     [layers.depth[i], layers.barycentrics[i][0], layers.barycentrics[i][1]]
                 );
                 assert!(found.asked <= found.entries && found.asked <= found.boxes);
-                assert!(found.sphere || hit.object == NONE);
+                assert!(found.sphere || hit.instance == NONE);
                 asked += found.entries - found.asked;
             }
             assert!(asked > 0, "no list is left before its end");

@@ -71,11 +71,11 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.85 },
     };
-    Ok(shown(scene, "room", camera, stage.builder.tree_build_ms))
+    Ok(shown(scene, "room", camera, stage.builder.bvh_build_ms))
 }
 
 /// A scene that is whole, with the one camera that it has.
-fn shown(scene: Scene, name: &str, camera: Camera, tree_build_ms: f64) -> Loaded {
+fn shown(scene: Scene, name: &str, camera: Camera, bvh_build_ms: f64) -> Loaded {
     Loaded {
         scene,
         cameras: vec![NamedCamera { name: name.into(), camera }],
@@ -84,7 +84,7 @@ fn shown(scene: Scene, name: &str, camera: Camera, tree_build_ms: f64) -> Loaded
         animation: None,
         warnings: Vec::new(),
         files: Vec::new(),
-        tree_build_ms,
+        bvh_build_ms,
     }
 }
 
@@ -113,7 +113,7 @@ impl<J: Join> Stage<'_, J> {
         self.builder.add_mesh(MATCHBOX, shape.0)
     }
     fn place(&mut self, mesh: MeshIndex, material: MaterialIndex, at: Mat4) -> Result<(), ImportError> {
-        self.builder.add_object(MATCHBOX, mesh, material, at)?;
+        self.builder.add_instance(MATCHBOX, mesh, material, at)?;
         Ok(())
     }
     fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {

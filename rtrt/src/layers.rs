@@ -3,11 +3,11 @@
 use rtrt_core::backend::{Deferred, Picture};
 use rtrt_core::grid::Grid;
 use rtrt_core::kernel::texture::Maps;
-use rtrt_core::kernel::tint::color;
+use rtrt_core::kernel::transmittance::color;
 use rtrt_core::lane::{V3, Word};
 use rtrt_core::layout::{NONE, Surface};
 use rtrt_core::num::srgb_encode;
-use rtrt_core::scene::{ObjectIndex, Scene};
+use rtrt_core::scene::{InstanceIndex, Scene};
 use rtrt_core::stage::resolve::average;
 use rtrt_core::stage::shade::base;
 use rtrt_core::stage::surface::Surfaces;
@@ -59,11 +59,11 @@ impl Layers {
             let index = grid.index(pixel.map(|place| place * grid.side)).0 as usize;
             let (hit, surface) = (&deferred.hits[index], &deferred.surfaces[index]);
             layers.color.push(average(grid, pixel, &|ray| deferred.colors[ray.0 as usize]));
-            layers.depth.push(if hit.object == NONE { f32::INFINITY } else { hit.t });
+            layers.depth.push(if hit.instance == NONE { f32::INFINITY } else { hit.t });
             layers.normal.push(surface.normal);
-            layers.object.push(hit.object);
+            layers.object.push(hit.instance);
             layers.triangle.push(hit.triangle);
-            let source = scene.source_triangle(ObjectIndex(hit.object), hit.triangle);
+            let source = scene.source_triangle(InstanceIndex(hit.instance), hit.triangle);
             layers.source.push(source.unwrap_or(NONE));
             layers.barycentrics.push([hit.u, hit.v]);
             layers.uv.push(surface.uv);
@@ -100,13 +100,13 @@ fn albedo(maps: &Maps<'_>, surface: &Surface) -> [f32; 3] {
 
 /// How many lights reach the surface of a ray; one of which a part does is a part.
 fn reached(deferred: &Deferred, ray: usize) -> f32 {
-    let lights = deferred.tint_words as usize;
+    let lights = deferred.transmittance_words as usize;
     if lights > 0 {
         let part = |&word: &u32| {
             let V3 { x, y, z } = color::<f32>(Word(word));
             (x + y + z) * (1.0 / 3.0)
         };
-        return deferred.tints[ray * lights..][..lights].iter().map(part).sum();
+        return deferred.transmittance[ray * lights..][..lights].iter().map(part).sum();
     }
     let words = deferred.mask_words as usize;
     deferred.masks[ray * words..][..words].iter().map(|word| word.count_ones()).sum::<u32>() as f32

@@ -89,7 +89,7 @@ fn instances_share_one_mesh() {
     let Some(folder) = scenes() else { return };
     let forest = load(&folder.join("outdoor/forest_2000_instances.glb"), &Sequential).unwrap().scene;
     let tree = load(&folder.join("outdoor/low-poly-tree.glb"), &Sequential).unwrap().scene;
-    assert!(forest.objects().len() > 2000);
+    assert!(forest.instances().len() > 2000);
     assert!(forest.bytes() < 10 * tree.bytes() + (2 << 20), "{} bytes", forest.bytes());
 }
 
@@ -297,7 +297,9 @@ fn the_demo_is_whole_and_the_same_every_time() {
     assert!(a.warnings.is_empty() && a.scene.lights().len() == 3 && a.scene.drawn_triangles() > 10_000);
     assert_eq!((a.scene.texels(), a.scene.positions()), (b.scene.texels(), b.scene.positions()));
     let glass = rtrt::demo::glass(&Sequential).unwrap();
-    assert!(glass.warnings.is_empty() && glass.scene.objects().iter().any(|object| object.pane != 0));
+    assert!(
+        glass.warnings.is_empty() && glass.scene.instances().iter().any(|object| object.transparency != 0)
+    );
 }
 
 #[test]
@@ -368,7 +370,7 @@ fn materials_say_what_their_alpha_does() {
 fn materials_say_which_sides_are_seen() {
     let Some(folder) = scenes() else { return };
     let loaded = load(&folder.join("features/TextureSettingsTest.glb"), &Sequential).unwrap();
-    let objects = loaded.scene.objects();
+    let objects = loaded.scene.instances();
     // Materials are seen from one side unless they say that they have two.
     assert_eq!(objects.iter().filter(|object| object.double_sided == 1).count(), 1);
     assert_eq!(objects.len(), 10);
@@ -420,7 +422,7 @@ fn levels(extras: &str, last: &str) -> Result<Loaded, ImportError> {
 fn levels_of_detail_are_chosen_by_what_they_cover() {
     let loaded = levels(r#","extras":{"MSFT_screencoverage":[0.5,0.1,0.001]}"#, "").unwrap();
     assert_eq!(loaded.warnings, ["not drawn: levels of detail of materials"]);
-    assert_eq!((loaded.scene.objects().len(), loaded.scene.triangles()), (1, 3));
+    assert_eq!((loaded.scene.instances().len(), loaded.scene.triangles()), (1, 3));
     // The ball around the triangle has its middle at 2, 2, 0 and this radius.
     let radius = 8.0_f64.sqrt();
     let seen = |scene: &rtrt_core::scene::Scene, share: f64| {
@@ -431,7 +433,7 @@ fn levels_of_detail_are_chosen_by_what_they_cover() {
         let camera = Camera { eye, look_at: eye - glam::Vec3::Z, ..loaded.camera };
         let mut setup = Setup::default();
         setup.prepare(scene, &camera, [16, 9], 1, Shadows::Off, 1).unwrap();
-        let object = setup.objects(scene)[0];
+        let object = setup.instances(scene)[0];
         (object.high[0], object.material, object.triangles)
     };
     for (share, size, material) in

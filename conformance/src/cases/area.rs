@@ -72,7 +72,7 @@ pub(super) const CASES: &[Case] = &[
             for i in 0..600 {
                 let [x, y, z] = [i % 10, i / 10 % 6, i / 60].map(|n| n as f32 * 0.37);
                 let at = Mat4::from_translation(Vec3::new(x - 1.7, y * 0.4 - 0.9, z - 1.7));
-                build.object(cube, at * Mat4::from_scale(Vec3::splat(0.02)));
+                build.instance(cube, at * Mat4::from_scale(Vec3::splat(0.02)));
             }
             build.light(sized(bulb([0.1, -0.3, 0.2]), 0.15)).light(sized(sun([0.3, -1.0, 0.2]), 0.1)).scene
         },

@@ -1,4 +1,4 @@
-//! The lists of blocks: many objects, and objects where blocks end.
+//! The lists of blocks: many instances, and instances where blocks end.
 
 use crate::case::{Case, look, parallel};
 use crate::shape::{Build, Random, Shape, bulb, lamp, sun};
@@ -8,7 +8,7 @@ use rtrt_core::scene::{Occluders, Scene, Structure};
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "bin/thousands_in_one_block",
-        claim: "A list may hold thousands of objects; none is lost because it is full.",
+        claim: "A list may hold thousands of instances; none is lost because it is full.",
         scene: crowd,
         camera: look([0.0, 0.0, 40.0], [0.0; 3]),
         size: [16, 16],
@@ -16,7 +16,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bin/no_blocks",
-        claim: "Without blocks every ray is asked for every object, and finds the same.",
+        claim: "Without blocks every ray is asked for every instance, and finds the same.",
         scene: || {
             let mut scene = spread();
             scene.structure = Structure::None;
@@ -28,7 +28,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bin/parts",
-        claim: "Lists of parts, down to leaves, hold every triangle of every object.",
+        claim: "Lists of parts, down to leaves, hold every triangle of every instance.",
         scene: || {
             let mut scene = spread();
             scene.structure = Structure::Parts(2);
@@ -72,7 +72,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bin/edges_of_blocks",
-        claim: "An object that ends where a block ends is in no list too few.",
+        claim: "An instance that ends where a block ends is in no list too few.",
         scene: edges_of_blocks,
         camera: parallel(32.0, look([0.0, 0.0, 4.0], [0.0; 3])),
         size: [48, 32],
@@ -80,26 +80,26 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bin/corners_of_blocks",
-        claim: "An object with only a tip in the corner of a block, which touches its sphere, is listed there.",
+        claim: "An instance with only a tip in the corner of a block, which touches its sphere, is listed there.",
         scene: || {
             needles(|build, at, along, side| {
                 let corner = (at - along - side).to_array();
                 let needle = Shape::quad(corner, (along * 2.0).to_array(), (side * 2.0).to_array());
                 let mesh = build.mesh(needle);
-                build.object(mesh, Mat4::IDENTITY);
+                build.instance(mesh, Mat4::IDENTITY);
             })
         },
         ..FROM_AFAR
     },
     Case {
         name: "bin/corners_of_blocks_stretched",
-        claim: "The same where a transform makes the object, and its sphere, long.",
+        claim: "The same where a transform makes the instance, and its sphere, long.",
         scene: || {
             needles(|build, at, along, side| {
                 let needle = Shape::quad([-1.0, -0.01, 0.0], [2.0, 0.0, 0.0], [0.0, 0.02, 0.0]);
                 let mesh = build.mesh(needle);
                 let [x, y, z] = [along, side * 100.0, Vec3::Z].map(|axis| axis.extend(0.0));
-                build.object(mesh, Mat4::from_cols(x, y, z, at.extend(1.0)));
+                build.instance(mesh, Mat4::from_cols(x, y, z, at.extend(1.0)));
             })
         },
         ..FROM_AFAR
@@ -122,14 +122,14 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bin/one_behind_the_other",
-        claim: "Near objects end the search, and only those that are certainly nearer.",
+        claim: "Near instances end the search, and only those that are certainly nearer.",
         scene: rows_of_walls,
         camera: look([0.3, 0.2, 4.0], [0.0; 3]),
         ..Case::USUAL
     },
     Case {
         name: "bin/almost_at_the_same_depth",
-        claim: "The search does not end before an object that is nearer by a rounding error.",
+        claim: "The search does not end before an instance that is nearer by a rounding error.",
         scene: grazing_walls,
         ..Case::USUAL
     },
@@ -161,7 +161,7 @@ fn crowd() -> Scene {
     let mut random = Random(2);
     for _ in 0..3000 {
         let turn = Mat4::from_rotation_y(random.within(-3.0, 3.0));
-        build.object(mesh, Mat4::from_translation(random.vector(12.0)) * turn);
+        build.instance(mesh, Mat4::from_translation(random.vector(12.0)) * turn);
     }
     build.light(sun([0.2, -0.5, -1.0])).scene
 }
@@ -173,7 +173,7 @@ fn spread() -> Scene {
     for i in 0..300 {
         let at = Vec3::new(random.within(-5.0, 5.0), random.within(0.0, 1.0), random.within(-5.0, 5.0));
         let place = Mat4::from_translation(at) * Mat4::from_rotation_x(random.within(0.0, 6.0));
-        build.object(if i % 2 == 0 { cube } else { ball }, place * Mat4::from_scale(Vec3::splat(0.12)));
+        build.instance(if i % 2 == 0 { cube } else { ball }, place * Mat4::from_scale(Vec3::splat(0.12)));
     }
     build.light(lamp([2.0, 3.0, 1.0], 9.0)).light(sun([0.5, -1.0, 0.2])).scene
 }
@@ -189,7 +189,7 @@ fn scattered(occluders: Occluders) -> Scene {
         if i % 3 == 0 {
             build.scene.add_sphere(build.gray, place).expect("a case's sphere");
         } else {
-            build.object(cube, place);
+            build.instance(cube, place);
         }
     }
     build.scene.occluders = occluders;
@@ -277,7 +277,7 @@ fn all_around() -> Scene {
     let mut random = Random(4);
     for _ in 0..200 {
         let at = random.vector(1.0).normalize_or(Vec3::X) * random.within(0.8, 5.0);
-        build.object(cube, Mat4::from_translation(at) * Mat4::from_scale(Vec3::splat(0.3)));
+        build.instance(cube, Mat4::from_translation(at) * Mat4::from_scale(Vec3::splat(0.3)));
     }
     build.light(bulb([0.1, 0.2, 0.1])).scene
 }
@@ -287,7 +287,7 @@ fn light_in_a_cage() -> Scene {
     let cube = build.mesh(Shape::cube());
     for side in [Vec3::X, Vec3::Y, Vec3::Z] {
         for at in [side, -side, side * 2.0 + side.yzx(), side.zxy() - side * 2.0] {
-            build.object(cube, Mat4::from_translation(at) * Mat4::from_scale(Vec3::splat(0.25)));
+            build.instance(cube, Mat4::from_translation(at) * Mat4::from_scale(Vec3::splat(0.25)));
         }
     }
     build.light(bulb([0.05, -0.03, 0.02])).scene
@@ -297,7 +297,7 @@ fn nothing_and_a_cube() -> Scene {
     let mut build = Build::default();
     let nothing = build.mesh(Shape::default());
     for i in 0..3 {
-        build.object(nothing, Mat4::from_translation(Vec3::new(i as f32, 0.0, 1.0)));
+        build.instance(nothing, Mat4::from_translation(Vec3::new(i as f32, 0.0, 1.0)));
     }
     build.shape(Shape::cube()).light(bulb([0.0, 3.0, 9.0])).scene
 }

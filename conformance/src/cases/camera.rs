@@ -98,7 +98,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "camera/parallel_from_within",
-        claim: "Rays that start inside of an object's bounds meet only what is ahead.",
+        claim: "Rays that start inside of an instance's bounds meet only what is ahead.",
         scene: still_life,
         camera: parallel(2.0, look([0.0, 0.0, 0.0], [1.0, -1.0, -2.0])),
         ..Case::USUAL
@@ -147,7 +147,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "camera/moved_far",
-        claim: "An object's own coordinates may be small where its place is far away.",
+        claim: "An instance's own coordinates may be small where its place is far away.",
         scene: moved_far,
         camera: look([1e4 + 2.0, 1.0, -1e4 + 4.0], [1e4, 0.0, -1e4]),
         ..Case::USUAL
@@ -187,6 +187,6 @@ fn small() -> Scene {
 fn moved_far() -> Scene {
     let mut build = Build::default();
     let mesh = build.mesh(shapes([0.0; 3], 1.0));
-    build.object(mesh, Mat4::from_translation(Vec3::new(1e4, 0.0, -1e4)));
+    build.instance(mesh, Mat4::from_translation(Vec3::new(1e4, 0.0, -1e4)));
     build.light(bulb([1e4 + 1.0, 3.0, 2.0 - 1e4])).scene
 }

@@ -150,7 +150,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "light/thirty_two_among_objects",
-        claim: "Each of many lights asks more than a thousand objects.",
+        claim: "Each of many lights asks more than a thousand instances.",
         scene: meadow_of_lights,
         size: [20, 12],
         ..FROM_ABOVE
@@ -255,7 +255,7 @@ fn meadow_of_lights() -> Scene {
     let blade = build.mesh(Shape::triangle([[-0.01, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.1, 0.01]]));
     for i in 0..1444 {
         let at = Vec3::new((i % 38) as f32 * 0.08 - 1.5, -1.0, (i / 38) as f32 * 0.08 - 1.5);
-        build.object(blade, Mat4::from_translation(at));
+        build.instance(blade, Mat4::from_translation(at));
     }
     let light = |i: u32| {
         let position = Vec3::new(2.0 + 0.01 * i as f32, -0.94, 0.03 * i as f32);

@@ -25,7 +25,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "material/normal_map_on_moved_objects",
-        claim: "Mirrored, turned and stretched objects take their relief with them.",
+        claim: "Mirrored, turned and stretched instances take their relief with them.",
         scene: || {
             let at = |x: f32, scale: Vec3| {
                 Mat4::from_translation(Vec3::new(x, 0.0, 0.0))
@@ -185,7 +185,7 @@ fn relief(scale: f32, places: &[Mat4]) -> Scene {
     for shape in [ball, tile] {
         let mesh = build.mesh_of(shape, |mesh: Mesh| mesh.with_made_tangents(false));
         for &place in places {
-            build.scene.add_object(mesh, material, place).expect("a case's object");
+            build.scene.add_instance(mesh, material, place).expect("a case's instance");
         }
     }
     build.light(bulb([2.0, 2.0, 3.0])).light(sun([0.4, -1.0, 0.2])).scene
@@ -209,10 +209,10 @@ fn second_set() -> Scene {
         let second = vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
         mesh.with_second_uv(second).expect("as many as vertices").with_made_tangents(true)
     });
-    build.scene.add_object(mesh, material, Mat4::IDENTITY).expect("a case's object");
+    build.scene.add_instance(mesh, material, Mat4::IDENTITY).expect("a case's instance");
     // A mesh without a second set, of the same material.
     let other = build.mesh(Shape::ball(4).at([1.2, 0.4, 0.8], 0.4));
-    build.scene.add_object(other, material, Mat4::IDENTITY).expect("a case's object");
+    build.scene.add_instance(other, material, Mat4::IDENTITY).expect("a case's instance");
     build.light(bulb([1.0, 2.0, 3.0])).scene
 }
 
@@ -240,7 +240,7 @@ fn many() -> Scene {
         material.metallic = random.within(0.0, 1.0);
         let material: MaterialIndex = build.scene.add_material(material).expect("a case's material");
         let at = Vec3::new((i % 10) as f32 * 0.22 - 1.1, (i / 10) as f32 * 0.22 - 1.1, 0.0);
-        build.scene.add_object(tile, material, Mat4::from_translation(at)).expect("a case's object");
+        build.scene.add_instance(tile, material, Mat4::from_translation(at)).expect("a case's instance");
     }
     build.light(bulb([2.0, 2.0, 3.0])).scene
 }

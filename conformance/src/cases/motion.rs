@@ -1,9 +1,9 @@
-//! Scenes whose objects have moved, are hidden, or have another shape than at first.
+//! Scenes whose instances have moved, are hidden, or have another shape than at first.
 
 use crate::case::{Case, look};
 use crate::shape::{Build, Shape, bulb};
 use glam::{Mat4, Vec3};
-use rtrt_core::scene::{Motion, ObjectIndex, Scene};
+use rtrt_core::scene::{InstanceIndex, Motion, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -14,12 +14,12 @@ pub(super) const CASES: &[Case] = &[
             let cube = build.mesh(Shape::cube());
             let starts = [-1.5_f32, 0.0, 1.5]
                 .map(|x| Mat4::from_translation(Vec3::new(x, 0.0, 0.0)) * Mat4::from_scale(Vec3::splat(0.4)));
-            let objects = starts.map(|start| build.object(cube, start));
-            let moved = objects.iter().zip(starts).enumerate().map(|(i, (object, start))| {
+            let instances = starts.map(|start| build.instance(cube, start));
+            let moved = instances.iter().zip(starts).enumerate().map(|(i, (instance, start))| {
                 let i = i as f32;
                 let motion =
                     Motion { velocity: Vec3::new(0.1, 0.3 * i, -0.2), axis: Vec3::ONE, rate: 0.5 + i };
-                (*object, motion.at(start, 1.25))
+                (*instance, motion.at(start, 1.25))
             });
             build.scene.set_transforms(moved).expect("within range");
             build.light(bulb([2.0, 3.0, 3.0])).scene
@@ -29,21 +29,21 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "motion/hidden",
-        claim: "A hidden object is not met and throws no shadow; the others keep their numbers.",
+        claim: "A hidden instance is not met and throws no shadow; the others keep their numbers.",
         scene: || {
             let mut build = Build::default().shape(Shape::floor(5.0, -1.0));
             let ball = build.mesh(Shape::ball(4));
             for x in [-1.2, 0.0, 1.2] {
-                build.object(ball, Mat4::from_translation(Vec3::new(x, 0.0, 0.0)));
+                build.instance(ball, Mat4::from_translation(Vec3::new(x, 0.0, 0.0)));
             }
-            build.scene.hide(ObjectIndex(2)).expect("it is there");
+            build.scene.hide(InstanceIndex(2)).expect("it is there");
             build.light(bulb([2.0, 3.0, 3.0])).scene
         },
         ..Case::USUAL
     },
     Case {
         name: "motion/levels_of_detail",
-        claim: "Each object has the mesh that its distance asks for, to the eye and to light.",
+        claim: "Each instance has the mesh that its distance asks for, to the eye and to light.",
         scene: levels,
         size: [61, 45],
         camera: look([0.0, 2.0, 4.0], [0.0, 0.0, -2.0]),
@@ -55,7 +55,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default();
             let ball = build.mesh(Shape::ball(9));
-            build.object(ball, Mat4::IDENTITY);
+            build.instance(ball, Mat4::IDENTITY);
             let twist = |p: [f32; 3]| {
                 let (sin, cos) = (libm::sinf(4.0 * p[1]), libm::cosf(4.0 * p[1]));
                 [p[0] * cos - p[2] * sin + 0.5 * sin, 1.3 * p[1], 0.2 * p[0] * sin + p[2] * cos]
@@ -76,10 +76,10 @@ fn levels() -> Scene {
             Mat4::from_translation(Vec3::new((i % 5) as f32 - 2.0, 0.0, -row))
                 * Mat4::from_scale(Vec3::splat(0.4))
         };
-        let ball = build.object(near, place(0.0));
+        let ball = build.instance(near, place(0.0));
         build.scene.set_levels(ball, &[(8.0, far), (5.0, middle)]).expect("a case's levels");
         build.scene.set_transform(ball, place((i / 5) as f32 * 1.3)).expect("within range");
     }
-    build.scene.hide(ObjectIndex(7)).expect("it is there");
+    build.scene.hide(InstanceIndex(7)).expect("it is there");
     build.light(bulb([2.0, 5.0, 0.0])).scene
 }

@@ -79,7 +79,7 @@ pub(super) const CASES: &[Case] = &[
             let cube = build.mesh(Shape::cube());
             for (x, z) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0), (0.5, 0.5), (0.0, 0.5)] {
                 let at = Mat4::from_translation(Vec3::new(x * 0.5, -0.5, z * 0.5));
-                build.object(cube, at * Mat4::from_scale(Vec3::splat(0.08)));
+                build.instance(cube, at * Mat4::from_scale(Vec3::splat(0.08)));
             }
             build.light(bulb([0.0; 3])).scene
         },
@@ -148,6 +148,6 @@ pub(super) fn room(light: Light) -> Build {
     let bar = build.mesh(Shape::cube());
     let turn = Mat4::from_rotation_y(0.8) * Mat4::from_rotation_x(0.5);
     let place = Mat4::from_translation(Vec3::new(-1.0, -0.3, 0.2));
-    build.object(bar, place * turn * Mat4::from_scale(Vec3::new(0.1, 0.7, 0.15)));
+    build.instance(bar, place * turn * Mat4::from_scale(Vec3::new(0.1, 0.7, 0.15)));
     build.light(light)
 }

@@ -60,7 +60,7 @@ pub(super) const CASES: &[Case] = &[
                 (sheet, at(1.2, 0.2, 0.0) * mirrored * Mat4::from_rotation_y(0.4)),
                 (sheet, at(1.2, -0.7, 0.3) * mirrored * Mat4::from_rotation_y(3.4)),
             ] {
-                build.scene.add_object(mesh, one_sided, to_world).expect("a case's transform");
+                build.scene.add_instance(mesh, one_sided, to_world).expect("a case's transform");
             }
             build.light(bulb([2.0, 2.0, 3.0])).light(sun([-0.4, -1.0, -0.6])).scene
         },
@@ -69,7 +69,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "surface/stretched_normals",
-        claim: "Normals of mirrored and stretched objects are turned alike.",
+        claim: "Normals of mirrored and stretched instances are turned alike.",
         scene: || {
             let mut build = Build::default();
             let ball = build.mesh(Shape::ball(6));
@@ -79,7 +79,7 @@ pub(super) const CASES: &[Case] = &[
                 (1.2, Vec3::new(0.6, 0.2, -0.9)),
             ] {
                 let turn = Mat4::from_rotation_z(x);
-                build.object(
+                build.instance(
                     ball,
                     Mat4::from_translation(Vec3::new(x, 0.0, 0.0)) * turn * Mat4::from_scale(scale),
                 );

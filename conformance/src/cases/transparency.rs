@@ -97,7 +97,7 @@ pub(super) const CASES: &[Case] = &[
             let soup = Shape::soup(&mut Random(8), 400, 1.2);
             let veil = build.scene.add_material(glass([1.0; 3], 0.05)).expect("a case's material");
             let mesh = build.mesh(soup);
-            build.scene.add_object(mesh, veil, Mat4::IDENTITY).expect("a case's object");
+            build.scene.add_instance(mesh, veil, Mat4::IDENTITY).expect("a case's instance");
             build.light(bulb([1.0, 2.0, 3.0])).scene
         },
         layers: 64,
@@ -106,7 +106,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "transparency/coplanar",
-        claim: "Panes at the same depth all count, in the order of their objects.",
+        claim: "Panes at the same depth all count, in the order of their instances.",
         scene: || {
             Build::default()
                 .shape_of(pane(0.0, 1.0), glass([1.0, 0.0, 0.0], 0.5))
@@ -313,7 +313,7 @@ fn overlapping() -> Scene {
     let turned = build.mesh(Shape::cube());
     let blue = build.scene.add_material(glass([0.2, 0.3, 0.9], 0.3)).expect("a case's material");
     let place = Mat4::from_rotation_y(0.7) * Mat4::from_scale(Vec3::new(1.3, 0.4, 0.5));
-    build.scene.add_object(turned, blue, place).expect("a case's object");
+    build.scene.add_instance(turned, blue, place).expect("a case's instance");
     build.light(bulb([1.0, 2.0, 3.0])).light(sun([-1.0, -1.0, -0.4])).scene
 }
 
@@ -328,7 +328,7 @@ fn masked(cutoff: f32) -> Scene {
     let ball = Shape::ball(5).at([0.9, 0.0, 0.4], 0.5);
     let uv: Vec<[f32; 2]> = (0..66).map(|i| [(i % 11) as f32 * 0.3, (i / 11) as f32 * 0.4]).collect();
     let mesh = build.mesh_of(ball, |mesh| mesh.with_second_uv(uv.clone()).expect("as many as vertices"));
-    build.scene.add_object(mesh, second, Mat4::IDENTITY).expect("a case's object");
+    build.scene.add_instance(mesh, second, Mat4::IDENTITY).expect("a case's instance");
     build
         .shape_of(Shape::floor(1.0, 0.2), flat)
         .shape(Shape::floor(3.0, -1.0))
@@ -352,7 +352,7 @@ fn leaves() -> Scene {
         let size = Mat4::from_scale(Vec3::new(random.within(0.1, 0.5), random.within(0.1, 0.5), 1.0));
         let at = Mat4::from_translation(random.vector(1.0));
         let material = if i % 6 == 0 { veil } else { leaf };
-        build.scene.add_object(square, material, at * turn * size).expect("a case's object");
+        build.scene.add_instance(square, material, at * turn * size).expect("a case's instance");
     }
     build.shape(Shape::floor(3.0, -1.2)).light(sun([0.3, -1.0, -0.2])).light(bulb([0.0, 2.0, 1.0])).scene
 }

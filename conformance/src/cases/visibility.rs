@@ -8,7 +8,7 @@ use rtrt_core::scene::Scene;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "visibility/empty",
-        claim: "A scene without objects is its background.",
+        claim: "A scene without instances is its background.",
         scene: empty,
         size: [40, 24],
         blank: true,
@@ -29,7 +29,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "visibility/inside_bounds",
-        claim: "A camera inside of an object's bounds sees the object.",
+        claim: "A camera inside of an instance's bounds sees the instance.",
         scene: inside,
         camera: look([0.2, 0.1, 0.3], [1.0, 0.4, -0.2]),
         ..Case::USUAL
@@ -50,19 +50,19 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "visibility/coplanar_objects",
-        claim: "Of objects at the same depth the one with the lowest index is seen.",
+        claim: "Of instances at the same depth the one with the lowest index is seen.",
         scene: coplanar_objects,
         ..Case::USUAL
     },
     Case {
         name: "visibility/coplanar_triangles",
-        claim: "Of an object's triangles at the same depth the lowest is seen.",
+        claim: "Of an instance's triangles at the same depth the lowest is seen.",
         scene: coplanar_triangles,
         ..Case::USUAL
     },
     Case {
         name: "visibility/coplanar_instances",
-        claim: "The same where the objects have a transform of their own.",
+        claim: "The same where the instances have a transform of their own.",
         scene: coplanar_instances,
         ..Case::USUAL
     },
@@ -106,13 +106,13 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "visibility/instances",
-        claim: "Turned, mirrored and stretched objects are met in their own space alike.",
+        claim: "Turned, mirrored and stretched instances are met in their own space alike.",
         scene: instances,
         ..Case::USUAL
     },
     Case {
         name: "visibility/flattened",
-        claim: "An object stretched a thousandfold in one direction is not lost to rounding.",
+        claim: "An instance stretched a thousandfold in one direction is not lost to rounding.",
         scene: flattened,
         ..Case::USUAL
     },
@@ -170,7 +170,7 @@ fn across() -> Scene {
     for (i, x) in (0..).zip([-0.9_f32, 0.8, 0.0]) {
         let turn = Mat4::from_rotation_z(0.3 * i as f32) * Mat4::from_rotation_x(0.1);
         let bar = Mat4::from_scale(Vec3::new(0.1, 0.15, 6.0));
-        build.object(cube, Mat4::from_translation(Vec3::new(x, -0.4, 1.0)) * turn * bar);
+        build.instance(cube, Mat4::from_translation(Vec3::new(x, -0.4, 1.0)) * turn * bar);
     }
     build.light(sun([0.3, -1.0, -0.2])).light(bulb([0.0, 0.4, 2.5])).scene
 }
@@ -197,7 +197,7 @@ fn coplanar_instances() -> Scene {
     let mesh = build.mesh(wall(0.0).and(Shape::cube().at([0.2, 0.3, 0.0], 0.4)));
     let place = Mat4::from_rotation_y(0.7) * Mat4::from_translation(Vec3::new(0.1, 0.0, -0.3));
     for _ in 0..5 {
-        build.object(mesh, place);
+        build.instance(mesh, place);
     }
     build.light(bulb([0.0, 0.0, 3.0])).scene
 }
@@ -223,7 +223,7 @@ fn no_area() -> Scene {
         .and(Shape::triangle([[0.0; 3]; 3]));
     let mut build = Build::default().shape(nothing.clone()).shape(nothing.and(wall(0.0)));
     let flat = build.mesh(Shape::triangle([a, a, b]));
-    build.object(flat, Mat4::from_rotation_y(1.0));
+    build.instance(flat, Mat4::from_rotation_y(1.0));
     build.light(bulb([0.0, 0.0, 3.0])).scene
 }
 
@@ -269,13 +269,13 @@ fn instances() -> Scene {
     ];
     for (at, scale, turn) in places {
         let rotation = Quat::from_axis_angle(Vec3::new(0.36, 0.48, 0.8), turn);
-        build.object(soup, Mat4::from_scale_rotation_translation(scale, rotation, at));
+        build.instance(soup, Mat4::from_scale_rotation_translation(scale, rotation, at));
     }
     // Sheared.
     let sheared = Mat4::from_cols_array(&[
         0.3, 0.0, 0.0, 0.0, 0.2, 0.3, 0.0, 0.0, 0.0, -0.1, 0.3, 0.0, -0.9, 0.9, 0.0, 1.0,
     ]);
-    build.object(soup, sheared);
+    build.instance(soup, sheared);
     build.light(bulb([1.0, 3.0, 2.0])).light(sun([0.5, -0.5, -1.0])).scene
 }
 
@@ -285,7 +285,7 @@ fn flattened() -> Scene {
     for (turn, scale) in
         [(0.0, Vec3::new(1.0, 1.0, 1e-3)), (1.2, Vec3::new(1e-3, 1.2, 0.8)), (2.0, Vec3::new(1e3, 0.3, 0.3))]
     {
-        build.object(mesh, Mat4::from_rotation_y(turn) * Mat4::from_scale(scale));
+        build.instance(mesh, Mat4::from_rotation_y(turn) * Mat4::from_scale(scale));
     }
     build.light(bulb([1.0, 3.0, 2.0])).scene
 }

@@ -1,17 +1,17 @@
-//! Every ray with every triangle, and sphere, of every object, by the core's definition of a hit: no
+//! Every ray with every triangle, and sphere, of every instance, by the core's definition of a hit: no
 //! lists, no trees, no packets. What culling may never change, bit for bit.
 
 use rtrt_core::backend::{Picture, Request};
 use rtrt_core::compare::{Difference, compare};
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::frustum::is_near;
-use rtrt_core::kernel::pane::{cutoff, mode, pane};
 use rtrt_core::kernel::penumbra::Nearest;
 use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::sphere::{Chord, ENTRY};
-use rtrt_core::kernel::tint::{Crossing, WHITE};
-use rtrt_core::kernel::traverse::{Best, Geometry, Search};
-use rtrt_core::kernel::triangle::{Meeting, meet};
+use rtrt_core::kernel::transmittance::{Transmittance, WHITE};
+use rtrt_core::kernel::transparency::{cutoff, mode, tint_and_alpha};
+use rtrt_core::kernel::traverse::{ClosestHit, Geometry, HitFilter};
+use rtrt_core::kernel::triangle::{Intersection, intersect};
 use rtrt_core::kernel::view::camera_ray;
 use rtrt_core::layout::{AlphaMode, Frame, Hit, NONE, Surface, ViewKind};
 use rtrt_core::scene::{Scene, Setup, SetupError};
@@ -43,21 +43,27 @@ impl<'a> Brute<'a> {
         Ok(Self { scene, setup })
     }
 
-    /// Calls `visit(object, triangle, meeting)` for everything that the ray meets at
+    /// Calls `visit(instance, triangle, meeting)` for everything that the ray meets at
     /// `t ≤ limit`: from either side, or only the `fronts` of what is not double-sided.
-    fn each(&self, ray: &Ray<f32>, limit: f32, fronts: bool, mut visit: impl FnMut(u32, u32, &Meeting<f32>)) {
+    fn each(
+        &self,
+        ray: &Ray<f32>,
+        limit: f32,
+        fronts: bool,
+        mut visit: impl FnMut(u32, u32, &Intersection<f32>),
+    ) {
         let geometry = self.geometry();
-        for (index, object) in (0..).zip(geometry.objects) {
-            let local = if object.is_identity == 1 { *ray } else { ray.to_object(object) };
-            for id in 0..object.triangles {
-                let (found, is_front) = if object.is_sphere() {
+        for (index, instance) in (0..).zip(geometry.instances) {
+            let local = if instance.is_identity == 1 { *ray } else { ray.to_object(instance) };
+            for id in 0..instance.triangles {
+                let (found, is_front) = if instance.is_sphere() {
                     (Chord::new(&local).side(local.direction, id, limit), id == ENTRY)
                 } else {
-                    let triangle = geometry.triangle(object, id);
-                    let seen = triangle.seen_from(local.origin);
-                    (meet(&local, &triangle, &seen, limit), seen.front(limit))
+                    let triangle = geometry.triangle(instance, id);
+                    let seen = triangle.relative_to(local.origin);
+                    (intersect(&local, &triangle, &seen, limit), seen.front(limit))
                 };
-                if found.mask && (!fronts || is_front || object.double_sided == 1) {
+                if found.mask && (!fronts || is_front || instance.double_sided == 1) {
                     visit(index, id, &found);
                 }
             }
@@ -71,16 +77,17 @@ impl<'a> Brute<'a> {
         ray: &Ray<f32>,
         limit: f32,
         light: u32,
-        mut visit: impl FnMut(u32, u32, &Meeting<f32>),
+        mut visit: impl FnMut(u32, u32, &Intersection<f32>),
     ) {
-        let objects = self.geometry().objects;
+        let instances = self.geometry().instances;
         let views = &self.setup.views;
         let (camera, view) =
             (&views[Frame::CAMERA as usize], &views[self.setup.frame.light_view(light) as usize]);
-        self.each(ray, limit, false, |object, triangle, found| {
-            let near = view.kind != ViewKind::Sun as u32 || is_near(camera, view, &objects[object as usize]);
-            if near && !objects[object as usize].shows(light) {
-                visit(object, triangle, found);
+        self.each(ray, limit, false, |instance, triangle, found| {
+            let near =
+                view.kind != ViewKind::Sun as u32 || is_near(camera, view, &instances[instance as usize]);
+            if near && !instances[instance as usize].shows(light) {
+                visit(instance, triangle, found);
             }
         });
     }
@@ -88,45 +95,45 @@ impl<'a> Brute<'a> {
     /// The geometry of the scene.
     fn geometry(&self) -> Geometry<'_> {
         Geometry {
-            objects: &self.setup.objects(self.scene)[..self.scene.objects().len()],
+            instances: &self.setup.instances(self.scene)[..self.scene.instances().len()],
             nodes: self.scene.nodes(),
-            words: self.scene.words(),
+            mesh_data: self.scene.mesh_data(),
             positions: self.scene.positions(),
             texels: self.scene.texels(),
             magnitude: self.setup.frame.magnitude,
         }
     }
 
-    /// Whether anything is there where a ray has met an object: what a mask leaves.
-    fn is_there(&self, object: u32, triangle: u32, found: &Meeting<f32>) -> bool {
+    /// Whether anything is there where a ray has met an instance: what a mask leaves.
+    fn is_there(&self, instance: u32, triangle: u32, found: &Intersection<f32>) -> bool {
         let geometry = self.geometry();
-        if mode(&geometry, object) != AlphaMode::Mask as u32 {
+        if mode(&geometry, instance) != AlphaMode::Mask as u32 {
             return true;
         }
-        let [_, _, _, alpha] = pane(&geometry, object, triangle, found);
-        alpha >= cutoff(&geometry, object)
+        let [_, _, _, alpha] = tint_and_alpha(&geometry, instance, triangle, found);
+        alpha >= cutoff(&geometry, instance)
     }
 
     /// The surfaces along a camera ray up to `count` of them, nearest first: of all hits in
-    /// order, those that are not of the same object and at the same place as the one before.
+    /// order, those that are not of the same instance and at the same place as the one before.
     pub fn layers(&self, ray: RayIndex, count: usize) -> Vec<Hit> {
         let mut all = Vec::new();
         let grid = self.setup.frame.grid();
         let at = grid.ray(ray);
         if grid.contains(at) {
             let ray = camera_ray(&self.setup.views[Frame::CAMERA as usize], at[0] as f32, at[1] as f32);
-            self.each(&ray, f32::MAX, true, |object, triangle, found| {
-                if self.is_there(object, triangle, found) {
-                    all.push(Hit { t: found.t, object, triangle, u: found.u, v: found.v });
+            self.each(&ray, f32::MAX, true, |instance, triangle, found| {
+                if self.is_there(instance, triangle, found) {
+                    all.push(Hit { t: found.t, instance, triangle, u: found.u, v: found.v });
                 }
             });
         }
-        all.sort_by(|a, b| a.t.total_cmp(&b.t).then((a.object, a.triangle).cmp(&(b.object, b.triangle))));
+        all.sort_by(|a, b| a.t.total_cmp(&b.t).then((a.instance, a.triangle).cmp(&(b.instance, b.triangle))));
         let mut layers: Vec<Hit> = Vec::new();
         for hit in all {
-            let is_same = layers
-                .last()
-                .is_some_and(|last| last.object == hit.object && hit.t <= last.t * (1.0 + 1.0 / 1_048_576.0));
+            let is_same = layers.last().is_some_and(|last| {
+                last.instance == hit.instance && hit.t <= last.t * (1.0 + 1.0 / 1_048_576.0)
+            });
             if !is_same && layers.len() < count {
                 layers.push(hit);
             }
@@ -134,9 +141,9 @@ impl<'a> Brute<'a> {
         layers
     }
 
-    /// What is left of the light at the surface, as a word (see [`rtrt_core::kernel::tint`]):
-    /// everything between them, in the order of the objects from last to first.
-    pub fn tint(&self, ray: RayIndex, surface: &Surface, light: u32) -> u32 {
+    /// What is left of the light at the surface, as a word (see [`rtrt_core::kernel::transmittance`]):
+    /// everything between them, in the order of the instances from last to first.
+    pub fn transmittance(&self, ray: RayIndex, surface: &Surface, light: u32) -> u32 {
         let frame = &self.setup.frame;
         let view = &self.setup.views[frame.light_view(light) as usize];
         let surface = Surfaces::new(surface);
@@ -149,12 +156,12 @@ impl<'a> Brute<'a> {
         }
         let ray = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
         let mut met = Vec::new();
-        self.between(&ray, limit, light, |object, triangle, found| met.push((object, triangle, *found)));
+        self.between(&ray, limit, light, |instance, triangle, found| met.push((instance, triangle, *found)));
         let geometry = self.geometry();
-        let mut crossing = Crossing::new(0.0_f32);
-        for (object, triangle, found) in met.iter().rev() {
-            let mut best = Best::new(&Hit::MISS);
-            crossing.keep(&geometry, *object, *triangle, found, &mut best);
+        let mut crossing = Transmittance::new(0.0_f32);
+        for (instance, triangle, found) in met.iter().rev() {
+            let mut best = ClosestHit::new(&Hit::MISS);
+            crossing.accept(&geometry, *instance, *triangle, found, &mut best);
             if best.t < 0.0 {
                 return 0;
             }
@@ -165,31 +172,31 @@ impl<'a> Brute<'a> {
     /// What is left of the light at the surface, and the radius of the penumbra there, before
     /// shadows are blurred.
     pub fn near(&self, ray: RayIndex, surface: &Surface, light: u32) -> (u32, f32) {
-        let left = self.tint(ray, surface, light);
+        let left = self.transmittance(ray, surface, light);
         let frame = &self.setup.frame;
         let view = &self.setup.views[frame.light_view(light) as usize];
         let surface = Surfaces::new(surface);
         let limit = limit(frame, view, ray, &surface);
         let cast = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
         let geometry = self.geometry();
-        let mut nearest: Option<(u32, u32, Meeting<f32>)> = None;
+        let mut nearest: Option<(u32, u32, Intersection<f32>)> = None;
         if limit > 0.0 {
-            self.between(&cast, limit, light, |object, triangle, found| {
+            self.between(&cast, limit, light, |instance, triangle, found| {
                 let is_nearer = nearest.is_none_or(|(_, _, nearest)| found.t < nearest.t);
-                let is_seen = mode(&geometry, object) != AlphaMode::Blend as u32
-                    || pane(&geometry, object, triangle, found)[3] > 0.0;
-                if is_nearer && is_seen && self.is_there(object, triangle, found) {
-                    nearest = Some((object, triangle, *found));
+                let is_seen = mode(&geometry, instance) != AlphaMode::Blend as u32
+                    || tint_and_alpha(&geometry, instance, triangle, found)[3] > 0.0;
+                if is_nearer && is_seen && self.is_there(instance, triangle, found) {
+                    nearest = Some((instance, triangle, *found));
                 }
             });
         }
-        let Some((object, triangle, found)) = nearest else { return (left, -1.0) };
+        let Some((instance, triangle, found)) = nearest else { return (left, -1.0) };
         let mut search = Nearest::new(0.0_f32);
-        search.keep(&geometry, object, triangle, &found, &mut Best::new(&Hit::MISS));
+        search.accept(&geometry, instance, triangle, &found, &mut ClosestHit::new(&Hit::MISS));
         (left, search.penumbra(view))
     }
 
-    /// The closest hit of a camera ray: the least `(t, object, triangle)`.
+    /// The closest hit of a camera ray: the least `(t, instance, triangle)`.
     pub fn hit(&self, ray: RayIndex) -> Hit {
         if self.setup.frame.layers > 0 {
             return self.layers(ray, 1).first().copied().unwrap_or(Hit::MISS);
@@ -201,9 +208,9 @@ impl<'a> Brute<'a> {
             return best;
         }
         let ray = camera_ray(&self.setup.views[Frame::CAMERA as usize], at[0] as f32, at[1] as f32);
-        self.each(&ray, f32::MAX, true, |object, triangle, &Meeting { t, u, v, .. }| {
-            if t < best.t || (t == best.t && (object, triangle) < (best.object, best.triangle)) {
-                best = Hit { t, object, triangle, u, v };
+        self.each(&ray, f32::MAX, true, |instance, triangle, &Intersection { t, u, v, .. }| {
+            if t < best.t || (t == best.t && (instance, triangle) < (best.instance, best.triangle)) {
+                best = Hit { t, instance, triangle, u, v };
             }
         });
         best
@@ -247,23 +254,24 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
             // tell. Here only those are compared that the picture has.
             let all = brute.layers(RayIndex(ray as u32), count + 1);
             let behind = &mut deferred.layers[ray * count..][..count];
-            for (number, layer) in behind.iter_mut().enumerate().take_while(|(_, layer)| layer.object != NONE)
+            for (number, layer) in
+                behind.iter_mut().enumerate().take_while(|(_, layer)| layer.instance != NONE)
             {
                 *layer = all.get(number + 1).copied().unwrap_or(Hit::MISS);
             }
         }
         for light in 0..brute.setup.frame.lights {
-            if brute.setup.frame.window > 0 {
+            if brute.setup.frame.penumbra_window > 0 {
                 let (left, size) = brute.near(RayIndex(ray as u32), &deferred.surfaces[ray], light);
-                let at = ray * deferred.tint_words as usize + light as usize;
-                (deferred.left[at], deferred.penumbras[at]) = (left, size);
+                let at = ray * deferred.transmittance_words as usize + light as usize;
+                (deferred.raw_transmittance[at], deferred.penumbra_radii[at]) = (left, size);
             }
             // Blurred ones are not what a ray meets.
-            let lit = if brute.setup.frame.window > 0 {
-                deferred.tints[ray * deferred.tint_words as usize + light as usize] != 0
+            let lit = if brute.setup.frame.penumbra_window > 0 {
+                deferred.transmittance[ray * deferred.transmittance_words as usize + light as usize] != 0
             } else if brute.setup.frame.layers > 0 {
-                let tint = brute.tint(RayIndex(ray as u32), &deferred.surfaces[ray], light);
-                deferred.tints[ray * deferred.tint_words as usize + light as usize] = tint;
+                let tint = brute.transmittance(RayIndex(ray as u32), &deferred.surfaces[ray], light);
+                deferred.transmittance[ray * deferred.transmittance_words as usize + light as usize] = tint;
                 tint != 0
             } else {
                 brute.is_lit(RayIndex(ray as u32), &deferred.surfaces[ray], light)

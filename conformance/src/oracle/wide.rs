@@ -11,7 +11,7 @@
 use glam::{DVec2, DVec3, dvec2};
 use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::{Grid, RayIndex};
-use rtrt_core::layout::{Hit, Kind, Lit, NONE, Object, Surface};
+use rtrt_core::layout::{Hit, Instance, Kind, Lit, NONE, Surface};
 use rtrt_core::scene::{Light, Occluders, Projection, Scene, Setup};
 
 /// How many rays and shadow rays could be judged, of how many. All of them were right.
@@ -36,12 +36,12 @@ const ROUNDINGS: f64 = 8.0 / 16_777_216.0;
 
 /// A triangle, or one side of a sphere.
 struct Triangle {
-    object: u32,
+    instance: u32,
     id: u32,
     corner: DVec3,
     ab: DVec3,
     ac: DVec3,
-    /// How far the object's transform may put a point away from where it should be, per
+    /// How far the instance's transform may put a point away from where it should be, per
     /// unit of the point's size; 0 for none.
     transform: f64,
     /// The largest coordinate.
@@ -50,7 +50,7 @@ struct Triangle {
     shows: Option<u32>,
     /// Of a sphere: its matrix from world space, three rows.
     sphere: Option<[[f64; 4]; 3]>,
-    /// Of an object that is not double-sided: the sign of its matrix's determinant.
+    /// Of an instance that is not double-sided: the sign of its matrix's determinant.
     one_sided: Option<f64>,
 }
 
@@ -72,7 +72,7 @@ struct Candidate<'a> {
 }
 
 /// Checks hits, shadow masks and arriving light of every `step`-th ray of a picture. A scene in
-/// which not every object is opaque, or shadows are not hard, is not judged at all.
+/// which not every instance is opaque, or shadows are not hard, is not judged at all.
 ///
 /// # Errors
 /// The first judged ray that is wrong.
@@ -83,17 +83,17 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
     let mut setup = Setup::default();
     let Request { camera, size, samples, shadows, layers, .. } = *request;
     setup.prepare(scene, camera, size, samples, shadows, layers).expect("a frame that has been rendered");
-    let objects = &setup.objects(scene)[..scene.objects().len()];
+    let instances = &setup.instances(scene)[..scene.instances().len()];
     let is_wide = !matches!(request.shadows, Shadows::Off | Shadows::Hard)
         && scene.lights().iter().any(|light| light.radius() > 0.0);
     let is_short = matches!(scene.occluders, Occluders::Near(_));
-    if is_wide || is_short || objects.iter().any(|object| object.pane != 0) {
+    if is_wide || is_short || instances.iter().any(|instance| instance.transparency != 0) {
         return Ok(Judged::default());
     }
     let side = f64::from(request.samples).sqrt() as u32;
     let grid = Grid { width: request.size[0], height: request.size[1], side };
     let deferred = picture.deferred.as_ref().expect("deferred buffers");
-    let triangles = triangles(scene, objects);
+    let triangles = triangles(scene, instances);
     let mut judged = Judged::default();
     for index in (0..grid.rays()).step_by(step) {
         let at = grid.ray(RayIndex(index));
@@ -139,10 +139,10 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
 }
 
 /// The triangles in world space.
-fn triangles(scene: &Scene, objects: &[Object]) -> Vec<Triangle> {
+fn triangles(scene: &Scene, instances: &[Instance]) -> Vec<Triangle> {
     let mut all = Vec::new();
-    for (object, o) in (0..).zip(objects) {
-        let indices = &scene.words()[o.first_index as usize..][..3 * o.triangles as usize];
+    for (instance, o) in (0..).zip(instances) {
+        let indices = &scene.mesh_data()[o.first_index as usize..][..3 * o.triangles as usize];
         for (id, corners) in (0..).zip(indices.chunks_exact(3)) {
             let shows = o.kind.checked_sub(Kind::Light as u32);
             let [x, y, z] = o.to_world.map(|row| DVec3::from([0, 1, 2].map(|column| f64::from(row[column]))));
@@ -156,10 +156,10 @@ fn triangles(scene: &Scene, objects: &[Object]) -> Vec<Triangle> {
                 }))
             });
             let size = [a, b, c].iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
-            // An object's slack is how much its transform magnifies errors, times 2⁻¹⁶.
+            // An instance's slack is how much its transform magnifies errors, times 2⁻¹⁶.
             let transform = if o.is_identity == 1 { 0.0 } else { f64::from(o.slack) * 65536.0 * ROUNDINGS };
             all.push(Triangle {
-                object,
+                instance,
                 id,
                 corner: a,
                 ab: b - a,
@@ -255,7 +255,7 @@ fn side<'a>(triangle: &'a Triangle, to_object: &[[f64; 4]; 3], ray: &Ray) -> Opt
     (t > -doubt).then_some(Candidate { triangle, t, doubt, is_safe: !is_grazing && t > doubt })
 }
 
-/// What a ray of the camera may meet: of an object that is not double-sided, the side from which
+/// What a ray of the camera may meet: of an instance that is not double-sided, the side from which
 /// corners are counterclockwise, or clockwise where it is mirrored.
 fn seen<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
     let found = candidate(triangle, ray)?;
@@ -317,11 +317,12 @@ fn nearest<'a>(triangles: &'a [Triangle], ray: &Ray) -> Option<Option<Candidate<
 /// Whether a hit is the one that it must be.
 fn judge(hit: &Hit, nearest: Option<&Candidate<'_>>) -> Result<(), String> {
     let Some(nearest) = nearest else {
-        return if hit.object == NONE { Ok(()) } else { Err(format!("{hit:?}, where there is nothing")) };
+        return if hit.instance == NONE { Ok(()) } else { Err(format!("{hit:?}, where there is nothing")) };
     };
-    let (&Triangle { object, id, .. }, t) = (nearest.triangle, nearest.t);
-    let is_right = (hit.object, hit.triangle) == (object, id) && (f64::from(hit.t) - t).abs() <= DEPTH * t;
-    if is_right { Ok(()) } else { Err(format!("{hit:?}, not object {object} triangle {id} at {t}")) }
+    let (&Triangle { instance, id, .. }, t) = (nearest.triangle, nearest.t);
+    let is_right =
+        (hit.instance, hit.triangle) == (instance, id) && (f64::from(hit.t) - t).abs() <= DEPTH * t;
+    if is_right { Ok(()) } else { Err(format!("{hit:?}, not instance {instance} triangle {id} at {t}")) }
 }
 
 /// Whether a light's bit is in the shadow mask.
@@ -436,7 +437,7 @@ fn is_lit(
     }
     let ray = Ray { origin: place, direction: way, doubt };
     let others =
-        triangles.iter().filter(|t| (t.object, t.id) != (own.object, own.id) && t.shows != Some(which));
+        triangles.iter().filter(|t| (t.instance, t.id) != (own.instance, own.id) && t.shows != Some(which));
     let mut free = true;
     for Candidate { t, doubt, is_safe, .. } in others.filter_map(|t| candidate(t, &ray)) {
         let pad = doubt + MARGIN;

@@ -10,7 +10,7 @@ body { font: 15px/1.45 system-ui, sans-serif; margin: 2em auto; max-width: 72em;
 h1 { font-size: 1.5em; } h2 { font-size: 1.15em; margin-top: 2em; }
 table { border-collapse: collapse; } td, th { padding: .25em .7em; text-align: left; vertical-align: top; }
 tr + tr td { border-top: 1px solid #ddd; } th { border-bottom: 2px solid #888; }
-img { image-rendering: pixelated; width: 9em; height: 6em; object-fit: contain; display: block; }
+img { image-rendering: pixelated; width: 9em; height: 6em; instance-fit: contain; display: block; }
 figure { display: inline-block; margin: .5em 1em .5em 0; } figcaption { font-size: .85em; color: #555; }
 code { font-size: .9em; } .equal { color: #17692f; } .differs, .missing { color: #b3261e; font-weight: 600; }
 .known, .skipped { color: #8a6100; } .number { text-align: right; font-variant-numeric: tabular-nums; }";

@@ -4,7 +4,7 @@
 #![no_main]
 
 use rtrt_core::kernel::ray::Ray;
-use rtrt_core::kernel::triangle::{Triangle, meet};
+use rtrt_core::kernel::triangle::{Triangle, intersect};
 use rtrt_core::lane::V3;
 
 #[link(name = "c")]
@@ -25,7 +25,7 @@ extern "C" fn main() -> i32 {
     let at = |v| V3::<f32>::splat((), v);
     let ray = Ray::new(at([0.25, 0.25, 3.0]), at([0.0, 0.0, -1.0]));
     let triangle = Triangle::new([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-    let found = meet(&ray, &triangle, &triangle.seen_from(ray.origin), f32::MAX);
+    let found = intersect(&ray, &triangle, &triangle.relative_to(ray.origin), f32::MAX);
     let near = |x: f32, y: f32| (x - y).abs() < 1e-6;
     if found.mask && near(found.t, 3.0) && near(found.u, 0.25) && near(found.v, 0.25) { 0 } else { 1 }
 }

@@ -19,7 +19,7 @@ const STEP: f32 = 1.0 / 65_536.0;
 /// What has to be added to the vector to a light's middle to get that to the point that each of
 /// the rays numbered from `first` on takes: across `way`, up to the light's `disc` away.
 #[inline(always)]
-pub fn aside<L: Lane>(frame: &Frame, light: &View, first: RayIndex, way: V3<L>) -> V3<L> {
+pub fn light_offset<L: Lane>(frame: &Frame, light: &View, first: RayIndex, way: V3<L>) -> V3<L> {
     let token = way.x.token();
     let [u, v]: [L; 2] = part(token, frame, light, first);
     let [a, b] = disc(u * 2.0 - 1.0, v * 2.0 - 1.0);
@@ -73,7 +73,7 @@ fn part<L: Lane>(token: L::Token, frame: &Frame, light: &View, first: RayIndex) 
 /// ```
 #[inline(always)]
 pub fn disc<L: Lane>(a: L, b: L) -> [L; 2] {
-    let is_wide = b.abs().less_equal(a.abs());
+    let is_wide = b.abs().le(a.abs());
     let (radius, other) = (is_wide.select(a, b), is_wide.select(b, a));
     let [sine, cosine] = sine_and_cosine(other * recip(radius));
     let (along, across) = (radius * cosine, radius * sine);
@@ -121,7 +121,7 @@ mod tests {
             let mut sum = [0.0_f32; 3];
             for ray in 0..256 {
                 let way = V3::<f32>::splat((), [1.0, -2.0, 3.0]);
-                let point = aside(&frame, &light, RayIndex(ray), way);
+                let point = light_offset(&frame, &light, RayIndex(ray), way);
                 assert!(point.dot(point) <= 0.0625 * 1.001 && point.dot(way).abs() < 1e-5);
                 sum = [sum[0] + point.x, sum[1] + point.y, sum[2] + point.z];
             }

@@ -3,8 +3,8 @@
 
 use crate::kernel::area::disc;
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::{Around, meets, slab};
-use crate::kernel::triangle::{Triangle, meet};
+use crate::kernel::slab::{RelativeBox, intersects, slab};
+use crate::kernel::triangle::{Triangle, intersect};
 use crate::lane::{Bits, Lane, Select, V3};
 use crate::num;
 
@@ -111,7 +111,7 @@ struct Found<B> {
 /// Each ray's answers for its own lane's triangle.
 #[inline(always)]
 fn rays<L: Lane>(ray: &Ray<L>, words: &[u32], index: u32) -> Found<L::Bits> {
-    let (none, one) = (ray.origin.x.bits_like(0), ray.origin.x.bits_like(1));
+    let (none, one) = (ray.origin.x.broadcast_bits(0), ray.origin.x.broadcast_bits(1));
     let mut found = Found { near: none, far: none, in_box: none, met: none, t: none, u: none, v: none };
     let numbers = L::bits_from_fn(
         ray.origin.x.token(),
@@ -123,11 +123,11 @@ fn rays<L: Lane>(ray: &Ray<L>, words: &[u32], index: u32) -> Found<L::Bits> {
         let at = index + lane;
         let triangle = Triangle::new(corner(words, at + 6), corner(words, at + 9), corner(words, at + 12));
         let (low, high) = triangle.bounds();
-        let around = Around::new(ray.origin, &low, &high);
+        let around = RelativeBox::new(ray.origin, &low, &high);
         let (near, far) = slab(ray, &around);
-        let in_box = meets(ray, &around, near.like(f32::MAX));
-        let hit = meet(ray, &triangle, &triangle.seen_from(ray.origin), near.like(f32::MAX));
-        let here = numbers.equal(none.like(lane));
+        let in_box = intersects(ray, &around, near.broadcast(f32::MAX));
+        let hit = intersect(ray, &triangle, &triangle.relative_to(ray.origin), near.broadcast(f32::MAX));
+        let here = numbers.eq(none.broadcast(lane));
         let met = here & hit.mask;
         found = Found {
             near: here.select(bits(near), found.near),
@@ -164,7 +164,7 @@ fn corner(words: &[u32], index: u32) -> [f32; 3] {
 fn bits<L: Lane>(value: L) -> L::Bits {
     let bits = value.to_bits();
     let size = value.abs().to_bits();
-    bits.like(0x7f80_0000).less_than(size).select(bits.like(0x7fc0_0000), bits)
+    bits.broadcast(0x7f80_0000).lt(size).select(bits.broadcast(0x7fc0_0000), bits)
 }
 
 /// A coordinate as a mesh may have it: 0 or of a magnitude within 2⁻⁶⁰ ..= 2³⁰; NaN is 0.

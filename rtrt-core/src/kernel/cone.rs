@@ -18,7 +18,7 @@ use crate::num::clamp;
 #[inline(always)]
 pub fn cone<L: Lane>(light: &View, toward: V3<L>) -> L {
     if light.cone_scale == 0.0 {
-        return toward.x.like(1.0);
+        return toward.x.broadcast(1.0);
     }
     let cosine = -toward.dot(V3::splat(toward.x.token(), light.axis));
     let share = clamp(cosine * light.cone_scale + light.cone_offset, 0.0, 1.0);

@@ -32,13 +32,13 @@ pub struct Sky {
 #[inline(always)]
 pub fn octahedral<L: Lane>(direction: V3<L>) -> [L; 2] {
     let size = direction.x.abs() + direction.y.abs() + direction.z.abs();
-    let (zero, one) = (size.like(0.0), size.like(1.0));
+    let (zero, one) = (size.broadcast(0.0), size.broadcast(1.0));
     let shrink = recip(size);
     let (x, z) = (direction.x * shrink, direction.z * shrink);
-    let below = direction.y.less_than(zero);
+    let below = direction.y.lt(zero);
     let folded = |a: L, b: L| {
         let over = one - b.abs();
-        below.select(a.less_than(zero).select(-over, over), a)
+        below.select(a.lt(zero).select(-over, over), a)
     };
     [folded(x, z) * 0.5 + 0.5, folded(z, x) * 0.5 + 0.5]
 }
@@ -51,7 +51,7 @@ pub fn mirrored<L: Lane>(maps: &Maps<'_>, sky: Sky, direction: V3<L>, roughness:
     let last = (sky.levels - 1) as f32;
     let level = clamp(roughness, 0.0, 1.0) * last;
     let fine = floor(level);
-    let coarse = (fine + 1.0).min(fine.like(last));
+    let coarse = (fine + 1.0).min(fine.broadcast(last));
     let place = octahedral(direction);
     let sites = (Site::new(sky, place, fine), Site::new(sky, place, coarse), (level - fine).row());
     V3::from_fn(
@@ -70,7 +70,7 @@ pub fn mirrored<L: Lane>(maps: &Maps<'_>, sky: Sky, direction: V3<L>, roughness:
 #[inline(always)]
 pub fn arriving<L: Lane>(maps: &Maps<'_>, sky: Sky, normal: V3<L>) -> V3<L> {
     let site =
-        Site::of_side(octahedral(normal), normal.x.like(IRRADIANCE_SIDE as f32), sky.first + sky.levels);
+        Site::of_side(octahedral(normal), normal.x.broadcast(IRRADIANCE_SIDE as f32), sky.first + sky.levels);
     V3::from_fn(
         normal.x.token(),
         #[inline(always)]
@@ -95,9 +95,9 @@ impl<L: Lane> Site<L> {
     #[inline(always)]
     fn new(sky: Sky, place: [L; 2], level: L) -> Self {
         let halvings = to_integer(level);
-        let shrunk = L::from_bits(halvings.like(127 << 23) - (halvings << 23));
+        let shrunk = L::from_bits(halvings.broadcast(127 << 23) - (halvings << 23));
         let mut site = Self::of_side(place, shrunk * sky.side as f32, 0);
-        site.table = (halvings + halvings.like(sky.first)).row();
+        site.table = (halvings + halvings.broadcast(sky.first)).row();
         site
     }
 
@@ -107,12 +107,12 @@ impl<L: Lane> Site<L> {
         // The border moves everything by one texel.
         let at = |p: L| {
             let position = p * side + 0.5;
-            let before = floor(position).max(side.like(0.0)).min(side);
+            let before = floor(position).max(side.broadcast(0.0)).min(side);
             (to_integer(before), position - before)
         };
         let ((column, share_x), (row, share_y)) = (at(place[0]), at(place[1]));
         Self {
-            table: column.like(table).row(),
+            table: column.broadcast(table).row(),
             width: to_integer(side + 2.0).row(),
             column: column.row(),
             row: row.row(),

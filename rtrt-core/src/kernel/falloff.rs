@@ -22,14 +22,14 @@ const NEAREST: f32 = 1.0 / 1_099_511_627_776.0;
 #[inline(always)]
 pub fn falloff<L: Lane>(light: &View, distance: L) -> L {
     let spent = distance * light.inv_reach;
-    let (zero, one) = (spent.like(0.0), spent.like(1.0));
+    let (zero, one) = (spent.broadcast(0.0), spent.broadcast(1.0));
     let left = if light.inverse_square == 1.0 {
         let window = one - spent * spent;
-        window * window * recip((distance * distance).max(distance.like(NEAREST)))
+        window * window * recip((distance * distance).max(distance.broadcast(NEAREST)))
     } else {
         one - spent
     };
-    spent.less_than(one).select(left, zero)
+    spent.lt(one).select(left, zero)
 }
 
 #[cfg(test)]

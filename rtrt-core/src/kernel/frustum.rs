@@ -1,10 +1,10 @@
-//! Which objects may cast a shadow of a sun that is seen.
+//! Which instances may cast a shadow of a sun that is seen.
 //!
 //! The paper, on lights of infinite range: everything may be in the way of such a light, so what
-//! is asked is what is near the camera, and whether the cone from the light around an object's
+//! is asked is what is near the camera, and whether the cone from the light around an instance's
 //! sphere meets the view's pyramid. The cone of a sun is a cylinder.
 
-use crate::layout::{Object, View};
+use crate::layout::{Instance, View};
 
 /// How far outside of the picture a shadow is still taken for seen, in blocks: more than the
 /// roundings of columns and rows below 2¹¹.
@@ -15,21 +15,21 @@ const ALONG: f32 = 1.0 / 65536.0;
 
 /// A box in world space, as seen from a camera.
 #[derive(Clone, Copy)]
-struct Around {
+struct Extent {
     low: [f32; 3],
     high: [f32; 3],
 }
 
-/// Whether an object is within the distance from the camera at which the sun's shadows end.
+/// Whether an instance is within the distance from the camera at which the sun's shadows end.
 ///
-/// What counts is the nearest point of the object's bounds, and the camera's place; the corner of
+/// What counts is the nearest point of the instance's bounds, and the camera's place; the corner of
 /// the picture for parallel rays. A distance of 0 is none.
 #[inline(always)]
-pub fn is_near(camera: &View, sun: &View, object: &Object) -> bool {
+pub fn is_near(camera: &View, sun: &View, instance: &Instance) -> bool {
     let mut squared = 0.0;
     let mut i = 0;
     while i < 3 {
-        let (below, above) = (object.low[i] - camera.center[i], camera.center[i] - object.high[i]);
+        let (below, above) = (instance.low[i] - camera.center[i], camera.center[i] - instance.high[i]);
         let gap = if below > above { below } else { above };
         squared += if gap > 0.0 { gap * gap } else { 0.0 };
         i += 1;
@@ -37,18 +37,18 @@ pub fn is_near(camera: &View, sun: &View, object: &Object) -> bool {
     sun.shadow_distance == 0.0 || squared <= sun.shadow_distance * sun.shadow_distance
 }
 
-/// Whether the shadow that an object casts of a sun may fall on what the camera sees.
+/// Whether the shadow that an instance casts of a sun may fall on what the camera sees.
 ///
-/// It does not where the object is outside of one of the planes around the picture and the light
+/// It does not where the instance is outside of one of the planes around the picture and the light
 /// goes away from that plane: nothing that moves along the light comes back. `widened` are the
-/// object's bounds with room for the roundings of tracing.
+/// instance's bounds with room for the roundings of tracing.
 #[inline(always)]
 pub fn is_shadow_seen(camera: &View, sun: &View, (low, high): ([f32; 3], [f32; 3])) -> bool {
     if camera.one_list == 1 {
         return true;
     }
     let (c, m) = (&camera.center, sun.margin);
-    let around = Around {
+    let around = Extent {
         low: [low[0] - c[0] - m, low[1] - c[1] - m, low[2] - c[2] - m],
         high: [high[0] - c[0] + m, high[1] - c[1] + m, high[2] - c[2] + m],
     };
@@ -70,7 +70,7 @@ fn edge(camera: &View, axis: &[f32; 3], place: f32, side: f32) -> [f32; 3] {
 
 /// Whether the box is behind the plane `row · p + offset`, and moves away from it.
 #[inline(always)]
-fn leaves(row: &[f32; 3], offset: f32, around: &Around, along: &[f32; 3]) -> bool {
+fn leaves(row: &[f32; 3], offset: f32, around: &Extent, along: &[f32; 3]) -> bool {
     let (mut most, mut speed, mut length) = (offset, 0.0, 0.0);
     let mut i = 0;
     while i < 3 {
@@ -130,8 +130,9 @@ mod tests {
 
     #[test]
     fn what_is_far_from_the_camera_is_not_near() {
-        let object = Object { low: [-1.0, -1.0, -9.0], high: [1.0, 1.0, -5.0], ..Object::zeroed() };
-        let near = |shadow_distance| is_near(&camera(), &View { shadow_distance, ..View::zeroed() }, &object);
+        let instance = Instance { low: [-1.0, -1.0, -9.0], high: [1.0, 1.0, -5.0], ..Instance::zeroed() };
+        let near =
+            |shadow_distance| is_near(&camera(), &View { shadow_distance, ..View::zeroed() }, &instance);
         assert_eq!([near(0.0), near(4.9), near(5.0), near(50.0)], [true, false, true, true]);
     }
 }

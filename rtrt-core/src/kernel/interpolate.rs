@@ -14,7 +14,7 @@ impl<L: Lane> Weights<L> {
     /// `(1 − u − v, u, v)`.
     #[inline(always)]
     pub fn new(u: L, v: L) -> Self {
-        Self { a: (u.like(1.0) - u) - v, b: u, c: v }
+        Self { a: (u.broadcast(1.0) - u) - v, b: u, c: v }
     }
     /// `a · x + b · y + c · z`, from left to right.
     #[inline(always)]

@@ -1,32 +1,32 @@
-//! The lists of the 2D structure: for each block, the objects that its rays may meet.
+//! The lists of the 2D structure: for each block, the instances that its rays may meet.
 //!
 //! The paper keeps linked lists. These are the same lists, laid out without gaps: count
 //! what each block holds, add up, then place every entry. Nothing is lost because a list
 //! was full, and any number of workers may place entries at once: sorting by
-//! `(key, object)` afterwards makes the order unique. One worker sorts a block's list where
+//! `(key, instance)` afterwards makes the order unique. One worker sorts a block's list where
 //! it is ([`sort`]); many find the [`rank`] of an entry each, and put it there.
 
-/// The lists as one run of words: where each block starts (one more than there are
-/// blocks), then two words an entry.
+/// The lists as one run of lists: where each block starts (one more than there are
+/// blocks), then two lists an entry.
 #[derive(Clone, Copy)]
-pub struct Lists<'a> {
-    /// The words.
-    pub words: &'a [u32],
+pub struct BlockLists<'a> {
+    /// The lists.
+    pub data: &'a [u32],
     /// How many blocks there are.
     pub blocks: u32,
 }
 
-/// An object in a list.
+/// An instance in a list.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Entry {
-    /// Bits of a depth (not negative) that no hit on the object is in front of; 0 where
+pub struct ListEntry {
+    /// Bits of a depth (not negative) that no hit on the instance is in front of; 0 where
     /// the order does not matter.
     pub key: u32,
-    /// The object, or the part of one.
-    pub object: u32,
+    /// The instance, or the part of one.
+    pub instance: u32,
 }
 
-impl Lists<'_> {
+impl BlockLists<'_> {
     /// Words taken by the starts.
     #[inline(always)]
     pub fn header(blocks: u32) -> u32 {
@@ -35,7 +35,7 @@ impl Lists<'_> {
     /// The first entry of a block and the one after its last.
     #[inline(always)]
     pub fn range(&self, block: u32) -> [u32; 2] {
-        [self.words[block as usize], self.words[block as usize + 1]]
+        [self.data[block as usize], self.data[block as usize + 1]]
     }
     /// Whether a block has no entry.
     #[inline(always)]
@@ -45,24 +45,24 @@ impl Lists<'_> {
     }
     /// An entry.
     #[inline(always)]
-    pub fn entry(&self, index: u32) -> Entry {
-        load(self.words, Self::header(self.blocks), index)
+    pub fn entry(&self, index: u32) -> ListEntry {
+        load(self.data, Self::header(self.blocks), index)
     }
 }
 
 /// Reads an entry.
 #[inline(always)]
-fn load(words: &[u32], header: u32, index: u32) -> Entry {
+fn load(lists: &[u32], header: u32, index: u32) -> ListEntry {
     let at = (header + 2 * index) as usize;
-    Entry { key: words[at], object: words[at + 1] }
+    ListEntry { key: lists[at], instance: lists[at + 1] }
 }
 
 /// Writes an entry.
 #[inline(always)]
-pub fn store(words: &mut [u32], header: u32, index: u32, entry: Entry) {
+pub fn store(lists: &mut [u32], header: u32, index: u32, entry: ListEntry) {
     let at = (header + 2 * index) as usize;
-    words[at] = entry.key;
-    words[at + 1] = entry.object;
+    lists[at] = entry.key;
+    lists[at + 1] = entry.instance;
 }
 
 /// How many blocks one worker of the scan adds up, of `workers`.
@@ -86,22 +86,22 @@ pub fn scan_total(counts: &[u32], first: u32, last: u32) -> u32 {
 /// Turns the counts of blocks `first .. last` into starts, from `start` on, and zeroes
 /// the counts: they count again while entries are placed.
 #[inline(always)]
-pub fn scan_starts(counts: &mut [u32], words: &mut [u32], first: u32, last: u32, start: u32) {
+pub fn scan_starts(counts: &mut [u32], lists: &mut [u32], first: u32, last: u32, start: u32) {
     let mut next = start;
     let mut block = first;
     while block < last {
-        words[block as usize] = next;
+        lists[block as usize] = next;
         next += counts[block as usize];
         counts[block as usize] = 0;
         block += 1;
     }
-    words[block as usize] = next;
+    lists[block as usize] = next;
 }
 
 /// Whether `a` comes before `b`.
 #[inline(always)]
-fn precedes(a: Entry, b: Entry) -> bool {
-    a.key < b.key || (a.key == b.key && a.object < b.object)
+fn precedes(a: ListEntry, b: ListEntry) -> bool {
+    a.key < b.key || (a.key == b.key && a.instance < b.instance)
 }
 
 /// The block that the entry with this index belongs to: the last that starts at it or before.
@@ -119,16 +119,16 @@ fn block_of(starts: &[u32], blocks: u32, index: u32) -> u32 {
     block
 }
 
-/// Copies entry `index` of `placed`, which has two words an entry and no starts, to where it
-/// belongs in the sorted list of its block in `words`, which has the starts: behind as many
+/// Copies entry `index` of `placed`, which has two lists an entry and no starts, to where it
+/// belongs in the sorted list of its block in `lists`, which has the starts: behind as many
 /// entries as precede it.
 ///
 /// A worker an entry takes as many steps as the block has entries, whereas a worker that
 /// sorts the block's whole list takes more than some devices allow (see `NUMERICS.md`).
 #[inline(always)]
-pub fn rank(placed: &[u32], words: &mut [u32], blocks: u32, index: u32) {
-    let block = block_of(words, blocks, index);
-    let (first, last) = (words[block as usize], words[block as usize + 1]);
+pub fn rank(placed: &[u32], lists: &mut [u32], blocks: u32, index: u32) {
+    let block = block_of(lists, blocks, index);
+    let (first, last) = (lists[block as usize], lists[block as usize + 1]);
     let entry = load(placed, 0, index);
     let mut place = first;
     let mut other = first;
@@ -138,32 +138,32 @@ pub fn rank(placed: &[u32], words: &mut [u32], blocks: u32, index: u32) {
         }
         other += 1;
     }
-    store(words, Lists::header(blocks), place, entry);
+    store(lists, BlockLists::header(blocks), place, entry);
 }
 
-/// Sorts the entries of a block by `(key, object)`.
+/// Sorts the entries of a block by `(key, instance)`.
 ///
 /// Shellsort with Ciura's gaps: in place, without recursion, near linear for the tens of
 /// entries that a block usually holds.
 #[inline(always)]
-pub fn sort(words: &mut [u32], blocks: u32, block: u32) {
-    let header = Lists::header(blocks);
-    let (first, last) = (words[block as usize], words[block as usize + 1]);
+pub fn sort(lists: &mut [u32], blocks: u32, block: u32) {
+    let header = BlockLists::header(blocks);
+    let (first, last) = (lists[block as usize], lists[block as usize + 1]);
     let mut gap = first_gap(last - first);
     while gap > 0 {
         let mut i = first + gap;
         while i < last {
-            let moving = load(words, header, i);
+            let moving = load(lists, header, i);
             let mut at = i;
             while at >= first + gap {
-                let other = load(words, header, at - gap);
+                let other = load(lists, header, at - gap);
                 if !precedes(moving, other) {
                     break;
                 }
-                store(words, header, at, other);
+                store(lists, header, at, other);
                 at -= gap;
             }
-            store(words, header, at, moving);
+            store(lists, header, at, moving);
             i += 1;
         }
         gap = next_gap(gap);
@@ -221,21 +221,21 @@ mod tests {
     #[test]
     fn sorts_any_length_by_key_then_object() {
         for length in [0_u32, 1, 2, 3, 9, 40, 58, 500, 3000] {
-            let mut words = std::vec![0; (2 + 2 * length) as usize];
-            words[1] = length;
+            let mut lists = std::vec![0; (2 + 2 * length) as usize];
+            lists[1] = length;
             let mut state = 1_u32;
             for i in 0..length {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                store(&mut words, 2, i, Entry { key: state >> 28, object: state >> 8 & 0xfff });
+                store(&mut lists, 2, i, ListEntry { key: state >> 28, instance: state >> 8 & 0xfff });
             }
-            let read = |words: &[u32]| {
-                let lists = Lists { words, blocks: 1 };
-                (0..length).map(|i| lists.entry(i)).map(|e| (e.key, e.object)).collect::<Vec<_>>()
+            let read = |lists: &[u32]| {
+                let lists = BlockLists { data: lists, blocks: 1 };
+                (0..length).map(|i| lists.entry(i)).map(|e| (e.key, e.instance)).collect::<Vec<_>>()
             };
-            let mut expected = read(&words);
+            let mut expected = read(&lists);
             expected.sort_unstable();
-            sort(&mut words, 1, 0);
-            assert_eq!(read(&words), expected);
+            sort(&mut lists, 1, 0);
+            assert_eq!(read(&lists), expected);
         }
     }
 
@@ -250,8 +250,8 @@ mod tests {
         };
         let mut placed = std::vec![0; 2 * entries as usize];
         for i in 0..entries {
-            // An object is in a list once.
-            store(&mut placed, 0, i, Entry { key: next() % 50, object: (i * 769) % 1024 });
+            // An instance is in a list once.
+            store(&mut placed, 0, i, ListEntry { key: next() % 50, instance: (i * 769) % 1024 });
         }
         let mut sorted: Vec<u32> = starts.iter().chain(&placed).copied().collect();
         for block in 0..blocks {
@@ -269,16 +269,16 @@ mod tests {
     fn starts_are_running_totals_whatever_the_share() {
         for workers in [1, 3, 7] {
             let mut counts = [3_u32, 0, 5, 1, 1, 0, 2];
-            let mut words = [0; 8];
+            let mut lists = [0; 8];
             let share = scan_share(7, workers);
             let mut start = 0;
             for w in 0..workers {
                 let (first, last) = ((w * share).min(7), ((w + 1) * share).min(7));
                 let total = scan_total(&counts, first, last);
-                scan_starts(&mut counts, &mut words, first, last, start);
+                scan_starts(&mut counts, &mut lists, first, last, start);
                 start += total;
             }
-            assert_eq!(words, [0, 3, 3, 8, 9, 10, 10, 12]);
+            assert_eq!(lists, [0, 3, 3, 8, 9, 10, 10, 12]);
             assert_eq!(counts, [0; 7]);
         }
     }

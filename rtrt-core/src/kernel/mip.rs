@@ -16,7 +16,7 @@ use crate::num::{FLOOR, floor, log2, sqrt};
 #[inline(always)]
 pub fn footprint<L: Lane>(world_footprint: L, uv_area: L, world_area: L) -> L {
     let density = sqrt(uv_area.abs() * crate::num::recip(world_area));
-    world_area.like(FLOOR).less_than(world_area).select(world_footprint * density, world_area.like(0.0))
+    world_area.broadcast(FLOOR).lt(world_area).select(world_footprint * density, world_area.broadcast(0.0))
 }
 
 /// Two neighboring levels and the share of the coarser one; the finer has the rest.
@@ -37,9 +37,9 @@ pub struct Levels<L> {
 /// and the levels are whole numbers. A footprint of 0 or NaN takes the finest level.
 #[inline(always)]
 pub fn levels<L: Lane>(footprint: L, log_size: L, count: L) -> Levels<L> {
-    let zero = footprint.like(0.0);
+    let zero = footprint.broadcast(0.0);
     let last = count - 1.0;
-    let is_seen = footprint.like(FLOOR).less_than(footprint);
+    let is_seen = footprint.broadcast(FLOOR).lt(footprint);
     let wanted = is_seen.select(log2(footprint) + log_size, zero).max(zero).min(last);
     let fine = floor(wanted);
     Levels { fine, coarse: (fine + 1.0).min(last), share: wanted - fine }

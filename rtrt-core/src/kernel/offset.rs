@@ -26,9 +26,9 @@ pub fn offset<L: Lane>(point: V3<L>, normal: V3<L>) -> V3<L> {
 fn moved<L: Lane>(p: L, n: L) -> L {
     let steps = crate::num::to_integer(n * NUMBERS);
     // Bits count away from 0, so a negative coordinate counts the other way.
-    let negative = p.less_than(p.like(0.0));
+    let negative = p.lt(p.broadcast(0.0));
     let counted = negative.select(p.to_bits() - steps, p.to_bits() + steps);
-    let near_zero = p.abs().less_than(p.like(NEAR_ZERO));
+    let near_zero = p.abs().lt(p.broadcast(NEAR_ZERO));
     near_zero.select(p + n * STEP, L::from_bits(counted))
 }
 

@@ -1,9 +1,9 @@
 //! How wide the edge of a shadow is.
 
-use crate::kernel::pane::{cutoff, mode, pane};
-use crate::kernel::tint::Crossing;
-use crate::kernel::traverse::{Best, Geometry, Search};
-use crate::kernel::triangle::Meeting;
+use crate::kernel::transmittance::Transmittance;
+use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};
+use crate::kernel::traverse::{ClosestHit, Geometry, HitFilter};
+use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select};
 use crate::layout::{AlphaMode, View, ViewKind};
 use crate::num::{clamp, flush, recip};
@@ -14,11 +14,11 @@ const LEAST: f32 = 1.0 / 1024.0;
 /// The largest size of a penumbra: its square is a number, too.
 const MOST: f32 = f32::from_bits((127 + 40) << 23);
 
-/// A search for everything between a surface and a light, as [`Crossing`], and for the nearest
+/// A search for everything between a surface and a light, as [`Transmittance`], and for the nearest
 /// of it. A ray looks no farther than what is opaque: what is behind that changes neither.
 #[derive(Clone, Copy)]
 pub struct Nearest<L: Lane> {
-    crossing: Crossing<L>,
+    crossing: Transmittance<L>,
     t: L,
     dark: L::Bits,
 }
@@ -27,14 +27,14 @@ impl<L: Lane> Nearest<L> {
     /// Nothing met yet; shaped like `like`.
     #[inline(always)]
     pub fn new(like: L) -> Self {
-        Self { crossing: Crossing::new(like), t: like.like(f32::MAX), dark: like.bits_like(0) }
+        Self { crossing: Transmittance::new(like), t: like.broadcast(f32::MAX), dark: like.broadcast_bits(0) }
     }
 
-    /// What is left of the light, as a word (see [`crate::kernel::tint`]).
+    /// What is left of the light, as a word (see [`crate::kernel::transmittance`]).
     #[inline(always)]
     pub fn word(&self) -> L::Bits {
-        let none = self.dark.like(0);
-        self.dark.equal(none).select(self.crossing.word(), none)
+        let none = self.dark.broadcast(0);
+        self.dark.eq(none).select(self.crossing.word(), none)
     }
 
     /// Radius of the penumbra that the nearest occluder casts on the surface, world units, across
@@ -54,45 +54,45 @@ impl<L: Lane> Nearest<L> {
         let size = if light.kind == ViewKind::Sun as u32 {
             self.t * light.radius
         } else {
-            let left = self.t.like(1.0) - self.t;
-            self.t * light.radius * recip(left.max(left.like(LEAST)))
+            let left = self.t.broadcast(1.0) - self.t;
+            self.t * light.radius * recip(left.max(left.broadcast(LEAST)))
         };
-        let is_lit = self.t.like(f32::MAX).less_equal(self.t);
-        is_lit.select(self.t.like(-1.0), flush(clamp(size, 0.0, MOST)))
+        let is_lit = self.t.broadcast(f32::MAX).le(self.t);
+        is_lit.select(self.t.broadcast(-1.0), flush(clamp(size, 0.0, MOST)))
     }
 }
 
-impl<L: Lane> Search<L> for Nearest<L> {
-    const ENDS: bool = false;
-    const FRONTS: bool = false;
+impl<L: Lane> HitFilter<L> for Nearest<L> {
+    const TERMINATES: bool = false;
+    const CULLS_BACK_FACES: bool = false;
 
     #[inline(always)]
-    fn keep(
+    fn accept(
         &mut self,
         geometry: &Geometry<'_>,
-        object: u32,
+        instance: u32,
         id: u32,
-        found: &Meeting<L>,
-        best: &mut Best<L>,
+        found: &Intersection<L>,
+        best: &mut ClosestHit<L>,
     ) -> bool {
         if !found.mask.any() {
             return false;
         }
-        let mode = mode(geometry, object);
+        let mode = mode(geometry, instance);
         let (mut met, mut ended) = (found.mask, found.mask);
         if mode != AlphaMode::Opaque as u32 {
-            let [red, green, blue, alpha] = pane(geometry, object, id, found);
+            let [red, green, blue, alpha] = tint_and_alpha(geometry, instance, id, found);
             if mode == AlphaMode::Mask as u32 {
-                met = met & alpha.like(cutoff(geometry, object)).less_equal(alpha);
+                met = met & alpha.broadcast(cutoff(geometry, instance)).le(alpha);
                 ended = met;
             } else {
                 self.crossing.add([red, green, blue, alpha]);
-                met = met & alpha.like(0.0).less_than(alpha);
+                met = met & alpha.gt(alpha.broadcast(0.0));
                 ended = met & !met;
             }
         }
         self.t = met.select(found.t.min(self.t), self.t);
-        self.dark = ended.select(self.dark.like(1), self.dark);
+        self.dark = ended.select(self.dark.broadcast(1), self.dark);
         best.t = ended.select(found.t, best.t);
         ended.any()
     }

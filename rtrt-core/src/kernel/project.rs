@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 /// A rectangle of a frame's blocks that is rasterized at once.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Window {
+pub struct ClipWindow {
     /// First column of blocks.
     pub column: u32,
     /// First row of blocks.
@@ -18,7 +18,7 @@ pub struct Window {
     /// How many rows; not 0.
     pub rows: u32,
 }
-const _: () = assert!(size_of::<Window>() == 16);
+const _: () = assert!(size_of::<ClipWindow>() == 16);
 
 /// What is nearer than this share of a frame's magnitude is not drawn: 2⁻⁴⁰.
 pub const NEAR: f32 = f32::from_bits((127 - 40) << 23);
@@ -29,7 +29,7 @@ const FAR: f32 = 4.0;
 /// A point as it is seen: `x / w` is its column and `y / w` its row, in blocks, and `depth` its
 /// depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct Projected {
     /// Column, times `w`.
     pub x: f32,
     /// Row, times `w`.
@@ -40,7 +40,7 @@ pub struct Seen {
     pub depth: f32,
 }
 
-impl Seen {
+impl Projected {
     /// A point of the world.
     #[inline(always)]
     pub fn point(view: &View, point: V3<f32>) -> Self {
@@ -73,7 +73,7 @@ impl Seen {
     ///
     /// Far away, `near / depth` is as exact as a float can be, and it has no end.
     #[inline(always)]
-    pub fn clip(&self, view: &View, window: &Window, magnitude: f32) -> [f32; 4] {
+    pub fn clip(&self, view: &View, window: &ClipWindow, magnitude: f32) -> [f32; 4] {
         let (column, row) = (window.column as f32, window.row as f32);
         let (columns, rows) = (2.0 * recip(window.columns as f32), 2.0 * recip(window.rows as f32));
         let z =
@@ -97,13 +97,13 @@ mod tests {
         for projection in projections {
             let (eye, look_at) = (Vec3::new(3.0, -4.0, 5.0), Vec3::new(-1.0, 2.0, 0.5));
             let view = Camera { eye, look_at, up: Vec3::Y, projection }.view(grid).unwrap();
-            let window = Window { column: 3, row: 2, columns: 7, rows: 5 };
+            let window = ClipWindow { column: 3, row: 2, columns: 7, rows: 5 };
             let mut nearer = 1.0;
             for t in [0.5, 3.0, 11.0] {
                 for [x, y] in [[50, 40], [111, 33], [159, 111]] {
                     let ray = camera_ray(&view, x as f32, y as f32);
                     let point = ray.origin + ray.direction.scale(t);
-                    let [a, b, z, w] = Seen::point(&view, point).clip(&view, &window, 20.0);
+                    let [a, b, z, w] = Projected::point(&view, point).clip(&view, &window, 20.0);
                     let size = [window.columns, window.rows].map(|blocks| (blocks * BLOCK) as f32);
                     let pixel = [(a / w + 1.0) * 0.5 * size[0], (1.0 - b / w) * 0.5 * size[1]];
                     let first = [window.column, window.row].map(|block| (block * BLOCK) as f32);
@@ -123,9 +123,9 @@ mod tests {
         for projection in [Projection::Perspective { fov_y: 1.2 }, Projection::Orthographic { height: 5.0 }] {
             let view =
                 Camera { eye: Vec3::ZERO, look_at: Vec3::X, up: Vec3::Y, projection }.view(grid).unwrap();
-            let window = Window { column: 1, row: 1, columns: 2, rows: 2 };
+            let window = ClipWindow { column: 1, row: 1, columns: 2, rows: 2 };
             for depth in [0.0, 2.0] {
-                let [x, y, z, w] = Seen::corner(&view, 4.0, [3, 2], depth).clip(&view, &window, 4.0);
+                let [x, y, z, w] = Projected::corner(&view, 4.0, [3, 2], depth).clip(&view, &window, 4.0);
                 assert!((x / w - 1.0).abs() < 1e-6 && (y / w).abs() < 1e-6, "{projection:?} {x} {y} {w}");
                 assert!(0.0 < z && z <= w);
             }

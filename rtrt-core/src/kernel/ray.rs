@@ -1,7 +1,7 @@
 //! A ray, and its way into an object's space.
 
 use crate::lane::{Lane, V3};
-use crate::layout::Object;
+use crate::layout::Instance;
 use crate::num::recip;
 use core::ops::{Add, Mul};
 
@@ -29,8 +29,8 @@ impl<L: Lane, O: Lane> Ray<L, O> {
 
     /// The same points, `t` for `t`, in the object's space.
     #[inline(always)]
-    pub fn to_object(&self, object: &Object) -> Self {
-        let m = &object.to_object;
+    pub fn to_object(&self, instance: &Instance) -> Self {
+        let m = &instance.to_object;
         Self::new(point(m, self.origin), vector(m, self.direction))
     }
 }
@@ -56,7 +56,7 @@ pub fn vector<L: Lane + Mul<M, Output = L>, M: Copy>(m: &[[M; 4]; 3], v: V3<L>) 
     }
 }
 
-/// `transpose(m) · n`: takes a normal from object to world space when `m` takes points
+/// `transpose(m) · n`: takes a normal from instance to world space when `m` takes points
 /// from world to object space.
 #[inline(always)]
 pub fn normal<L: Lane + Mul<M, Output = L>, M: Copy>(m: &[[M; 4]; 3], n: V3<L>) -> V3<L> {

@@ -8,7 +8,7 @@ use crate::num::{clamp, flush, normalize, pow, recip};
 #[inline(always)]
 pub fn lambert<L: Lane>(normal: V3<L>, to_light: V3<L>) -> L {
     let cosine = normal.dot(to_light);
-    flush(cosine.max(cosine.like(0.0)))
+    flush(cosine.max(cosine.broadcast(0.0)))
 }
 
 /// The Blinn-Phong lobe (Blinn 1977), normalized so that a sharper highlight is brighter

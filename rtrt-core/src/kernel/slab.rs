@@ -13,14 +13,14 @@ pub const STRETCH: f32 = 1.0 + 1.0 / 524_288.0;
 
 /// A box, as seen from where rays start.
 #[derive(Clone, Copy)]
-pub struct Around<O> {
+pub struct RelativeBox<O> {
     /// From the start to the lower corner.
     pub low: V3<O>,
     /// From the start to the upper corner.
     pub high: V3<O>,
 }
 
-impl<O: Lane> Around<O> {
+impl<O: Lane> RelativeBox<O> {
     /// The box between `low` and `high`, seen from `origin`.
     #[inline(always)]
     pub fn new(origin: V3<O>, low: &[f32; 3], high: &[f32; 3]) -> Self {
@@ -42,8 +42,8 @@ impl<O: Lane> Around<O> {
 /// interval of every box inside it. No term is NaN: coordinates are finite and the
 /// reciprocal of 0 is finite.
 #[inline(always)]
-pub fn slab<L: Lane + Mul<O, Output = L>, O: Lane>(ray: &Ray<L, O>, around: &Around<O>) -> (L, L) {
-    let (i, low, high) = (&ray.inverse, &around.low, &around.high);
+pub fn slab<L: Lane + Mul<O, Output = L>, O: Lane>(ray: &Ray<L, O>, relative: &RelativeBox<O>) -> (L, L) {
+    let (i, low, high) = (&ray.inverse, &relative.low, &relative.high);
     let (x0, x1) = (i.x * low.x, i.x * high.x);
     let (y0, y1) = (i.y * low.y, i.y * high.y);
     let (z0, z1) = (i.z * low.z, i.z * high.z);
@@ -54,11 +54,11 @@ pub fn slab<L: Lane + Mul<O, Output = L>, O: Lane>(ray: &Ray<L, O>, around: &Aro
 
 /// Where the ray meets the box at some `0 ≤ t ≤ limit`. A negative limit meets nothing.
 #[inline(always)]
-pub fn meets<L: Lane + Mul<O, Output = L>, O: Lane>(
+pub fn intersects<L: Lane + Mul<O, Output = L>, O: Lane>(
     ray: &Ray<L, O>,
-    around: &Around<O>,
+    relative: &RelativeBox<O>,
     limit: L,
 ) -> L::Mask {
-    let (near, far) = slab(ray, around);
-    near.max(near.like(0.0)).less_equal(far.min(limit))
+    let (near, far) = slab(ray, relative);
+    near.max(near.broadcast(0.0)).le(far.min(limit))
 }

@@ -1,14 +1,14 @@
 //! A sphere: where a ray meets it, and what it is like there.
 //!
-//! In its own space every sphere is the ball of radius 1 around the origin; its object's matrix
+//! In its own space every sphere is the ball of radius 1 around the origin; its instance's matrix
 //! gives it a place and a size, and makes an ellipsoid of it. It counts as two triangles: 0 is
 //! where a ray enters, 1 is where it leaves. A hit's `u` and `v` are where on the sphere it is,
 //! as octahedral coordinates (see [`octahedral`]), so that all else follows from the hit alone.
 
 use crate::kernel::environment::octahedral;
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::{Around, slab};
-use crate::kernel::triangle::Meeting;
+use crate::kernel::slab::{RelativeBox, slab};
+use crate::kernel::triangle::Intersection;
 use crate::lane::{Lane, Select, V3};
 use crate::num::{TINY, atan2, flush, normalize, recip, sqrt};
 use core::ops::Mul;
@@ -65,42 +65,42 @@ impl<L: Lane> Chord<L> {
         L: Mul<O, Output = L>,
     {
         let (d, o) = (ray.direction, ray.origin);
-        let one = d.x.like(1.0);
+        let one = d.x.broadcast(1.0);
         let origin = V3 { x: one * o.x, y: one * o.y, z: one * o.z };
         let inverse = recip(flush(d.dot(d)));
         let middle = flush(-origin.dot(d)) * inverse;
         let nearest = origin + d.scale(middle);
         let left = one - nearest.dot(nearest);
         let half = sqrt(left * inverse);
-        let (near, far) = slab(ray, &Around::new(o, &[-1.0; 3], &[1.0; 3]));
-        let mask = one.like(0.0).less_equal(left) & near.less_equal(far);
+        let (near, far) = slab(ray, &RelativeBox::new(o, &[-1.0; 3], &[1.0; 3]));
+        let mask = left.ge(one.broadcast(0.0)) & near.le(far);
         Self { mask, nearest, middle, half, near, far }
     }
 
     /// Where the ray enters, or leaves, at some 2⁻⁹⁰ < `t` ≤ `limit`.
     ///
     /// `t` is clamped into the interval of the ball's box, as that of a triangle is (see
-    /// [`meet`](crate::kernel::triangle::meet)), so that culling by boxes loses no hit.
+    /// [`intersect`](crate::kernel::triangle::intersect)), so that culling by boxes loses no hit.
     #[inline(always)]
-    pub fn side(&self, ray_direction: V3<L>, side: u32, limit: L) -> Meeting<L> {
+    pub fn side(&self, ray_direction: V3<L>, side: u32, limit: L) -> Intersection<L> {
         let half = if side == ENTRY { -self.half } else { self.half };
         let t = (self.middle + half).min(self.far).max(self.near);
-        let mask = self.mask & t.like(TINY).less_than(t) & t.less_equal(limit);
+        let mask = self.mask & t.broadcast(TINY).lt(t) & t.le(limit);
         let [u, v] = octahedral(self.nearest + ray_direction.scale(half));
-        Meeting { mask, t, u: flush(u), v: flush(v) }
+        Intersection { mask, t, u: flush(u), v: flush(v) }
     }
 }
 
 /// The point of the sphere at octahedral coordinates: also its normal there.
 #[inline(always)]
 pub fn point<L: Lane>(u: L, v: L) -> V3<L> {
-    let (zero, one) = (u.like(0.0), u.like(1.0));
+    let (zero, one) = (u.broadcast(0.0), u.broadcast(1.0));
     let (x, z) = (u * 2.0 - 1.0, v * 2.0 - 1.0);
     let y = one - x.abs() - z.abs();
-    let below = y.less_than(zero);
+    let below = y.lt(zero);
     let unfolded = |a: L, b: L| {
         let over = one - b.abs();
-        below.select(a.less_than(zero).select(-over, over), a)
+        below.select(a.lt(zero).select(-over, over), a)
     };
     normalize(V3 { x: unfolded(x, z), y, z: unfolded(z, x) })
 }
@@ -109,7 +109,7 @@ pub fn point<L: Lane>(u: L, v: L) -> V3<L> {
 /// where rays enter.
 #[inline(always)]
 pub fn start<L: Lane>(point: V3<L>, enters: L::Mask) -> V3<L> {
-    let one = point.x.like(1.0);
+    let one = point.x.broadcast(1.0);
     point.scale(enters.select(one + APART, one - APART))
 }
 
@@ -135,7 +135,7 @@ pub fn density<L: Lane>(point: V3<L>) -> L {
     const SHARE: f32 = 0.5 * core::f32::consts::FRAC_1_PI * core::f32::consts::FRAC_1_PI;
     // At the poles a texture is crowded without limit; its coarsest level serves there.
     const POLE: f32 = 1.0 / 4096.0;
-    recip(ring(point).max(point.x.like(POLE))) * SHARE
+    recip(ring(point).max(point.x.broadcast(POLE))) * SHARE
 }
 
 /// Two directions along the surface at right angles, of length 1, whose cross product is the
@@ -143,7 +143,7 @@ pub fn density<L: Lane>(point: V3<L>) -> L {
 #[inline(always)]
 pub fn tangents<L: Lane>(point: V3<L>) -> [V3<L>; 2] {
     let V3 { x, y, z } = point;
-    let sign = z.like(1.0).flip_sign(z.sign_bit());
+    let sign = z.broadcast(1.0).flip_sign(z.sign_bit());
     let a = -recip(sign + z);
     let b = x * y * a;
     [V3 { x: sign * x * x * a + 1.0, y: sign * b, z: -(sign * x) }, V3 { x: b, y: sign + y * y * a, z: -y }]
@@ -218,7 +218,7 @@ mod tests {
         assert!(met > 9000 && missed > 9000, "{met} {missed}");
     }
 
-    fn point_of(found: &Meeting<f32>) -> DVec3 {
+    fn point_of(found: &Intersection<f32>) -> DVec3 {
         DVec3::from(point(found.u, found.v).lane(0).map(f64::from))
     }
 

@@ -31,11 +31,11 @@ pub fn unpack(packed: u32) -> [f32; 3] {
 /// The direction at these coordinates of the octahedral map; its length is within 0.57 ..= 1.
 #[inline(always)]
 pub fn direction<L: Lane>(x: L, y: L) -> V3<L> {
-    let (zero, one) = (x.like(0.0), x.like(1.0));
+    let (zero, one) = (x.broadcast(0.0), x.broadcast(1.0));
     let z = one - x.abs() - y.abs();
     // Below z = 0 the corners of the square are folded over.
     let over = (-z).max(zero);
-    let fold = |v: L| v.less_than(zero).select(v + over, v - over);
+    let fold = |v: L| v.lt(zero).select(v + over, v - over);
     V3 { x: fold(x), y: fold(y), z }
 }
 
@@ -61,7 +61,7 @@ pub fn bumped<L: Lane>(
     let along = normalize(tangent).scale(map[0]) + normalize(bitangent).scale(map[1]);
     let sum = V3::select(behind, -along, along) + normal.scale(map[2]);
     let length = sum.dot(sum);
-    V3::select(length.like(TINY).less_than(length), normalize(sum), normal)
+    V3::select(length.broadcast(TINY).lt(length), normalize(sum), normal)
 }
 
 #[cfg(test)]

@@ -24,29 +24,29 @@ pub struct Maps<'a> {
 /// The materials of a group of surfaces. (Apart from [`Maps`]: rust-gpu takes slices out of
 /// a structure only where nothing in it is indexed.)
 #[derive(Clone, Copy)]
-pub struct Chosen<L: Lane> {
+pub struct MaterialLookup<L: Lane> {
     /// The material in each lane; that of another lane where nothing was hit.
     indices: <L::Bits as Bits>::Row,
     /// Whether that is the same one in all lanes.
     same: bool,
 }
 
-impl<L: Lane> Chosen<L> {
+impl<L: Lane> MaterialLookup<L> {
     /// The materials numbered `material`, from 1 on; there must be one.
     #[inline(always)]
     pub fn new(material: L::Bits) -> Self {
-        let none = material.like(0);
-        let found = none.less_than(material);
+        let none = material.broadcast(0);
+        let found = material.gt(none);
         let any = if found.any() { found.bits().trailing_zeros() as usize } else { 0 };
-        let material = found.select(material, none.like(material.row().at(any)));
-        let indices = none.less_than(material).select(material - none.like(1), none);
+        let material = found.select(material, none.broadcast(material.row().at(any)));
+        let indices = material.gt(none).select(material - none.broadcast(1), none);
         let row = indices.row();
-        Self { indices: row, same: !(!indices.equal(none.like(row.at(0)))).any() }
+        Self { indices: row, same: !(!indices.eq(none.broadcast(row.at(0)))).any() }
     }
 
     /// Numbers of each lane's material.
     #[inline(always)]
-    pub fn numbers<P: Pick<N>, const N: usize>(&self, token: L::Token, maps: &Maps<'_>) -> [L; N] {
+    pub fn numbers<P: MaterialField<N>, const N: usize>(&self, token: L::Token, maps: &Maps<'_>) -> [L; N] {
         if L::WIDTH > 1 && self.same {
             let numbers = P::pick(&maps.materials[self.indices.at(0) as usize]);
             return groups(
@@ -64,7 +64,7 @@ impl<L: Lane> Chosen<L> {
 
 /// Which numbers of a material are wanted. (Not a closure: one that captures another is
 /// beyond rust-gpu.)
-pub trait Pick<const N: usize> {
+pub trait MaterialField<const N: usize> {
     /// The numbers.
     fn pick(material: &Material) -> [f32; N];
 }
@@ -72,7 +72,7 @@ pub trait Pick<const N: usize> {
 /// How the texture `MAP` is laid out.
 struct Layout<const MAP: usize>;
 
-impl<const MAP: usize> Pick<13> for Layout<MAP> {
+impl<const MAP: usize> MaterialField<13> for Layout<MAP> {
     #[inline(always)]
     fn pick(material: &Material) -> [f32; 13] {
         let map = &material.textures[MAP];
@@ -97,7 +97,7 @@ impl<const MAP: usize> Pick<13> for Layout<MAP> {
 /// Where a group of surfaces is in its textures: for each set of texture coordinates, the
 /// coordinates and the side of the ray's footprint in them.
 #[derive(Clone, Copy)]
-pub struct Places<L> {
+pub struct TexCoords<L> {
     /// `u` and `v` in each set.
     pub uv: [[L; 2]; 2],
     /// In each set.
@@ -114,32 +114,34 @@ pub struct Places<L> {
 #[inline(always)]
 pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
     maps: &Maps<'_>,
-    chosen: &Chosen<L>,
-    places: &Places<L>,
+    chosen: &MaterialLookup<L>,
+    tex_coords: &TexCoords<L>,
 ) -> [L; 4] {
-    let token = places.footprint[0].token();
+    let token = tex_coords.footprint[0].token();
     let [count, width, height, log_size, wrap_u, wrap_v, set, a, b, c, d, e, f] =
         chosen.numbers::<Layout<MAP>, 13>(token, maps);
-    let (zero, one) = (count.like(0.0), count.like(1.0));
-    if !zero.less_than(count).any() {
+    let (zero, one) = (count.broadcast(0.0), count.broadcast(1.0));
+    if !count.gt(zero).any() {
         return [one; 4];
     }
-    let second = zero.less_than(set);
-    let [u, v] =
-        [second.select(places.uv[1][0], places.uv[0][0]), second.select(places.uv[1][1], places.uv[0][1])];
-    let footprint = second.select(places.footprint[1], places.footprint[0]);
+    let second = set.gt(zero);
+    let [u, v] = [
+        second.select(tex_coords.uv[1][0], tex_coords.uv[0][0]),
+        second.select(tex_coords.uv[1][1], tex_coords.uv[0][1]),
+    ];
+    let footprint = second.select(tex_coords.footprint[1], tex_coords.footprint[0]);
     let uv = [u * a + v * b + e, u * c + v * d + f];
     let Levels { fine, coarse, share } = levels(footprint, log_size, count.max(one));
     let at = |level: L| Site::new(uv, [width, height], [wrap_u, wrap_v], level);
     let indices = &chosen.indices;
     let sharp = at(fine).color::<MAP, COLOR>(maps, indices);
     // Without a share the coarser level would change nothing.
-    let mixed = if zero.less_than(share).any() {
+    let mixed = if share.gt(zero).any() {
         lerp(sharp, at(coarse).color::<MAP, COLOR>(maps, indices), share)
     } else {
         sharp
     };
-    let has = zero.less_than(count);
+    let has = count.gt(zero);
     groups(
         #[inline(always)]
         |i| has.select(mixed[i], one),
@@ -147,7 +149,7 @@ pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
 }
 
 /// The finest level of a texture.
-pub struct Finest {
+pub struct FinestLevel {
     /// See [`crate::layout::Texture`].
     pub first: u32,
     /// Columns.
@@ -162,7 +164,7 @@ pub struct Finest {
 
 /// Linear RGB and alpha of a texture of colors at one point, bilinear in its finest level.
 #[inline(always)]
-pub fn finest(texels: &[u32], map: &Finest, uv: [f32; 2]) -> [f32; 4] {
+pub fn finest(texels: &[u32], map: &FinestLevel, uv: [f32; 2]) -> [f32; 4] {
     let (x, share_x) = neighbors(uv[0], map.width as f32, map.wrap_u as f32);
     let (y, share_y) = neighbors(uv[1], map.height as f32, map.wrap_v as f32);
     let first = texels[map.first as usize];
@@ -190,7 +192,7 @@ impl<L: Lane> Site<L> {
     fn new(uv: [L; 2], size: [L; 2], wrap: [L; 2], level: L) -> Self {
         let halvings = to_integer(level);
         // 2 to the power of -level: sizes are below 2^15, so the product and its floor are exact.
-        let shrunk = L::from_bits(halvings.like(127 << 23) - (halvings << 23));
+        let shrunk = L::from_bits(halvings.broadcast(127 << 23) - (halvings << 23));
         let (x, share_x) = neighbors(uv[0], floor(size[0] * shrunk), wrap[0]);
         let (y, share_y) = neighbors(uv[1], floor(size[1] * shrunk), wrap[1]);
         Self {
@@ -262,15 +264,15 @@ pub fn half(size: u32) -> u32 {
 /// a whole number; below 1 it counts as 1. `wrap` is a [`Wrap`].
 #[inline(always)]
 fn neighbors<L: Lane>(coordinate: L, size: L, wrap: L) -> ([L::Bits; 2], L) {
-    let (zero, one) = (size.like(0.0), size.like(1.0));
-    let repeats = wrap.less_equal(size.like(Wrap::Repeat as u32 as f32));
-    let mirrors = size.like(Wrap::Mirror as u32 as f32).less_equal(wrap);
+    let (zero, one) = (size.broadcast(0.0), size.broadcast(1.0));
+    let repeats = wrap.le(size.broadcast(Wrap::Repeat as u32 as f32));
+    let mirrors = size.broadcast(Wrap::Mirror as u32 as f32).le(wrap);
     // Beyond 2^20 a coordinate has no fraction worth having; NaN becomes 0.
-    let c = Lane::abs(coordinate).less_than(size.like(1_048_576.0)).select(coordinate, zero);
+    let c = Lane::abs(coordinate).lt(size.broadcast(1_048_576.0)).select(coordinate, zero);
     // Folding into one period first keeps the texel number small.
     let half = c * 0.5;
     let pair = (half - floor(half)) * 2.0;
-    let mirrored = one.less_than(pair).select(pair.like(2.0) - pair, pair);
+    let mirrored = one.lt(pair).select(pair.broadcast(2.0) - pair, pair);
     let c = repeats.select(c - floor(c), mirrors.select(mirrored, clamp(c, 0.0, 1.0)));
     let size = size.max(one);
     let position = c * size - 0.5;
@@ -278,8 +280,8 @@ fn neighbors<L: Lane>(coordinate: L, size: L, wrap: L) -> ([L::Bits; 2], L) {
     let share = position - before;
     let last = size - 1.0;
     // -1 and `size` are the neighbors across the edge.
-    let outside = before.less_than(zero);
-    let at_end = last.less_equal(before);
+    let outside = before.lt(zero);
+    let at_end = last.le(before);
     let x = outside.select(repeats.select(last, zero), before.min(last));
     let next = outside.select(zero, at_end.select(repeats.select(zero, last), before + 1.0));
     ([to_integer(x), to_integer(next)], share)
@@ -311,7 +313,7 @@ fn linear(texels: &[u32], texel: u32) -> [f32; 3] {
 /// Byte `number` of a color of 8 bits a channel, as 0 ..= 1.
 #[inline(always)]
 pub fn channel<L: Lane>(color: L::Bits, number: u32) -> L {
-    from_integer::<L>((color >> (8 * number)) & color.like(255)) * BYTE
+    from_integer::<L>((color >> (8 * number)) & color.broadcast(255)) * BYTE
 }
 
 /// `a + (b − a) · share`, component by component.

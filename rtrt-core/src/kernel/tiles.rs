@@ -3,7 +3,7 @@
 
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::STRETCH;
-use crate::kernel::traverse::Best;
+use crate::kernel::traverse::ClosestHit;
 use crate::lane::{Lane, Mask, V3};
 
 /// Rays in a tile: 16 neighbors in number, 4 × 4 of the grid.
@@ -52,20 +52,20 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
     const VECTORS: usize = G / TILE;
 
     /// The bounds of those rays whose limit is not negative, in the tiles whose bits are set
-    /// in `among`, at least one; each of them has such a ray. Nothing for a packet of one group, which needs
+    /// in `active`, at least one; each of them has such a ray. Nothing for a packet of one group, which needs
     /// none.
     #[inline(always)]
-    pub fn of<O: Lane>(rays: &[Ray<L, O>; G], best: &[Best<L>; G], among: u32) -> Self {
+    pub fn of<O: Lane>(rays: &[Ray<L, O>; G], best: &[ClosestHit<L>; G], active: u32) -> Self {
         let like = best[0].t;
         if G == 1 {
-            let zero = like.like(0.0);
+            let zero = like.broadcast(0.0);
             let zero = V3 { x: zero, y: zero, z: zero };
             let nothing = [Range { low: zero, high: zero }; VECTORS];
             return Self { origin: nothing, inverse: nothing, start: [0.0; 3], ways: [Way::Both; 3] };
         }
         let mut rows = [[0.0_f32; TILES]; 12];
         let (mut least, mut most) = ([f32::MAX; 3], [-f32::MAX; 3]);
-        let mut left = among;
+        let mut left = active;
         while left != 0 {
             let tile = left.trailing_zeros() as usize;
             left &= left - 1;
@@ -110,55 +110,61 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
             }
         };
         Self {
-            start: rays[among.trailing_zeros() as usize * Self::GROUPS].origin.lane(0),
+            start: rays[active.trailing_zeros() as usize * Self::GROUPS].origin.lane(0),
             ways: [way(0), way(1), way(2)],
             inverse: [Range::load(token, rows, 0, 0), Range::load(token, rows, 0, last)],
             origin: [Range::load(token, rows, 6, 0), Range::load(token, rows, 6, last)],
         }
     }
 
-    /// The tiles of `among` in which a ray may meet the box at some `0 ≤ t ≤` the tile's
+    /// The tiles of `active` in which a ray may meet the box at some `0 ≤ t ≤` the tile's
     /// limit: every tile in which one does, and few more. `O` is the rays' origin.
     #[inline(always)]
-    pub fn meets<O: Lane>(&self, low: &[f32; 3], high: &[f32; 3], limits: &[f32; TILES], among: u32) -> u32 {
+    pub fn hit_mask<O: Lane>(
+        &self,
+        low: &[f32; 3],
+        high: &[f32; 3],
+        limits: &[f32; TILES],
+        active: u32,
+    ) -> u32 {
         let token = self.origin[0].low.x.token();
-        let mut met = 0;
+        let mut hit_mask = 0;
         let mut v = 0;
         while v < Self::VECTORS {
             let shift = (v * L::WIDTH) as u32;
-            if Self::VECTORS == 1 || among >> shift & ((1 << L::WIDTH) - 1) != 0 {
+            if Self::VECTORS == 1 || active >> shift & ((1 << L::WIDTH) - 1) != 0 {
                 let (origin, inverse) = (&self.origin[v], &self.inverse[v]);
                 let (i, j) = (&inverse.low, &inverse.high);
                 let ((x0, x1), (y0, y1), (z0, z1)) = if O::WIDTH < L::WIDTH {
                     let start = &self.start;
                     let to = |axis: usize| [low[axis] - start[axis], high[axis] - start[axis]];
                     (
-                        shared(self.ways[0], to(0), i.x, j.x),
-                        shared(self.ways[1], to(1), i.y, j.y),
-                        shared(self.ways[2], to(2), i.z, j.z),
+                        common_origin(self.ways[0], to(0), i.x, j.x),
+                        common_origin(self.ways[1], to(1), i.y, j.y),
+                        common_origin(self.ways[2], to(2), i.z, j.z),
                     )
                 } else {
                     let a = V3::splat(token, *low) - origin.high;
                     let b = V3::splat(token, *high) - origin.low;
                     (
-                        apart(self.ways[0], [a.x, b.x], i.x, j.x),
-                        apart(self.ways[1], [a.y, b.y], i.y, j.y),
-                        apart(self.ways[2], [a.z, b.z], i.z, j.z),
+                        separate_origins(self.ways[0], [a.x, b.x], i.x, j.x),
+                        separate_origins(self.ways[1], [a.y, b.y], i.y, j.y),
+                        separate_origins(self.ways[2], [a.z, b.z], i.z, j.z),
                     )
                 };
                 let near = x0.max(y0).max(z0);
                 let far = x1.min(y1).min(z1) * STRETCH;
                 let limit = vector(token, limits, v);
-                met |= near.max(near.like(0.0)).less_equal(far.min(limit)).bits() << shift;
+                hit_mask |= near.max(near.broadcast(0.0)).le(far.min(limit)).bits() << shift;
             }
             v += 1;
         }
-        met & among
+        hit_mask & active
     }
 
     /// The largest limit of a tile's rays, in the order of the tiles.
     #[inline(always)]
-    pub fn limits(best: &[Best<L>; G]) -> [f32; TILES] {
+    pub fn limits(best: &[ClosestHit<L>; G]) -> [f32; TILES] {
         let mut limits = [-1.0; TILES];
         let mut tile = 0;
         while tile * Self::GROUPS < G {
@@ -170,7 +176,7 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
 
     /// The largest limit of one tile's rays.
     #[inline(always)]
-    pub fn limit(best: &[Best<L>; G], tile: usize) -> f32 {
+    pub fn limit(best: &[ClosestHit<L>; G], tile: usize) -> f32 {
         let first = tile * Self::GROUPS;
         let mut limit = best[first].t;
         let mut g = first + 1;
@@ -200,7 +206,7 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
         let mut v = 0;
         while v < Self::VECTORS {
             let limit = vector::<L>(token, limits, v);
-            searching |= limit.like(0.0).less_equal(limit).bits() << (v * L::WIDTH);
+            searching |= limit.ge(limit.broadcast(0.0)).bits() << (v * L::WIDTH);
             v += 1;
         }
         searching
@@ -233,11 +239,11 @@ fn vector<L: Lane>(token: L::Token, numbers: &[f32; TILES], v: usize) -> L {
 /// most: `to` are the ways to the planes, `low` and `high` the smallest and the largest
 /// reciprocal direction of each tile.
 #[inline(always)]
-fn shared<L: Lane>(way: Way, to: [f32; 2], low: L, high: L) -> (L, L) {
+fn common_origin<L: Lane>(way: Way, to: [f32; 2], low: L, high: L) -> (L, L) {
     let [entry, exit] = match way {
         Way::Up => to,
         Way::Down => [to[1], to[0]],
-        Way::Both => return apart(way, [low.like(to[0]), low.like(to[1])], low, high),
+        Way::Both => return separate_origins(way, [low.broadcast(to[0]), low.broadcast(to[1])], low, high),
     };
     let near = if entry >= 0.0 { low } else { high };
     let far = if exit >= 0.0 { high } else { low };
@@ -247,7 +253,7 @@ fn shared<L: Lane>(way: Way, to: [f32; 2], low: L, high: L) -> (L, L) {
 /// The same for rays that start apart: `to` are the least way to the first plane and the
 /// largest to the second.
 #[inline(always)]
-fn apart<L: Lane>(way: Way, to: [L; 2], low: L, high: L) -> (L, L) {
+fn separate_origins<L: Lane>(way: Way, to: [L; 2], low: L, high: L) -> (L, L) {
     let [entry, exit] = match way {
         Way::Up => to,
         Way::Down => [to[1], to[0]],
@@ -282,19 +288,19 @@ impl<L: Lane> Range<L> {
     /// limit is not negative.
     #[inline(always)]
     fn of<const G: usize>(
-        best: &[Best<L>; G],
+        best: &[ClosestHit<L>; G],
         first: usize,
         count: usize,
         value: impl Fn(usize) -> V3<L>,
     ) -> ([f32; 3], [f32; 3]) {
         let like = best[0].t;
-        let (largest, smallest) = (like.like(f32::MAX), like.like(-f32::MAX));
+        let (largest, smallest) = (like.broadcast(f32::MAX), like.broadcast(-f32::MAX));
         let everything = V3 { x: largest, y: largest, z: largest };
         let nothing = V3 { x: smallest, y: smallest, z: smallest };
         let (mut low, mut high) = (everything, nothing);
         let mut g = first;
         while g < first + count {
-            let active = like.like(0.0).less_equal(best[g].t);
+            let active = best[g].t.ge(like.broadcast(0.0));
             let value = value(g);
             low = low.min(V3::select(active, value, everything));
             high = high.max(V3::select(active, value, nothing));

@@ -2,7 +2,7 @@
 //! Intersection", 1997), and what exactly counts as a hit.
 
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::{Around, slab};
+use crate::kernel::slab::{RelativeBox, slab};
 use crate::lane::{Lane, Mask, V3};
 use crate::num::{FLOOR, TINY, flush, recip};
 use core::ops::Mul;
@@ -51,14 +51,14 @@ impl Triangle {
         ([low(0), low(1), low(2)], [high(0), high(1), high(2)])
     }
 
-    /// What [`meet`] needs of the triangle for rays that start at `origin`.
+    /// What [`intersect`] needs of the triangle for rays that start at `origin`.
     #[inline(always)]
-    pub fn seen_from<O: Lane>(&self, origin: V3<O>) -> Seen<O> {
+    pub fn relative_to<O: Lane>(&self, origin: V3<O>) -> RelativeTriangle<O> {
         let (ab, ac) = (&self.ab, &self.ac);
         let s = origin - V3::splat(origin.x.token(), self.corners[0]);
         let v =
             V3 { x: s.y * ab[2] - s.z * ab[1], y: s.z * ab[0] - s.x * ab[2], z: s.x * ab[1] - s.y * ab[0] };
-        Seen {
+        RelativeTriangle {
             u: V3 {
                 x: s.z * ac[1] - s.y * ac[2],
                 y: s.x * ac[2] - s.z * ac[0],
@@ -72,7 +72,7 @@ impl Triangle {
 
 /// A triangle, as seen from where rays start: what their directions are multiplied with.
 #[derive(Clone, Copy)]
-pub struct Seen<O> {
+pub struct RelativeTriangle<O> {
     /// `ac × (o − a)`.
     u: V3<O>,
     /// `(o − a) × ab`.
@@ -81,22 +81,22 @@ pub struct Seen<O> {
     distance: O,
 }
 
-impl<O: Lane> Seen<O> {
+impl<O: Lane> RelativeTriangle<O> {
     /// Whether it is the front of the triangle that is seen, from where its corners are
     /// counterclockwise: `(o − a) · (ab × ac) > 0`. `like` is a value of the rays.
     ///
-    /// The triangle and what it is seen from are in the space of its object, so that the front
+    /// The triangle and what it is seen from are in the space of its instance, so that the front
     /// of one that is placed mirrored is that of one that is not, as glTF 2.0 has it (section
     /// 3.7.4).
     #[inline(always)]
     pub fn front<L: Lane + Mul<O, Output = L>>(&self, like: L) -> L::Mask {
-        like.like(0.0).less_than(like.like(1.0) * self.distance)
+        like.broadcast(0.0).lt(like.broadcast(1.0) * self.distance)
     }
 }
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy)]
-pub struct Meeting<L: Lane> {
+pub struct Intersection<L: Lane> {
     /// The lanes that meet it; the rest of the fields mean nothing in the others.
     pub mask: L::Mask,
     /// Where on the ray.
@@ -132,12 +132,12 @@ pub struct Meeting<L: Lane> {
 /// folded in, and a numerator below 2⁻¹⁰⁰ counts as 0, as it does on devices that flush
 /// denormals.
 #[inline(always)]
-pub fn meet<L: Lane + Mul<O, Output = L>, O: Lane>(
+pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
     ray: &Ray<L, O>,
     triangle: &Triangle,
-    seen: &Seen<O>,
+    seen: &RelativeTriangle<O>,
     limit: L,
-) -> Meeting<L> {
+) -> Intersection<L> {
     let d = &ray.direction;
     let n = &triangle.across;
     let determinant = d.x * n[0] + d.y * n[1] + d.z * n[2];
@@ -146,31 +146,29 @@ pub fn meet<L: Lane + Mul<O, Output = L>, O: Lane>(
     let u = (d.x * seen.u.x + d.y * seen.u.y + d.z * seen.u.z).flip_sign(sign);
     let v = (d.x * seen.v.x + d.y * seen.v.y + d.z * seen.v.z).flip_sign(sign);
     // Cheap, and wider than the test below by more than any flushing: most rays end here.
-    let below = size.like(-2.0 * FLOOR);
-    let mut mask = below.less_than(u)
-        & below.less_than(v)
-        & size.like(DETERMINANT_FLOOR).less_equal(size)
-        & ((u + v) * 0.999).less_equal(size);
+    let below = size.broadcast(-2.0 * FLOOR);
+    let mut mask =
+        below.lt(u) & below.lt(v) & size.broadcast(DETERMINANT_FLOOR).le(size) & ((u + v) * 0.999).le(size);
     let mut t = limit;
     let (mut weight_u, mut weight_v) = (u, v);
     if mask.any() {
-        let zero = size.like(0.0);
+        let zero = size.broadcast(0.0);
         let (u, v) = (flush(u), flush(v));
         let inverse = recip(size);
         let (low, high) = triangle.bounds();
-        let (near, far) = slab(ray, &Around::new(ray.origin, &low, &high));
+        let (near, far) = slab(ray, &RelativeBox::new(ray.origin, &low, &high));
         let t_plane = inverse.flip_sign(sign) * seen.distance;
         t = t_plane.min(far).max(near);
         mask = mask
-            & zero.less_equal(u)
-            & zero.less_equal(v)
-            & (u + v).less_equal(size)
-            & near.less_equal(far)
-            & zero.less_than(zero.like(1.0).flip_sign(sign) * seen.distance)
-            & zero.like(TINY).less_than(t)
-            & t.less_equal(limit);
+            & u.ge(zero)
+            & v.ge(zero)
+            & (u + v).le(size)
+            & near.le(far)
+            & zero.lt(zero.broadcast(1.0).flip_sign(sign) * seen.distance)
+            & zero.broadcast(TINY).lt(t)
+            & t.le(limit);
         weight_u = flush(u * inverse);
         weight_v = flush(v * inverse);
     }
-    Meeting { mask, t, u: weight_u, v: weight_v }
+    Intersection { mask, t, u: weight_u, v: weight_v }
 }

@@ -57,7 +57,7 @@ pub fn camera_ray<L: Lane>(view: &View, x: L, y: L) -> Ray<L> {
 /// For a point light: the face of the offset's longest axis (`+x −x +y −y +z −z`, the
 /// first of equals), in which the other two coordinates, divided by it, give column and
 /// row. The offset is taken first, so that column and row are off by a few rounding errors
-/// of themselves only; binning widens every object by more.
+/// of themselves only; binning widens every instance by more.
 #[inline(always)]
 pub fn light_block<L: Lane>(light: &View, point: V3<L>) -> L::Bits {
     let token = point.x.token();
@@ -65,29 +65,29 @@ pub fn light_block<L: Lane>(light: &View, point: V3<L>) -> L::Bits {
     // Not `== Point`: the first face of a spot light's cube may be off.
     let (column, row, face) = if light.kind != ViewKind::Sun as u32 {
         let (x, y, z) = (offset.x, offset.y, offset.z);
-        let in_x = y.abs().less_equal(x.abs()) & z.abs().less_equal(x.abs());
-        let in_y = z.abs().less_equal(y.abs());
+        let in_x = y.abs().le(x.abs()) & z.abs().le(x.abs());
+        let in_y = z.abs().le(y.abs());
         let major = in_x.select(x, in_y.select(y, z));
         let inverse = recip(major.abs());
         let half = light.width as f32 * 0.5;
         let column = in_x.select(y, x) * inverse * half + half;
         let row = (in_x | in_y).select(z, y) * inverse * half + half;
-        let axis = in_x.select(x.bits_like(0), in_y.select(x.bits_like(2), x.bits_like(4)));
+        let axis = in_x.select(x.broadcast_bits(0), in_y.select(x.broadcast_bits(2), x.broadcast_bits(4)));
         (column, row, axis + (major.to_bits() >> 31))
     } else {
         let column = offset.dot(V3::splat(token, light.x));
         let row = offset.dot(V3::splat(token, light.y));
-        (column, row, column.bits_like(0))
+        (column, row, column.broadcast_bits(0))
     };
     let size = light.width * light.height;
     let block = times(cell(row, light.height), light.width) + cell(column, light.width);
-    block + times(face, size) + block.like(light.first_block)
+    block + times(face, size) + block.broadcast(light.first_block)
 }
 
 /// `a · b`, as a sum: lanes have no integer multiplication.
 #[inline(always)]
 fn times<B: Bits>(a: B, b: u32) -> B {
-    let mut sum = a.like(0);
+    let mut sum = a.broadcast(0);
     let mut shift = 0;
     while b >> shift != 0 {
         if b >> shift & 1 == 1 {
@@ -102,7 +102,7 @@ fn times<B: Bits>(a: B, b: u32) -> B {
 /// the first for NaN.
 #[inline(always)]
 pub fn cell<L: Lane>(coordinate: L, count: u32) -> L::Bits {
-    let zero = coordinate.like(0.0);
-    let c = zero.less_than(coordinate).select(coordinate, zero);
+    let zero = coordinate.broadcast(0.0);
+    let c = coordinate.gt(zero).select(coordinate, zero);
     to_integer(clamp(floor(clamp(c, 0.0, count as f32)), 0.0, (count - 1) as f32))
 }

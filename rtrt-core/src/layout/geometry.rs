@@ -1,4 +1,4 @@
-//! Meshes, their trees, and the objects that place them in the world.
+//! Meshes, their trees, and the instances that place them in the world.
 
 use crate::layout::NONE;
 use bytemuck::{Pod, Zeroable};
@@ -47,7 +47,7 @@ pub struct Attribute {
 }
 const _: () = assert!(size_of::<Attribute>() == 24 && offset_of!(Attribute, color) == 20);
 
-/// What kind of thing an object is.
+/// What kind of thing an instance is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Kind {
@@ -64,7 +64,7 @@ pub enum Kind {
 /// A mesh, or a sphere, placed in the world.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Object {
+pub struct Instance {
     /// World to object space, three rows.
     pub to_object: [[f32; 4]; 3],
     /// Object to world space, three rows.
@@ -92,34 +92,34 @@ pub struct Object {
     /// Rounding error of whatever culls with the bounds, relative to the frame's
     /// magnitude.
     pub slack: f32,
-    /// Where the mesh's packed tangents, one a vertex, start in the scene's words; 0 for none.
+    /// Where the mesh's packed tangents, one a vertex, start in the scene's mesh_data; 0 for none.
     pub first_tangent: u32,
-    /// Where the mesh's second texture coordinates, two words a vertex, start in the scene's
-    /// words; 0 for none.
+    /// Where the mesh's second texture coordinates, two mesh_data a vertex, start in the scene's
+    /// mesh_data; 0 for none.
     pub first_second_uv: u32,
-    /// Where the object's pane starts in the scene's words (see [`crate::kernel::pane`]); 0 for
-    /// an object that is opaque everywhere.
-    pub pane: u32,
+    /// Where the instance's pane starts in the scene's mesh_data (see [`crate::kernel::transparency`]); 0 for
+    /// an instance that is opaque everywhere.
+    pub transparency: u32,
     /// [`Kind`]. A sphere's mesh has two triangles without area that span its bounds.
     pub kind: u32,
     /// The node, in the scene's nodes, that rays are asked for first: the root, or what a part of
-    /// an object begins with.
+    /// an instance begins with.
     pub start: u32,
-    /// The object that this is a part of; [`NONE`] for a whole one.
-    pub part_of: u32,
+    /// The instance that this is a part of; [`NONE`] for a whole one.
+    pub opened_from: u32,
     /// 1 where the camera sees it from both sides, else 0 (see
     /// [`Material::double_sided`](crate::layout::Material::double_sided)).
     pub double_sided: u32,
 }
-const _: () = assert!(size_of::<Object>() == 192 && offset_of!(Object, slack) == 160);
-const _: () = assert!(offset_of!(Object, low) == 96 && offset_of!(Object, center) == 128);
-const _: () = assert!(offset_of!(Object, first_index) == 144);
+const _: () = assert!(size_of::<Instance>() == 192 && offset_of!(Instance, slack) == 160);
+const _: () = assert!(offset_of!(Instance, low) == 96 && offset_of!(Instance, center) == 128);
+const _: () = assert!(offset_of!(Instance, first_index) == 144);
 
-impl Object {
-    /// The number of the object that the one with this number is, or is a part of.
+impl Instance {
+    /// The number of the instance that the one with this number is, or is a part of.
     #[inline(always)]
-    pub fn whole(&self, number: u32) -> u32 {
-        if self.part_of == NONE { number } else { self.part_of }
+    pub fn source_instance(&self, number: u32) -> u32 {
+        if self.opened_from == NONE { number } else { self.opened_from }
     }
     /// Whether it is what shows the light.
     #[inline(always)]
@@ -131,18 +131,18 @@ impl Object {
     pub fn is_sphere(&self) -> bool {
         self.kind != Kind::Mesh as u32
     }
-    /// The vertices at the corners of a triangle of the object's mesh; `words` are the
+    /// The vertices at the corners of a triangle of the instance's mesh; `mesh_data` are the
     /// scene's.
     #[inline(always)]
-    pub fn corners(&self, words: &[u32], triangle: u32) -> [u32; 3] {
+    pub fn corners(&self, mesh_data: &[u32], triangle: u32) -> [u32; 3] {
         let first = (self.first_index + 3 * triangle) as usize;
         let base = self.first_vertex;
-        [base + words[first], base + words[first + 1], base + words[first + 2]]
+        [base + mesh_data[first], base + mesh_data[first + 1], base + mesh_data[first + 2]]
     }
     /// The bounds, widened by the rounding error of a frame of this magnitude: a ray that
-    /// meets the object in its own space meets these in world space.
+    /// meets the instance in its own space meets these in world space.
     #[inline(always)]
-    pub fn widened(&self, magnitude: f32) -> ([f32; 3], [f32; 3]) {
+    pub fn padded_aabb(&self, magnitude: f32) -> ([f32; 3], [f32; 3]) {
         let (low, high) = (&self.low, &self.high);
         let by = self.slack * magnitude;
         ([low[0] - by, low[1] - by, low[2] - by], [high[0] + by, high[1] + by, high[2] + by])

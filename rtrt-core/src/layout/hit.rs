@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;
 
-/// The id of no object and no triangle.
+/// The id of no instance and no triangle.
 pub const NONE: u32 = u32::MAX;
 
 /// The closest surface on a ray.
@@ -13,9 +13,9 @@ pub struct Hit {
     /// Where on the ray, in lengths of its direction; `f32::MAX` where nothing is hit.
     /// For a camera ray that is the depth, in world units.
     pub t: f32,
-    /// The object, or [`NONE`].
-    pub object: u32,
-    /// The triangle of the object's mesh, or [`NONE`].
+    /// The instance, or [`NONE`].
+    pub instance: u32,
+    /// The triangle of the instance's mesh, or [`NONE`].
     pub triangle: u32,
     /// Barycentric weight of the second corner.
     pub u: f32,
@@ -26,7 +26,7 @@ const _: () = assert!(size_of::<Hit>() == 20 && offset_of!(Hit, v) == 16);
 
 impl Hit {
     /// No hit.
-    pub const MISS: Self = Self { t: f32::MAX, object: NONE, triangle: NONE, u: 0.0, v: 0.0 };
+    pub const MISS: Self = Self { t: f32::MAX, instance: NONE, triangle: NONE, u: 0.0, v: 0.0 };
 }
 
 /// The surface at a hit; all zero where nothing was hit.

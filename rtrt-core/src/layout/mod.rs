@@ -7,7 +7,7 @@ mod material;
 mod probe;
 mod view;
 
-pub use geometry::{Attribute, Kind, Node, Object};
+pub use geometry::{Attribute, Instance, Kind, Node};
 pub use hit::{Hit, Lit, NONE, Surface};
 pub use material::{AlphaMode, COLOR_LIMIT, LIGHT_LIMIT, Material, Texture, Wrap};
 pub use probe::{PROBES, probe};

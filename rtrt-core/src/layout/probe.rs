@@ -1,6 +1,6 @@
 //! Where a device finds the fields of what both sides read.
 
-use crate::layout::{Attribute, Frame, Hit, Material, Node, Object, Surface, View};
+use crate::layout::{Attribute, Frame, Hit, Instance, Material, Node, Surface, View};
 
 /// How many words [`probe`] gives.
 pub const PROBES: usize = 33;
@@ -13,14 +13,14 @@ pub const PROBES: usize = 33;
 pub fn probe(
     frame: &Frame,
     views: &[View],
-    objects: &[Object],
+    instances: &[Instance],
     nodes: &[Node],
     attributes: &[Attribute],
     materials: &[Material],
     surfaces: &[Surface],
     hits: &[Hit],
 ) -> [u32; PROBES] {
-    let (view, object, node) = (&views[1], &objects[1], &nodes[1]);
+    let (view, instance, node) = (&views[1], &instances[1], &nodes[1]);
     let (attribute, material) = (&attributes[1], &materials[1]);
     let (surface, hit) = (&surfaces[1], &hits[1]);
     [
@@ -28,7 +28,7 @@ pub fn probe(
         frame.rays,
         frame.magnitude.to_bits(),
         frame.layers,
-        frame.window,
+        frame.penumbra_window,
         frame.backdrop,
         view.center[0].to_bits(),
         view.kind,
@@ -36,14 +36,14 @@ pub fn probe(
         view.first_block,
         view.reach_squared.to_bits(),
         view.jitter,
-        object.to_object[0][0].to_bits(),
-        object.to_world[2][3].to_bits(),
-        object.root,
-        object.center[1].to_bits(),
-        object.slack.to_bits(),
-        object.kind,
-        object.part_of,
-        object.double_sided,
+        instance.to_object[0][0].to_bits(),
+        instance.to_world[2][3].to_bits(),
+        instance.root,
+        instance.center[1].to_bits(),
+        instance.slack.to_bits(),
+        instance.kind,
+        instance.opened_from,
+        instance.double_sided,
         node.first,
         node.kind,
         attribute.normal[0].to_bits(),

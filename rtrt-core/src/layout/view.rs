@@ -90,13 +90,13 @@ pub struct View {
     pub margin: f32,
     /// Light: what the numbers of rays are mixed with to jitter these points; 0 for no jitter.
     pub jitter: u32,
-    /// 1 where all blocks share one list, of every object in order.
+    /// 1 where all blocks share one list, of every instance in order.
     pub one_list: u32,
     /// Camera: 1 where footprints grow with the angle at which a surface is seen, else 0.
     pub by_angle: u32,
     /// Sun: how far from the camera its shadows end, world units; 0 for nowhere.
     pub shadow_distance: f32,
-    /// Sun: 1 where objects whose shadows cannot be seen are left out (see
+    /// Sun: 1 where instances whose shadows cannot be seen are left out (see
     /// [`frustum`](crate::kernel::frustum)).
     pub seen_only: u32,
 }
@@ -130,7 +130,7 @@ pub struct Frame {
     /// of lights are not kept.
     pub views: u32,
     /// Objects in the scene.
-    pub objects: u32,
+    pub instances: u32,
     /// Lights in the scene.
     pub lights: u32,
     /// Blocks in the lists, of all views.
@@ -157,7 +157,7 @@ pub struct Frame {
     pub background_g: f32,
     /// Blue.
     pub background_b: f32,
-    /// The largest coordinate of anything in the frame, in magnitude: objects, camera,
+    /// The largest coordinate of anything in the frame, in magnitude: instances, camera,
     /// lights. Rounding errors of culling are relative to it.
     pub magnitude: f32,
     /// 1 where a material asks for normal maps or a second set of texture coordinates.
@@ -169,14 +169,14 @@ pub struct Frame {
     /// How many squares there are for mirrors.
     pub sky_levels: u32,
     /// The most layers of surfaces that a ray still looks at, those of this dispatch included;
-    /// 0 where every object is opaque everywhere.
+    /// 0 where every instance is opaque everywhere.
     pub layers: u32,
-    /// The most rays that a penumbra reaches aside (see [`penumbra`](crate::stage::penumbra));
+    /// The most rays that a penumbra reaches aside (see [`penumbra`](crate::stage::blocker_search));
     /// 0 for a frame without soft shadows.
-    pub window: u32,
-    /// How many objects, or parts of objects, the camera's lists choose from.
+    pub penumbra_window: u32,
+    /// How many instances, or parts of instances, the camera's lists choose from.
     pub seen: u32,
-    /// The first of them: 0, or, of parts, the number of objects, which they follow.
+    /// The first of them: 0, or, of parts, the number of instances, which they follow.
     pub first_seen: u32,
     /// [`Backdrop`].
     pub backdrop: u32,
@@ -209,7 +209,7 @@ impl Frame {
 
     /// The most pixels that a soft shadow is blurred aside: it ends there, however large its
     /// penumbra is.
-    pub const WINDOW: u32 = 24;
+    pub const PENUMBRA_WINDOW: u32 = 24;
 
     /// The frame's grid of rays.
     #[inline(always)]
@@ -227,18 +227,18 @@ impl Frame {
     }
     /// Whether shadows have colors, or shares, instead of a bit.
     #[inline(always)]
-    pub fn is_tinted(&self) -> bool {
-        self.layers != 0 || self.window != 0
+    pub fn has_transmittance(&self) -> bool {
+        self.layers != 0 || self.penumbra_window != 0
     }
-    /// The view and the object, or part of one, of the cover with this index: those of the camera
+    /// The view and the instance, or part of one, of the cover with this index: those of the camera
     /// first, then, view after view, those of lights.
     #[inline(always)]
-    pub fn of_cover(&self, index: u32) -> [u32; 2] {
+    pub fn of_screen_bounds(&self, index: u32) -> [u32; 2] {
         if index < self.seen {
             return [Self::CAMERA, self.first_seen + index];
         }
         let index = index - self.seen;
-        [1 + index / self.objects, index % self.objects]
+        [1 + index / self.instances, index % self.instances]
     }
     /// The first view of a light.
     #[inline(always)]

@@ -12,25 +12,25 @@ pub enum Mip {
     Angle,
 }
 
-/// What keeps rays from being asked for every object. No picture depends on it.
+/// What keeps rays from being asked for every instance. No picture depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Structure {
     /// Each block of each view has a list of what its rays may meet: of the camera's views, parts
-    /// of objects while there are few objects with many triangles, or else objects.
+    /// of instances while there are few instances with many triangles, or else instances.
     #[default]
     Blocks,
-    /// Each block of each view has a list of the objects that its rays may meet.
+    /// Each block of each view has a list of the instances that its rays may meet.
     Objects,
-    /// The lists of the camera's blocks hold parts of objects: of their meshes' trees the largest
+    /// The lists of the camera's blocks hold parts of instances: of their meshes' trees the largest
     /// nodes that have at most so many triangles; with 1 (or 0), all leaves. Lights have lists of
-    /// objects.
+    /// instances.
     Parts(u32),
-    /// Nothing: all blocks of a view share one list of all objects, in their order. To show what
+    /// Nothing: all blocks of a view share one list of all instances, in their order. To show what
     /// blocks are worth.
     None,
 }
 
-/// Which objects cast shadows of suns.
+/// Which instances cast shadows of suns.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Occluders {
     /// All.

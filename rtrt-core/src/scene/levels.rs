@@ -1,39 +1,43 @@
-//! Levels of detail: objects that have another mesh when they are farther away.
+//! Levels of detail: instances that have another mesh when they are farther away.
 
-use crate::layout::Object;
-use crate::scene::place::{Coat, Stored, matrix, place};
-use crate::scene::tree::Bounds;
-use crate::scene::{MaterialIndex, MeshIndex, ObjectIndex, Scene, SceneError, Versions};
+use crate::layout::Instance;
+use crate::scene::bvh::Bounds;
+use crate::scene::place::{InstanceMaterial, Stored, matrix, place};
+use crate::scene::{InstanceIndex, MaterialIndex, MeshIndex, Scene, SceneError, Versions};
 use alloc::vec::Vec;
 use glam::{DVec3, Mat4, Vec3};
 
-/// Another mesh of an object.
+/// Another mesh of an instance.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Level {
+pub(super) struct LodLevel {
     /// From this distance on.
     from: f32,
     /// Which mesh.
     mesh: MeshIndex,
-    /// The object that it then is.
-    placed: Object,
+    /// The instance that it then is.
+    placed: Instance,
 }
 
 impl Scene {
-    /// Gives an object other meshes from some distances on; those of before are forgotten. Its
+    /// Gives an instance other meshes from some distances on; those of before are forgotten. Its
     /// own mesh is for what is nearer than all of them.
     ///
-    /// Distances are from the camera to the nearest point of the bounds that the object has with
+    /// Distances are from the camera to the nearest point of the bounds that the instance has with
     /// its own mesh, so that what is chosen does not depend on what was chosen before. It is
     /// chosen once a frame, for everything in it: a shadow is that of the mesh that is seen.
     ///
     /// # Errors
-    /// An index is of another scene, a distance is not a number above 0, or the object would be
+    /// An index is of another scene, a distance is not a number above 0, or the instance would be
     /// out of range; nothing has changed then.
-    pub fn set_levels(&mut self, object: ObjectIndex, levels: &[(f32, MeshIndex)]) -> Result<(), SceneError> {
-        let (_, own) = self.object(object)?;
+    pub fn set_levels(
+        &mut self,
+        instance: InstanceIndex,
+        levels: &[(f32, MeshIndex)],
+    ) -> Result<(), SceneError> {
+        let (_, own) = self.instance(instance)?;
         let levels: Vec<_> =
             levels.iter().map(|&(from, mesh)| (from, mesh, MaterialIndex(own.material))).collect();
-        self.set_levels_with(object, &levels)
+        self.set_levels_with(instance, &levels)
     }
 
     /// [`Scene::set_levels`], each with a material of its own.
@@ -42,18 +46,18 @@ impl Scene {
     /// As for [`Scene::set_levels`].
     pub fn set_levels_with(
         &mut self,
-        object: ObjectIndex,
+        instance: InstanceIndex,
         levels: &[(f32, MeshIndex, MaterialIndex)],
     ) -> Result<(), SceneError> {
-        let (index, own) = self.object(object)?;
+        let (index, own) = self.instance(instance)?;
         let mut found = Vec::with_capacity(levels.len());
         for &(from, mesh, material) in levels {
             if !(from > 0.0 && from.is_finite()) {
                 return Err(SceneError::Distance { value: from });
             }
-            let mut placed = place(self.mesh(mesh.0)?, self.coat(material)?, matrix(&own))?;
-            placed.pane = self.pane(mesh.0, material.0)?;
-            found.push(Level { from, mesh, placed });
+            let mut placed = place(self.mesh(mesh.0)?, self.instance_material(material)?, matrix(&own))?;
+            placed.transparency = self.transparency(mesh.0, material.0)?;
+            found.push(LodLevel { from, mesh, placed });
         }
         found.sort_by(|a, b| a.from.total_cmp(&b.from));
         if found.is_empty() {
@@ -65,86 +69,86 @@ impl Scene {
         Ok(())
     }
 
-    /// An object's levels, placed elsewhere.
-    pub(super) fn moved_levels(&self, object: usize, to_world: Mat4) -> Result<Vec<Level>, SceneError> {
-        let levels = self.levels.get(&(object as u32)).map_or(&[][..], |levels| levels);
+    /// An instance's levels, placed elsewhere.
+    pub(super) fn moved_levels(&self, instance: usize, to_world: Mat4) -> Result<Vec<LodLevel>, SceneError> {
+        let levels = self.levels.get(&(instance as u32)).map_or(&[][..], |levels| levels);
         let moved = levels.iter().map(|level| {
-            let placed = place(self.mesh(level.mesh.0)?, Coat::of(&level.placed), to_world)?;
-            Ok(Level { placed, ..*level })
+            let placed = place(self.mesh(level.mesh.0)?, InstanceMaterial::of(&level.placed), to_world)?;
+            Ok(LodLevel { placed, ..*level })
         });
         moved.collect()
     }
 
-    /// The levels of all objects that have this mesh as one of theirs, where it now is as `stored`
+    /// The levels of all instances that have this mesh as one of theirs, where it now is as `stored`
     /// says.
     pub(super) fn reshaped_levels(
         &self,
         mesh: MeshIndex,
         stored: &Stored,
-    ) -> Result<Vec<(u32, usize, Object)>, SceneError> {
+    ) -> Result<Vec<(u32, usize, Instance)>, SceneError> {
         let mut placed = Vec::new();
-        for (&object, levels) in &self.levels {
+        for (&instance, levels) in &self.levels {
             for (number, level) in levels.iter().enumerate().filter(|(_, level)| level.mesh == mesh) {
                 let own = &level.placed;
-                placed.push((object, number, place(stored, Coat::of(own), matrix(own))?));
+                placed.push((instance, number, place(stored, InstanceMaterial::of(own), matrix(own))?));
             }
         }
         Ok(placed)
     }
 
     /// Keeps what [`Scene::reshaped_levels`] has found.
-    pub(super) fn replace_levels(&mut self, placed: Vec<(u32, usize, Object)>) {
-        for (object, number, placed) in placed {
-            if let Some(levels) = self.levels.get_mut(&object) {
+    pub(super) fn replace_levels(&mut self, placed: Vec<(u32, usize, Instance)>) {
+        for (instance, number, placed) in placed {
+            if let Some(levels) = self.levels.get_mut(&instance) {
                 levels[number].placed = placed;
             }
         }
     }
 
-    /// The level that a camera at `eye` sees of each object that has any; none for its own mesh.
-    fn seen_levels(&self, eye: Vec3) -> impl Iterator<Item = (usize, Option<&Level>)> {
+    /// The level that a camera at `eye` sees of each instance that has any; none for its own mesh.
+    fn seen_levels(&self, eye: Vec3) -> impl Iterator<Item = (usize, Option<&LodLevel>)> {
         self.levels.iter().map(move |(&index, levels)| {
             let index = index as usize;
-            let distance = distance(eye, &self.objects()[index]);
+            let distance = distance(eye, &self.instances()[index]);
             let far = levels.iter().rev().find(|level| distance >= f64::from(level.from));
             (index, far.filter(|_| self.is_seen(index)))
         })
     }
 }
 
-/// The objects of a frame of a scene where some have levels.
+/// The instances of a frame of a scene where some have levels.
 #[derive(Debug, Clone)]
-pub(super) struct Chosen {
+pub(super) struct LodSelection {
     /// Whether some have.
     pub is_needed: bool,
     scene: u32,
     versions: Versions,
-    /// The distances from which on the levels are seen that were chosen; 0 for an object's own mesh.
+    /// The distances from which on the levels are seen that were chosen; 0 for an instance's own mesh.
     from: Vec<f32>,
-    objects: Vec<Object>,
+    instances: Vec<Instance>,
     pub bounds: Bounds,
-    /// Another number whenever other objects were chosen.
+    /// Another number whenever other instances were chosen.
     pub changes: u32,
 }
 
-impl Default for Chosen {
+impl Default for LodSelection {
     fn default() -> Self {
         Self {
             is_needed: false,
             scene: 0,
             versions: Versions::default(),
             from: Vec::new(),
-            objects: Vec::new(),
+            instances: Vec::new(),
             bounds: Bounds::EMPTY,
             changes: 0,
         }
     }
 }
 
-impl Chosen {
-    /// The objects of the frame: the scene's, or those with the levels that were chosen.
-    pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
-        if self.is_needed { &self.objects } else { scene.objects() }
+impl LodSelection {
+    /// The instances of the frame: the scene's, or those with the levels that were chosen.
+    pub fn instances<'a>(&'a self, scene: &'a Scene) -> &'a [Instance] {
+        if self.is_needed { &self.instances } else { scene.instances() }
     }
 
     /// Chooses what a camera at `eye` sees. Nothing is done where that is what was chosen last.
@@ -153,7 +157,7 @@ impl Chosen {
         if !self.is_needed {
             return;
         }
-        let from = |level: Option<&Level>| level.map_or(0.0, |level| level.from);
+        let from = |level: Option<&LodLevel>| level.map_or(0.0, |level| level.from);
         let source = (scene.id(), scene.versions());
         let is_same = self.changes > 0
             && source == (self.scene, self.versions)
@@ -164,22 +168,22 @@ impl Chosen {
         (self.scene, self.versions) = source;
         self.changes += 1;
         self.from.clear();
-        self.objects.clear();
-        self.objects.extend_from_slice(scene.objects());
+        self.instances.clear();
+        self.instances.extend_from_slice(scene.instances());
         for (index, level) in scene.seen_levels(eye) {
             self.from.push(from(level));
             if let Some(level) = level {
-                self.objects[index] = level.placed;
+                self.instances[index] = level.placed;
             }
         }
-        let seen = self.objects.iter().enumerate().filter(|(index, _)| scene.is_seen(*index));
+        let seen = self.instances.iter().enumerate().filter(|(index, _)| scene.is_seen(*index));
         self.bounds = seen.fold(Bounds::EMPTY, |all, (_, o)| all.union(&Bounds { low: o.low, high: o.high }));
     }
 }
 
-/// From a place to the nearest point of an object's bounds; 0 inside.
-fn distance(from: Vec3, object: &Object) -> f64 {
-    let [low, high] = [object.low, object.high].map(|corner| Vec3::from(corner).as_dvec3());
+/// From a place to the nearest point of an instance's bounds; 0 inside.
+fn distance(from: Vec3, instance: &Instance) -> f64 {
+    let [low, high] = [instance.low, instance.high].map(|corner| Vec3::from(corner).as_dvec3());
     let from = from.as_dvec3();
     let away = (low - from).max(from - high).max(DVec3::ZERO);
     libm::sqrt(away.length_squared())

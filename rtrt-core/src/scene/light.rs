@@ -3,9 +3,9 @@
 use crate::layout::{Frame, LIGHT_LIMIT, View, ViewKind};
 use crate::num::flush;
 use crate::scene::SetupError;
+use crate::scene::bvh::Bounds;
 use crate::scene::camera::{single, unit};
 use crate::scene::floor::floored;
-use crate::scene::tree::Bounds;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 

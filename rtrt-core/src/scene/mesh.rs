@@ -6,7 +6,7 @@ use crate::scene::tangent;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// The largest coordinate that a mesh or a placed object may have, in magnitude: 2³⁰.
+/// The largest coordinate that a mesh or a placed instance may have, in magnitude: 2³⁰.
 /// The triangle test multiplies three of them, which must stay far from overflow.
 pub const COORDINATE_LIMIT: f32 = 1_073_741_824.0;
 

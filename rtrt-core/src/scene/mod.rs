@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use rtrt_core::layout::{Attribute, Texture};
-//! use rtrt_core::scene::{Light, Mesh, MeshTree, Scene, Sequential, phong};
+//! use rtrt_core::scene::{Light, Mesh, Bvh, Scene, Sequential, phong};
 //!
 //! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! // Without a normal of its own, a vertex has that of its triangle.
@@ -10,9 +10,9 @@
 //! let mesh = Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2])?;
 //! let mut scene = Scene::new();
 //! let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.7, Texture::NONE, [0.0; 3]))?;
-//! let mesh = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential))?;
+//! let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential))?;
 //! for x in [-2.0, 0.0, 2.0] {
-//!     scene.add_object(mesh, red, glam::Mat4::from_translation([x, 0.0, 0.0].into()))?;
+//!     scene.add_instance(mesh, red, glam::Mat4::from_translation([x, 0.0, 0.0].into()))?;
 //! }
 //! scene.add_light(Light::Sun { direction: [0.0, -1.0, -1.0].into(), color: [1.0; 3].into(), radius: 0.0 });
 //! assert_eq!((scene.triangles(), scene.drawn_triangles()), (1, 3));
@@ -23,36 +23,36 @@
 //! calls `libm`, which makes hosts agree where the standard libraries differ. Kernels read
 //! what is built here.
 
+mod bvh;
 mod camera;
 mod choice;
 mod cube;
+mod cut;
 mod environment;
 mod floor;
 mod image;
-mod kept;
 mod levels;
 mod light;
+mod list_cache;
 mod material;
 mod mesh;
 mod motion;
-mod parts;
 mod place;
 mod setup;
 mod store;
 mod tangent;
-mod tree;
 mod views;
 
+pub use bvh::{Bvh, BvhError, Join, Sequential};
 pub use camera::{Camera, Projection};
 pub use choice::{Mip, Occluders, Structure};
 pub use cube::{Cube, CubeError};
 pub use environment::{Panorama, PanoramaError};
 pub use image::{Content, Image, ImageError};
-pub use kept::{Kept, Source};
 pub use light::Light;
+pub use list_cache::{ListCacheKey, ReusableLists};
 pub use material::phong;
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};
 pub use motion::Motion;
 pub use setup::{Setup, SetupError};
-pub use store::{MaterialIndex, MeshIndex, ObjectIndex, Scene, SceneError, Versions};
-pub use tree::{Join, MeshTree, Sequential, TreeError};
+pub use store::{InstanceIndex, MaterialIndex, MeshIndex, Scene, SceneError, Versions};

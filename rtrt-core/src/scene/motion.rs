@@ -2,19 +2,19 @@
 
 use glam::{DMat3, DMat4, DQuat, DVec3, Mat4, Vec3};
 
-/// How an object moves: along a line, and around an axis through its own origin.
+/// How an instance moves: along a line, and around an axis through its own origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motion {
     /// World units a second.
     pub velocity: Vec3,
-    /// What it turns around, world space, any length; 0 for an object that does not turn.
+    /// What it turns around, world space, any length; 0 for an instance that does not turn.
     pub axis: Vec3,
     /// Radians a second, counterclockwise where the axis points to the viewer.
     pub rate: f32,
 }
 
 impl Motion {
-    /// Where an object is after `time` seconds that was at `start`; see
+    /// Where an instance is after `time` seconds that was at `start`; see
     /// [`Scene::set_transforms`](crate::scene::Scene::set_transforms).
     ///
     /// Always computed from the start, in `f64`: no error adds up from frame to frame, and a

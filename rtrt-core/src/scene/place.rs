@@ -1,9 +1,9 @@
-//! A mesh in the scene's arrays, and the object that it is where it is placed.
+//! A mesh in the scene's arrays, and the instance that it is where it is placed.
 
-use crate::layout::{Kind, Material, NONE, Object};
+use crate::layout::{Instance, Kind, Material, NONE};
 use crate::num::flush;
+use crate::scene::bvh::Bounds;
 use crate::scene::camera::single;
-use crate::scene::tree::Bounds;
 use crate::scene::{COORDINATE_LIMIT, Mesh, SceneError};
 use glam::{DMat4, DVec3, Mat4};
 
@@ -20,8 +20,8 @@ pub(super) struct Stored {
     pub nodes: u32,
     pub vertices: u32,
     /// For each set of texture coordinates, where the vertices of panes start in the words; 0
-    /// where no object has asked for them.
-    pub panes: [u32; 2],
+    /// where no instance has asked for them.
+    pub transparencies: [u32; 2],
     pub triangles: u32,
     pub bounds: Bounds,
     pub center: DVec3,
@@ -29,27 +29,31 @@ pub(super) struct Stored {
 }
 
 /// Rounding error of everything that culls with world bounds, relative to the largest
-/// coordinate in a frame: 2⁻¹⁶, some hundred roundings. Multiplied by how much an object's
+/// coordinate in a frame: 2⁻¹⁶, some hundred roundings. Multiplied by how much an instance's
 /// transform, there and back, can magnify errors.
 const SLACK: f64 = 1.0 / 65536.0;
 
-/// What an object takes from its material.
+/// What an instance takes from its material.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Coat {
+pub(super) struct InstanceMaterial {
     material: u32,
-    pane: u32,
+    transparency: u32,
     double_sided: u32,
 }
 
-impl Coat {
-    /// A material, which is `number` in the scene, without a pane.
+impl InstanceMaterial {
+    /// A material, which is `number` in the scene, without a transparency.
     pub fn new(number: u32, material: &Material) -> Self {
-        Self { material: number, pane: 0, double_sided: material.double_sided }
+        Self { material: number, transparency: 0, double_sided: material.double_sided }
     }
 
-    /// That of an object.
-    pub fn of(object: &Object) -> Self {
-        Self { material: object.material, pane: object.pane, double_sided: object.double_sided }
+    /// That of an instance.
+    pub fn of(instance: &Instance) -> Self {
+        Self {
+            material: instance.material,
+            transparency: instance.transparency,
+            double_sided: instance.double_sided,
+        }
     }
 }
 
@@ -61,15 +65,19 @@ pub(super) fn sphere(mesh: &Mesh, bounds: &Bounds) -> (DVec3, f64) {
     (center, libm::sqrt(squared.fold(0.0, f64::max)))
 }
 
-/// The transform that an object was placed with, without denormals.
-pub(super) fn matrix(object: &Object) -> Mat4 {
-    let [x, y, z] = object.to_world.map(glam::Vec4::from_array);
+/// The transform that an instance was placed with, without denormals.
+pub(super) fn matrix(instance: &Instance) -> Mat4 {
+    let [x, y, z] = instance.to_world.map(glam::Vec4::from_array);
     Mat4::from_cols(x, y, z, glam::Vec4::W).transpose()
 }
 
-/// The object of a mesh placed in the world, computed in `f64`.
-pub(super) fn place(mesh: &Stored, coat: Coat, to_world: Mat4) -> Result<Object, SceneError> {
-    // So that an object that is placed once more, by what was kept of its transform, is the same.
+/// The instance of a mesh placed in the world, computed in `f64`.
+pub(super) fn place(
+    mesh: &Stored,
+    instance_material: InstanceMaterial,
+    to_world: Mat4,
+) -> Result<Instance, SceneError> {
+    // So that an instance that is placed once more, by what was kept of its transform, is the same.
     let to_world = Mat4::from_cols_array(&to_world.to_cols_array().map(flush));
     let m = to_world.as_dmat4();
     let affine = to_world.row(3) == glam::Vec4::W;
@@ -94,41 +102,41 @@ pub(super) fn place(mesh: &Stored, coat: Coat, to_world: Mat4) -> Result<Object,
     if !to_object.as_flattened().iter().chain(to_world_rows.as_flattened()).all(|v| v.is_finite()) {
         return Err(SceneError::Transform);
     }
-    Ok(Object {
+    Ok(Instance {
         to_object,
         to_world: to_world_rows,
         low: corners.low,
         root: mesh.root,
         start: mesh.root,
-        part_of: NONE,
+        opened_from: NONE,
         high: corners.high,
         first_vertex: mesh.first_vertex,
         center: single(center),
         radius: flush(radius as f32),
         first_index: mesh.first_index,
         triangles: mesh.triangles,
-        material: coat.material,
+        material: instance_material.material,
         is_identity: u32::from(to_world == Mat4::IDENTITY),
         slack: (SLACK * condition(&m, &inverse)) as f32,
         first_tangent: mesh.first_tangent,
         first_second_uv: mesh.first_second_uv,
-        pane: coat.pane,
+        transparency: instance_material.transparency,
         kind: mesh.kind as u32,
-        double_sided: coat.double_sided,
+        double_sided: instance_material.double_sided,
     })
 }
 
-/// The object with the bounds of a part of it, which are `bounds` in its own space; `matrix` is
+/// The instance with the bounds of a part of it, which are `bounds` in its own space; `matrix` is
 /// the transform that it was placed with.
-pub(super) fn part(object: &Object, matrix: &DMat4, bounds: &Bounds) -> Object {
+pub(super) fn part(instance: &Instance, matrix: &DMat4, bounds: &Bounds) -> Instance {
     let corners = around(matrix, bounds);
     let [low, high] = [bounds.low, bounds.high].map(|corner| DVec3::from(corner.map(f64::from)));
-    Object {
+    Instance {
         low: corners.low,
         high: corners.high,
         center: single(matrix.transform_point3((low + high) * 0.5)),
         radius: flush(half_diagonal(&corners) as f32),
-        ..*object
+        ..*instance
     }
 }
 

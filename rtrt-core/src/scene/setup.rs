@@ -2,11 +2,11 @@
 
 use crate::backend::Shadows;
 use crate::grid::{BLOCK_RAYS, Grid};
-use crate::layout::{AlphaMode, Backdrop, Frame, Object, View};
+use crate::layout::{AlphaMode, Backdrop, Frame, Instance, View};
+use crate::scene::cut::BvhCut;
 use crate::scene::floor::floored;
-use crate::scene::levels::Chosen;
+use crate::scene::levels::LodSelection;
 use crate::scene::light::is_color;
-use crate::scene::parts::Parts;
 use crate::scene::views::{Lights, light_views, mark};
 use crate::scene::{Camera, Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
@@ -70,9 +70,9 @@ pub enum SetupError {
         /// Layers a ray.
         layers: u32,
     },
-    /// More parts of objects than block lists can hold; see [`Structure::Parts`].
-    #[error("the objects have more than {limit} parts of {triangles} triangles")]
-    Parts {
+    /// More parts of instances than block lists can hold; see [`Structure::Parts`].
+    #[error("the instances have more than {limit} parts of {triangles} triangles")]
+    BvhCut {
         /// What a part has at most.
         triangles: u32,
         /// The most parts there may be.
@@ -98,9 +98,9 @@ pub struct Setup {
     pub views: Vec<View>,
     /// What the views of lights were made of.
     lights: Option<Lights>,
-    /// The objects with the levels of detail of this frame, where there are any.
-    chosen: Chosen,
-    parts: Parts,
+    /// The instances with the levels of detail of this frame, where there are any.
+    lods: LodSelection,
+    cut: BvhCut,
 }
 
 impl Default for Setup {
@@ -109,8 +109,8 @@ impl Default for Setup {
             frame: Frame::zeroed(),
             views: Vec::new(),
             lights: None,
-            chosen: Chosen::default(),
-            parts: Parts::default(),
+            lods: LodSelection::default(),
+            cut: BvhCut::default(),
         }
     }
 }
@@ -123,27 +123,27 @@ impl Setup {
     /// The most layers of surfaces that a ray looks at.
     pub const MAX_LAYERS: u32 = 64;
 
-    /// The objects of the frame: the scene's, with the levels of detail that the camera sees; then
+    /// The instances of the frame: the scene's, with the levels of detail that the camera sees; then
     /// their parts, where the camera's lists hold those.
-    pub fn objects<'a>(&'a self, scene: &'a Scene) -> &'a [Object] {
-        if self.parts.triangles.is_some() { self.parts.objects() } else { self.chosen.objects(scene) }
+    pub fn instances<'a>(&'a self, scene: &'a Scene) -> &'a [Instance] {
+        if self.cut.triangles.is_some() { self.cut.instances() } else { self.lods.instances(scene) }
     }
 
-    /// Has lists hold whole objects, whatever [`Structure`] says, or not.
-    pub fn keep_objects_whole(&mut self, are_whole: bool) {
-        self.parts.are_refused = are_whole;
+    /// Has lists hold whole instances, whatever [`Structure`] says, or not.
+    pub fn keep_instances_closed(&mut self, are_whole: bool) {
+        self.cut.are_refused = are_whole;
     }
 
-    /// The triangles that a part of an object has at most; none where lists hold whole objects.
-    pub fn part_triangles(&self) -> Option<u32> {
-        self.parts.triangles
+    /// The triangles that a part of an instance has at most; none where lists hold whole instances.
+    pub fn cut_triangles(&self) -> Option<u32> {
+        self.cut.triangles
     }
 
     /// Another number whenever other levels of detail are seen of the same scene; 0 where it has
-    /// none. [`Setup::objects`] are the same while this, [`Setup::part_triangles`] and the scene
+    /// none. [`Setup::instances`] are the same while this, [`Setup::cut_triangles`] and the scene
     /// are.
-    pub fn chosen(&self) -> u32 {
-        if self.chosen.is_needed { self.chosen.changes } else { 0 }
+    pub fn lod_revision(&self) -> u32 {
+        if self.lods.is_needed { self.lods.changes } else { 0 }
     }
 
     /// Sets up a frame of `width` × `height` pixels with 1, 4 or 16 `samples` each, whose rays
@@ -191,11 +191,11 @@ impl Setup {
         if rays > 1 << 31 {
             return Err(SetupError::Rays { rays });
         }
-        self.chosen.choose(scene, camera.eye);
-        let has_bounds = self.chosen.is_needed && !self.chosen.bounds.is_empty();
-        let bounds = if has_bounds { self.chosen.bounds } else { *scene.bounds() };
-        let chosen = self.chosen();
-        let [first_seen, seen] = self.parts.prepare(scene, self.chosen.objects(scene), chosen)?;
+        self.lods.choose(scene, camera.eye);
+        let has_bounds = self.lods.is_needed && !self.lods.bounds.is_empty();
+        let bounds = if has_bounds { self.lods.bounds } else { *scene.bounds() };
+        let chosen = self.lod_revision();
+        let [first_seen, seen] = self.cut.prepare(scene, self.lods.instances(scene), chosen)?;
         let is_one_list = scene.structure == Structure::None;
         let by_angle = u32::from(scene.mip == Mip::Angle);
         let eye = View { by_angle, ..camera.view(grid)? };
@@ -219,7 +219,7 @@ impl Setup {
             height,
             side,
             views: self.views.len() as u32,
-            objects: scene.objects().len() as u32,
+            instances: scene.instances().len() as u32,
             lights: lights.len() as u32,
             blocks,
             mask_words: (lights.len() as u32).div_ceil(LIGHTS_PER_WORD).max(1),
@@ -245,7 +245,7 @@ impl Setup {
                 AlphaMode::Blend => layers,
             },
             backdrop: scene.backdrop as u32,
-            window: if is_soft { Frame::WINDOW * side } else { 0 },
+            penumbra_window: if is_soft { Frame::PENUMBRA_WINDOW * side } else { 0 },
             ..Frame::zeroed()
         };
         Ok(())

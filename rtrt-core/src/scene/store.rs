@@ -2,18 +2,18 @@
 
 mod change;
 mod meshes;
-mod panes;
 mod textures;
+mod transparency;
 
 use crate::kernel::environment::Sky;
-use crate::layout::{AlphaMode, Attribute, Backdrop, COLOR_LIMIT, Kind, Material, Node, Object, Texture};
+use crate::layout::{AlphaMode, Attribute, Backdrop, COLOR_LIMIT, Instance, Kind, Material, Node, Texture};
+use crate::scene::bvh::Bounds;
 use crate::scene::image::decode_words;
-use crate::scene::levels::Level;
+use crate::scene::levels::LodLevel;
 use crate::scene::material::checked;
-use crate::scene::place::{Coat, Stored, place};
-use crate::scene::tree::Bounds;
+use crate::scene::place::{InstanceMaterial, Stored, place};
 use crate::scene::{
-    CubeError, ImageError, Light, Mesh, MeshTree, Mip, Occluders, PanoramaError, Sequential, Structure, phong,
+    Bvh, CubeError, ImageError, Light, Mesh, Mip, Occluders, PanoramaError, Sequential, Structure, phong,
 };
 use alloc::collections::BTreeMap;
 use alloc::vec;
@@ -28,19 +28,19 @@ pub struct MeshIndex(pub(super) u32);
 /// A material of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MaterialIndex(pub(super) u32);
-/// An object of a scene. Equal hits are decided by it: the lower one wins.
+/// An instance of a scene. Equal hits are decided by it: the lower one wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ObjectIndex(pub u32);
+pub struct InstanceIndex(pub u32);
 
 /// Why something could not be added to a scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// The transform has no inverse, is not affine, or is not finite.
-    #[error("the transform of the object cannot be inverted")]
+    #[error("the transform of the instance cannot be inverted")]
     Transform,
-    /// The object would reach beyond [`COORDINATE_LIMIT`](super::COORDINATE_LIMIT).
-    #[error("the object reaches to {value}, which is not within ±2^30")]
+    /// The instance would reach beyond [`COORDINATE_LIMIT`](super::COORDINATE_LIMIT).
+    #[error("the instance reaches to {value}, which is not within ±2^30")]
     Coordinate {
         /// The coordinate.
         value: f32,
@@ -59,8 +59,8 @@ pub enum SceneError {
         /// The index.
         index: u32,
     },
-    /// A distance from which on an object has another mesh is not a number above 0.
-    #[error("{value} is not a distance from which on an object may have another mesh")]
+    /// A distance from which on an instance has another mesh is not a number above 0.
+    #[error("{value} is not a distance from which on an instance may have another mesh")]
     Distance {
         /// What it is.
         value: f32,
@@ -99,7 +99,7 @@ pub struct Versions {
     /// Materials.
     pub materials: u32,
     /// Objects.
-    pub objects: u32,
+    pub instances: u32,
 }
 
 /// Two children, in one line of the cache.
@@ -113,18 +113,18 @@ pub struct Scene {
     id: u32,
     versions: Versions,
     nodes: Vec<Pair>,
-    words: Vec<u32>,
+    mesh_data: Vec<u32>,
     sources: Vec<u32>,
     positions: Vec<[f32; 3]>,
     attributes: Vec<Attribute>,
     texels: Vec<u32>,
     materials: Vec<Material>,
-    objects: Vec<Object>,
+    instances: Vec<Instance>,
     object_meshes: Vec<u32>,
     meshes: Vec<Stored>,
     /// The mesh of all spheres, once there is one.
     sphere: Option<MeshIndex>,
-    /// By number, the objects that show lights.
+    /// By number, the instances that show lights.
     shown: BTreeMap<u32, u32>,
     lights: Vec<Light>,
     /// Counts what may have changed the lights.
@@ -132,13 +132,13 @@ pub struct Scene {
     sky: Sky,
     see_through: AlphaMode,
     bounds: Bounds,
-    /// Of objects that have any.
-    pub(super) levels: BTreeMap<u32, Vec<Level>>,
+    /// Of instances that have any.
+    pub(super) levels: BTreeMap<u32, Vec<LodLevel>>,
     /// How the levels of textures are chosen.
     pub mip: Mip,
-    /// What keeps rays from being asked for every object.
+    /// What keeps rays from being asked for every instance.
     pub structure: Structure,
-    /// Which objects cast shadows of suns.
+    /// Which instances cast shadows of suns.
     pub occluders: Occluders,
     /// Light from everywhere, linear RGB; an environment takes its place.
     pub ambient: Vec3,
@@ -156,20 +156,20 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// An empty scene: no objects, no lights, faint ambient light, a dark background.
+    /// An empty scene: no instances, no lights, faint ambient light, a dark background.
     pub fn new() -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(0);
         Self {
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             versions: Versions::default(),
             nodes: vec![],
-            words: vec![],
+            mesh_data: vec![],
             sources: vec![],
             positions: vec![],
             attributes: vec![],
             texels: decode_words(),
             materials: vec![],
-            objects: vec![],
+            instances: vec![],
             object_meshes: vec![],
             meshes: vec![],
             sphere: None,
@@ -201,31 +201,31 @@ impl Scene {
         Ok(MaterialIndex(self.materials.len() as u32 - 1))
     }
 
-    /// Places a mesh in the world. `to_world` takes object to world space.
+    /// Places a mesh in the world. `to_world` takes instance to world space.
     ///
     /// # Errors
-    /// The transform cannot be inverted, the object would be out of range, or an index is
+    /// The transform cannot be inverted, the instance would be out of range, or an index is
     /// of another scene.
-    pub fn add_object(
+    pub fn add_instance(
         &mut self,
         mesh: MeshIndex,
         material: MaterialIndex,
         to_world: Mat4,
-    ) -> Result<ObjectIndex, SceneError> {
-        let mut object = place(self.mesh(mesh.0)?, self.coat(material)?, to_world)?;
-        object.pane = self.pane(mesh.0, material.0)?;
-        // Here the bounds only grow; going through all objects for each would take hours for
+    ) -> Result<InstanceIndex, SceneError> {
+        let mut instance = place(self.mesh(mesh.0)?, self.instance_material(material)?, to_world)?;
+        instance.transparency = self.transparency(mesh.0, material.0)?;
+        // Here the bounds only grow; going through all instances for each would take hours for
         // a million of them.
-        self.bounds = self.bounds.union(&Bounds { low: object.low, high: object.high });
-        self.versions.objects += 1;
-        self.objects.push(object);
+        self.bounds = self.bounds.union(&Bounds { low: instance.low, high: instance.high });
+        self.versions.instances += 1;
+        self.instances.push(instance);
         self.object_meshes.push(mesh.0);
-        Ok(ObjectIndex(self.objects.len() as u32 - 1))
+        Ok(InstanceIndex(self.instances.len() as u32 - 1))
     }
 
     /// Adds a sphere: that of radius 1 around the origin, placed in the world by a matrix, which
     /// may make an ellipsoid of it. It is round however close one looks, and can be moved and
-    /// hidden like any object.
+    /// hidden like any instance.
     ///
     /// Its texture coordinates are longitude and latitude: the middle of a texture is at `+z` of
     /// its space, the upper edge at `+y`. It has no vertex colors, and normal maps do nothing.
@@ -244,18 +244,22 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As for [`Scene::add_object`].
-    pub fn add_sphere(&mut self, material: MaterialIndex, to_world: Mat4) -> Result<ObjectIndex, SceneError> {
+    /// As for [`Scene::add_instance`].
+    pub fn add_sphere(
+        &mut self,
+        material: MaterialIndex,
+        to_world: Mat4,
+    ) -> Result<InstanceIndex, SceneError> {
         let mesh = match self.sphere {
             Some(mesh) => mesh,
             None => {
                 let shape = Mesh::around_sphere();
-                let mesh = self.add_mesh(&shape, &MeshTree::build(&shape, &Sequential))?;
+                let mesh = self.add_mesh(&shape, &Bvh::build(&shape, &Sequential))?;
                 self.meshes[mesh.0 as usize].kind = Kind::Sphere;
                 *self.sphere.insert(mesh)
             }
         };
-        self.add_object(mesh, material, to_world)
+        self.add_instance(mesh, material, to_world)
     }
 
     /// Shows a light as a sphere of its color, where it is and as large as its radius says. It
@@ -264,9 +268,9 @@ impl Scene {
     ///
     /// # Errors
     /// There is no such light, or it is out of range.
-    pub fn show_light(&mut self, light: usize) -> Result<Option<ObjectIndex>, SceneError> {
+    pub fn show_light(&mut self, light: usize) -> Result<Option<InstanceIndex>, SceneError> {
         let number = light as u32;
-        let shown = self.shown.get(&number).copied().map(ObjectIndex);
+        let shown = self.shown.get(&number).copied().map(InstanceIndex);
         let missing = SceneError::Index { what: "light", index: number };
         let (position, color, radius) = match *self.lights.get(light).ok_or(missing)? {
             Light::Point { position, color, radius, .. } | Light::Spot { position, color, radius, .. } => {
@@ -289,19 +293,22 @@ impl Scene {
         let glow = self.add_material(Material { unlit: 1, ..glow })?;
         let sphere = self.add_sphere(glow, place)?;
         self.shown.insert(number, sphere.0);
-        self.objects[sphere.0 as usize].kind = Kind::Light as u32 + number;
+        self.instances[sphere.0 as usize].kind = Kind::Light as u32 + number;
         Ok(Some(sphere))
     }
 
-    /// Where an object is in the arrays, and how it is placed.
-    pub(super) fn object(&self, object: ObjectIndex) -> Result<(usize, Object), SceneError> {
-        let index = object.0 as usize;
-        let found = self.objects.get(index).map(|object| (index, *object));
-        found.ok_or(SceneError::Index { what: "object", index: object.0 })
+    /// Where an instance is in the arrays, and how it is placed.
+    pub(super) fn instance(&self, instance: InstanceIndex) -> Result<(usize, Instance), SceneError> {
+        let index = instance.0 as usize;
+        let found = self.instances.get(index).map(|instance| (index, *instance));
+        found.ok_or(SceneError::Index { what: "instance", index: instance.0 })
     }
 
-    pub(super) fn coat(&self, MaterialIndex(index): MaterialIndex) -> Result<Coat, SceneError> {
-        let found = self.materials.get(index as usize).map(|material| Coat::new(index, material));
+    pub(super) fn instance_material(
+        &self,
+        MaterialIndex(index): MaterialIndex,
+    ) -> Result<InstanceMaterial, SceneError> {
+        let found = self.materials.get(index as usize).map(|material| InstanceMaterial::new(index, material));
         found.ok_or(SceneError::Index { what: "material", index })
     }
 
@@ -310,14 +317,14 @@ impl Scene {
     }
 
     pub(super) fn objects_changed(&mut self) {
-        self.versions.objects += 1;
-        let seen = self.objects.iter().enumerate().filter(|(index, _)| self.is_seen(*index));
+        self.versions.instances += 1;
+        let seen = self.instances.iter().enumerate().filter(|(index, _)| self.is_seen(*index));
         self.bounds = seen.fold(Bounds::EMPTY, |all, (_, o)| all.union(&Bounds { low: o.low, high: o.high }));
     }
 
-    /// Whether an object is not hidden.
+    /// Whether an instance is not hidden.
     pub(super) fn is_seen(&self, index: usize) -> bool {
-        self.objects[index].root == self.meshes[self.object_meshes[index] as usize].root
+        self.instances[index].root == self.meshes[self.object_meshes[index] as usize].root
     }
 
     /// Adds a light.
@@ -353,9 +360,9 @@ impl Scene {
     }
     /// Of all meshes: vertex indices, three a triangle, in the order of their trees' leaves, and,
     /// where there are some, packed tangents and second texture coordinates; and the panes of
-    /// objects that are not opaque.
-    pub fn words(&self) -> &[u32] {
-        &self.words
+    /// instances that are not opaque.
+    pub fn mesh_data(&self) -> &[u32] {
+        &self.mesh_data
     }
     /// Vertex positions of all meshes, object space.
     pub fn positions(&self) -> &[[f32; 3]] {
@@ -374,16 +381,16 @@ impl Scene {
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
-    /// The objects.
-    pub fn objects(&self) -> &[Object] {
-        &self.objects
+    /// The instances.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
     }
-    /// The world bounds of all objects but hidden ones: lower and upper corner, or none without
-    /// objects.
+    /// The world bounds of all instances but hidden ones: lower and upper corner, or none without
+    /// instances.
     pub fn extent(&self) -> Option<(Vec3, Vec3)> {
         (!self.bounds.is_empty()).then(|| (Vec3::from(self.bounds.low), Vec3::from(self.bounds.high)))
     }
-    /// The world bounds of all objects; a point without objects.
+    /// The world bounds of all instances; a point without instances.
     pub(super) fn bounds(&self) -> &Bounds {
         const NOWHERE: Bounds = Bounds { low: [0.0; 3], high: [0.0; 3] };
         if self.bounds.is_empty() { &NOWHERE } else { &self.bounds }
@@ -399,15 +406,15 @@ impl Scene {
         };
         self.materials.iter().any(asks)
     }
-    /// What alpha does in the scene: the most that it does to one of its objects.
+    /// What alpha does in the scene: the most that it does to one of its instances.
     pub(super) fn see_through(&self) -> AlphaMode {
         self.see_through
     }
-    /// The number that a triangle of an object had in the [`Mesh`]: a scene numbers the
+    /// The number that a triangle of an instance had in the [`Mesh`]: a scene numbers the
     /// triangles of a mesh in the order of its tree's leaves. `None` where there is none. Of an
-    /// object with levels it is that of its own mesh.
-    pub fn source_triangle(&self, object: ObjectIndex, triangle: u32) -> Option<u32> {
-        let mesh = &self.meshes[*self.object_meshes.get(object.0 as usize)? as usize];
+    /// instance with levels it is that of its own mesh.
+    pub fn source_triangle(&self, instance: InstanceIndex, triangle: u32) -> Option<u32> {
+        let mesh = &self.meshes[*self.object_meshes.get(instance.0 as usize)? as usize];
         let sources = &self.sources[mesh.first_source..][..mesh.triangles as usize];
         sources.get(triangle as usize).copied()
     }
@@ -422,10 +429,10 @@ impl Scene {
     /// Bytes of all arrays.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..])
-            + size_of_val(&self.words[..])
+            + size_of_val(&self.mesh_data[..])
             + size_of_val(&self.sources[..])
             + size_of_val(&self.positions[..])
-            + size_of_val(&self.objects[..])
+            + size_of_val(&self.instances[..])
             + size_of_val(&self.attributes[..])
             + size_of_val(&self.texels[..])
             + size_of_val(&self.materials[..])

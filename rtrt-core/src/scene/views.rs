@@ -3,7 +3,7 @@
 use crate::backend::Shadows;
 use crate::kernel::area::hash;
 use crate::layout::{Frame, View, ViewKind};
-use crate::scene::tree::Bounds;
+use crate::scene::bvh::Bounds;
 use crate::scene::{Occluders, Scene, SetupError, Structure};
 use alloc::vec::Vec;
 
@@ -37,7 +37,7 @@ pub(super) fn light_views(
         scene: scene.id(),
         changes: scene.light_changes(),
         bounds: [bounds.low, bounds.high].map(|corner| corner.map(f32::to_bits)),
-        cells: if is_one_list { 1 } else { light_cells(scene.objects().len(), lights.len()) },
+        cells: if is_one_list { 1 } else { light_cells(scene.instances().len(), lights.len()) },
         shadows,
         structure,
         occluders: scene.occluders,
@@ -65,7 +65,7 @@ pub(super) fn light_views(
     Ok(first_block)
 }
 
-/// Says in a view how objects keep rays away from others, and which cast shadows.
+/// Says in a view how instances keep rays away from others, and which cast shadows.
 pub(super) fn mark(scene: &Scene, view: &mut View) {
     view.one_list = u32::from(scene.structure == Structure::None);
     view.seen_only = u32::from(scene.occluders == Occluders::Seen);
@@ -89,12 +89,12 @@ const MOST_DISTANCE: f32 = 1e18;
 /// The most blocks of all lights' views together, unless there are thousands of lights.
 const LIGHT_BLOCKS: usize = 1 << 21;
 
-/// Blocks along one side of a light's view. About two for each object that would be beside
-/// another in a square, so that a block sees few of them; of thousands of objects a quarter as
+/// Blocks along one side of a light's view. About two for each instance that would be beside
+/// another in a square, so that a block sees few of them; of thousands of instances a quarter as
 /// many, because a packet asks every block that its shadow rays end in. Fewer where there are
 /// many lights, to bound the memory of the lists.
-fn light_cells(objects: usize, lights: usize) -> u32 {
-    let side = libm::sqrt(objects as f64) as u32;
+fn light_cells(instances: usize, lights: usize) -> u32 {
+    let side = libm::sqrt(instances as f64) as u32;
     let wanted = (2 * side).next_power_of_two().min(64).max((side / 2).next_power_of_two());
     let most = libm::sqrt((LIGHT_BLOCKS / (6 * lights.max(1))) as f64) as u32;
     wanted.clamp(8, 1 << most.max(8).ilog2())

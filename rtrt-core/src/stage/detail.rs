@@ -6,23 +6,23 @@
 
 use crate::kernel::interpolate::Weights;
 use crate::kernel::tangent::{bumped, direction, unpack};
-use crate::kernel::texture::{Chosen, Maps, Pick, sample};
-use crate::kernel::traverse::{Best, BestRows};
+use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, sample};
+use crate::kernel::traverse::{ClosestHit, ClosestHitRows};
 use crate::lane::{Bits, Lane, Mask, Select, V3};
-use crate::layout::{Material, NONE, Object};
+use crate::layout::{Instance, Material, NONE};
 use crate::num::{FLOOR, flush, flush3, recip, sqrt};
-use crate::stage::surface::{Identity, OfObject, Space, Surfaces, Vertices, triangles};
+use crate::stage::surface::{Identity, OfInstance, Space, Surfaces, Vertices, triangles};
 
 /// The surfaces with what their materials ask for.
 #[inline(always)]
 pub fn detail<L: Lane>(
     maps: &Maps<'_>,
     vertices: &Vertices<'_>,
-    best: &Best<L>,
+    best: &ClosestHit<L>,
     surfaces: &Surfaces<L>,
 ) -> Surfaces<L> {
-    let none = surfaces.material.like(0);
-    if !none.less_than(surfaces.material).any() {
+    let none = surfaces.material.broadcast(0);
+    if !surfaces.material.gt(none).any() {
         return *surfaces;
     }
     let second = with_second_set(vertices, best, surfaces);
@@ -34,11 +34,15 @@ pub fn detail<L: Lane>(
 /// The footprint is that of the first set, times how much larger the triangle is in the
 /// second: the square root of the areas' ratio.
 #[inline(always)]
-fn with_second_set<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, surfaces: &Surfaces<L>) -> Surfaces<L> {
+fn with_second_set<L: Lane>(
+    vertices: &Vertices<'_>,
+    best: &ClosestHit<L>,
+    surfaces: &Surfaces<L>,
+) -> Surfaces<L> {
     let token = surfaces.footprint.token();
     let found = best.rows();
-    let first = vertices.of_objects::<L, SecondUv>(token, best.object, &found);
-    let has = first.like(0).less_than(first);
+    let first = vertices.of_instances::<L, SecondUv>(token, best.instance, &found);
+    let has = first.gt(first.broadcast(0));
     if !has.any() {
         return *surfaces;
     }
@@ -46,11 +50,11 @@ fn with_second_set<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, surfaces: &
         #[inline(always)]
         |lane| second_set(vertices, &found, lane),
     );
-    let zero = surfaces.footprint.like(0.0);
+    let zero = surfaces.footprint.broadcast(0.0);
     let weights = Weights::new(best.u, best.v);
     let second_area = ((sb - sa) * (tc - ta) - (sc - sa) * (tb - ta)).abs();
     let footprint = surfaces.footprint * sqrt(second_area * recip(area.abs()));
-    let footprint = zero.like(FLOOR).less_than(area.abs()).select(footprint, zero);
+    let footprint = zero.broadcast(FLOOR).lt(area.abs()).select(footprint, zero);
     Surfaces {
         second_uv: [
             has.select(flush(weights.mix(sa, sb, sc)), zero),
@@ -64,27 +68,27 @@ fn with_second_set<L: Lane>(vertices: &Vertices<'_>, best: &Best<L>, surfaces: &
 /// Where the second texture coordinates start.
 struct SecondUv;
 
-impl OfObject for SecondUv {
+impl OfInstance for SecondUv {
     const NONE: u32 = 0;
     #[inline(always)]
-    fn of(object: &Object) -> u32 {
-        object.first_second_uv
+    fn of(instance: &Instance) -> u32 {
+        instance.first_second_uv
     }
 }
 
 /// The second texture coordinates of the corners of one lane's triangle, and twice its area
 /// in the first ones.
 #[inline(always)]
-fn second_set<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [[f32; 4]; 2] {
-    let index = found.object(lane);
+fn second_set<L: Lane>(vertices: &Vertices<'_>, found: &ClosestHitRows<L>, lane: usize) -> [[f32; 4]; 2] {
+    let index = found.instance(lane);
     if index == NONE {
         return [[0.0; 4]; 2];
     }
-    let object = &vertices.objects[index as usize];
-    if object.first_second_uv == 0 {
+    let instance = &vertices.instances[index as usize];
+    if instance.first_second_uv == 0 {
         return [[0.0; 4]; 2];
     }
-    let [a, b, c] = object.corners(vertices.words, found.triangle(lane));
+    let [a, b, c] = instance.corners(vertices.mesh_data, found.triangle(lane));
     let (p, q, r) = (
         &vertices.attributes[a as usize].uv,
         &vertices.attributes[b as usize].uv,
@@ -92,20 +96,20 @@ fn second_set<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize
     );
     let area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
     // Two words a vertex, counted from the mesh's first.
-    let at = object.first_second_uv;
+    let at = instance.first_second_uv;
     let (a, b, c) = (
-        at + 2 * (a - object.first_vertex),
-        at + 2 * (b - object.first_vertex),
-        at + 2 * (c - object.first_vertex),
+        at + 2 * (a - instance.first_vertex),
+        at + 2 * (b - instance.first_vertex),
+        at + 2 * (c - instance.first_vertex),
     );
-    let number = |word: u32| f32::from_bits(vertices.words[word as usize]);
+    let number = |word: u32| f32::from_bits(vertices.mesh_data[word as usize]);
     [[number(a), number(a + 1), number(b), number(b + 1)], [number(c), number(c + 1), area, 0.0]]
 }
 
 /// Whether a material has a normal map, and its scale.
 struct Bumps;
 
-impl Pick<2> for Bumps {
+impl MaterialField<2> for Bumps {
     #[inline(always)]
     fn pick(material: &Material) -> [f32; 2] {
         [material.textures[Material::NORMAL].levels as f32, material.bump]
@@ -117,14 +121,14 @@ impl Pick<2> for Bumps {
 fn normal<L: Lane>(
     maps: &Maps<'_>,
     vertices: &Vertices<'_>,
-    best: &Best<L>,
+    best: &ClosestHit<L>,
     surfaces: &Surfaces<L>,
 ) -> V3<L> {
     let token = surfaces.footprint.token();
-    let zero = surfaces.footprint.like(0.0);
-    let chosen = Chosen::new(surfaces.material);
-    let [levels, scale] = chosen.numbers::<Bumps, 2>(token, maps);
-    let wanted = zero.less_than(levels);
+    let zero = surfaces.footprint.broadcast(0.0);
+    let chosen = MaterialLookup::new(surfaces.material);
+    let [levels, scale]: [L; 2] = chosen.numbers::<Bumps, 2>(token, maps);
+    let wanted = levels.gt(zero);
     if !wanted.any() {
         return surfaces.normal;
     }
@@ -134,7 +138,7 @@ fn normal<L: Lane>(
             #[inline(always)]
             |lane| corners(vertices, &found, lane),
         );
-    let has = wanted & zero.less_than(sign.abs());
+    let has = wanted & sign.abs().gt(zero);
     if !has.any() {
         return surfaces.normal;
     }
@@ -145,18 +149,18 @@ fn normal<L: Lane>(
         V3 { x: ncx, y: ncy, z: ncz },
     );
     let along = weights.mix3(direction(sa, ta), direction(sb, tb), direction(sc, tc));
-    // In the object's space, so that a mirrored object has a mirrored relief.
+    // In the object's space, so that a mirrored instance has a mirrored relief.
     let up = vertex_normal.cross(along).scale(sign);
-    let none = surfaces.material.like(0);
-    let identity = vertices.of_objects::<L, Identity>(token, best.object, &found);
-    let (vertex_normal, along, up) = if identity.equal(none).any() {
-        let space = Space::of(vertices, zero, best.object, &found);
+    let none = surfaces.material.broadcast(0);
+    let identity = vertices.of_instances::<L, Identity>(token, best.instance, &found);
+    let (vertex_normal, along, up) = if identity.eq(none).any() {
+        let space = Space::of(vertices, zero, best.instance, &found);
         (space.normal(vertex_normal), space.vector(along), space.vector(up))
     } else {
         (vertex_normal, along, up)
     };
-    let behind = vertex_normal.dot(surfaces.normal).less_than(zero);
-    let [x, y, z, _] = sample::<L, { Material::NORMAL }, false>(maps, &chosen, &surfaces.places());
+    let behind = vertex_normal.dot(surfaces.normal).lt(zero);
+    let [x, y, z, _] = sample::<L, { Material::NORMAL }, false>(maps, &chosen, &surfaces.tex_coords());
     let map = [(x * 2.0 - 1.0) * scale, (y * 2.0 - 1.0) * scale, z * 2.0 - 1.0];
     let turned = bumped(surfaces.normal, along, up, behind, map);
     V3::select(has, flush3(turned), surfaces.normal)
@@ -165,21 +169,21 @@ fn normal<L: Lane>(
 /// The normals of the corners of one lane's triangle, object space, beside and before two
 /// coordinates of each of their tangents, and the sign of the bitangent; all 0 where there are no tangents.
 #[inline(always)]
-fn corners<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [[f32; 4]; 4] {
-    let index = found.object(lane);
+fn corners<L: Lane>(vertices: &Vertices<'_>, found: &ClosestHitRows<L>, lane: usize) -> [[f32; 4]; 4] {
+    let index = found.instance(lane);
     if index == NONE {
         return [[0.0; 4]; 4];
     }
-    let object = &vertices.objects[index as usize];
-    if object.first_tangent == 0 {
+    let instance = &vertices.instances[index as usize];
+    if instance.first_tangent == 0 {
         return [[0.0; 4]; 4];
     }
-    let [a, b, c] = object.corners(vertices.words, found.triangle(lane));
+    let [a, b, c] = instance.corners(vertices.mesh_data, found.triangle(lane));
     // Tangents are counted from the mesh's first vertex, wrapping.
-    let base = object.first_tangent.wrapping_sub(object.first_vertex);
-    let t = unpack(vertices.words[base.wrapping_add(a) as usize]);
-    let u = unpack(vertices.words[base.wrapping_add(b) as usize]);
-    let v = unpack(vertices.words[base.wrapping_add(c) as usize]);
+    let base = instance.first_tangent.wrapping_sub(instance.first_vertex);
+    let t = unpack(vertices.mesh_data[base.wrapping_add(a) as usize]);
+    let u = unpack(vertices.mesh_data[base.wrapping_add(b) as usize]);
+    let v = unpack(vertices.mesh_data[base.wrapping_add(c) as usize]);
     let attributes = vertices.attributes;
     let (a, b, c) =
         (&attributes[a as usize].normal, &attributes[b as usize].normal, &attributes[c as usize].normal);

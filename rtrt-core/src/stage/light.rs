@@ -4,8 +4,8 @@ use crate::grid::RayIndex;
 use crate::kernel::cone::cone;
 use crate::kernel::falloff::falloff;
 use crate::kernel::reflect::{blinn_phong, lambert, shininess};
-use crate::kernel::texture::{Chosen, Maps, Pick, Places, sample};
-use crate::kernel::tint::color;
+use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, TexCoords, sample};
+use crate::kernel::transmittance::color;
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{Frame, Lit, Material, View};
 use crate::num::{flush3, normalize, sqrt};
@@ -14,14 +14,14 @@ use crate::stage::surface::Surfaces;
 
 /// The light that arrives at a group of surfaces; see [`Lit`].
 #[derive(Clone, Copy)]
-pub struct Arriving<L> {
+pub struct IncomingLight<L> {
     /// For the diffuse color.
     pub diffuse: V3<L>,
     /// For the highlight.
     pub specular: V3<L>,
 }
 
-impl Arriving<f32> {
+impl IncomingLight<f32> {
     /// A lane of width 1 from its record.
     #[inline(always)]
     pub fn new(record: &Lit) -> Self {
@@ -29,7 +29,7 @@ impl Arriving<f32> {
     }
 }
 
-impl<L: Lane> Arriving<L> {
+impl<L: Lane> IncomingLight<L> {
     /// Nothing.
     #[inline(always)]
     pub fn dark(token: L::Token) -> Self {
@@ -47,7 +47,7 @@ impl<L: Lane> Arriving<L> {
     }
 }
 
-/// An [`Arriving`] whose lanes are in memory, one after another.
+/// An [`IncomingLight`] whose lanes are in memory, one after another.
 #[derive(Clone, Copy)]
 pub struct ArrivingRows<L: Lane> {
     diffuse: V3<L::Row>,
@@ -64,7 +64,7 @@ impl<L: Lane> ArrivingRows<L> {
 
 /// The light that arrives at a group of surfaces from all lights, in their order.
 /// `mask(word)` is a word of the shadow mask; in frames whose shadows are not bits,
-/// `tint(light)`, the color of a light's shadow, is asked instead. The rays that found the surfaces
+/// `transmittance(light)`, the color of a light's shadow, is asked instead. The rays that found the surfaces
 /// are numbered from `first` on, and have these directions.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
@@ -73,31 +73,31 @@ pub fn light<L: Lane>(
     views: &[View],
     maps: &Maps<'_>,
     mask: impl Fn(u32) -> L::Bits,
-    tint: impl Fn(u32) -> L::Bits,
+    transmittance: impl Fn(u32) -> L::Bits,
     first: RayIndex,
     direction: V3<L>,
     surfaces: &Surfaces<L>,
-) -> Arriving<L> {
-    let mut sum = Arriving::dark(surfaces.footprint.token());
-    let none = surfaces.material.like(0);
+) -> IncomingLight<L> {
+    let mut sum = IncomingLight::dark(surfaces.footprint.token());
+    let none = surfaces.material.broadcast(0);
     let mut lit = none;
-    let (mut next, parts) = (0, if frame.is_tinted() { frame.lights } else { frame.mask_words });
+    let (mut next, parts) = (0, if frame.has_transmittance() { frame.lights } else { frame.mask_words });
     while next < parts {
-        lit = lit | if frame.is_tinted() { tint(next) } else { mask(next) };
+        lit = lit | if frame.has_transmittance() { transmittance(next) } else { mask(next) };
         next += 1;
     }
-    let lit = none.less_than(lit);
+    let lit = lit.gt(none);
     if !lit.any() {
         return sum;
     }
-    let shininess = exponent(maps, lit.select(surfaces.material, none), &surfaces.places());
+    let shininess = exponent(maps, lit.select(surfaces.material, none), &surfaces.tex_coords());
     let mut light = 0;
     while light < frame.lights {
-        let left = if frame.is_tinted() {
-            tint(light)
+        let left = if frame.has_transmittance() {
+            transmittance(light)
         } else {
             let lit = mask(light / LIGHTS_PER_WORD) >> (light % LIGHTS_PER_WORD);
-            lit & lit.like(1)
+            lit & lit.broadcast(1)
         };
         sum = add(frame, views, light, left, first, direction, surfaces, shininess, &sum);
         light += 1;
@@ -108,22 +108,22 @@ pub fn light<L: Lane>(
 /// The exponents of the highlights of surfaces of these materials, at least one; any number
 /// where there is none.
 #[inline(always)]
-fn exponent<L: Lane>(maps: &Maps<'_>, materials: L::Bits, places: &Places<L>) -> L {
-    let token = places.footprint[0].token();
-    let chosen = Chosen::new(materials);
+fn exponent<L: Lane>(maps: &Maps<'_>, materials: L::Bits, tex_coords: &TexCoords<L>) -> L {
+    let token = tex_coords.footprint[0].token();
+    let chosen = MaterialLookup::new(materials);
     let [exponent, roughness, levels]: [L; 3] = chosen.numbers::<Gloss, 3>(token, maps);
-    let textured = levels.like(0.0).less_than(levels);
+    let textured = levels.gt(levels.broadcast(0.0));
     if !textured.any() {
         return exponent;
     }
-    let texture = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, places);
+    let texture = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, tex_coords);
     textured.select(shininess(roughness * texture[1]), exponent)
 }
 
 /// What the highlight of a material depends on.
 struct Gloss;
 
-impl Pick<3> for Gloss {
+impl MaterialField<3> for Gloss {
     #[inline(always)]
     fn pick(material: &Material) -> [f32; 3] {
         let levels = material.textures[Material::ROUGHNESS].levels as f32;
@@ -144,10 +144,10 @@ fn add<L: Lane>(
     direction: V3<L>,
     surfaces: &Surfaces<L>,
     shininess: L,
-    sum: &Arriving<L>,
-) -> Arriving<L> {
+    sum: &IncomingLight<L>,
+) -> IncomingLight<L> {
     let token = surfaces.footprint.token();
-    let reached = left.like(0).less_than(left);
+    let reached = left.gt(left.broadcast(0));
     if !reached.any() {
         return *sum;
     }
@@ -156,11 +156,11 @@ fn add<L: Lane>(
     let toward = normalize(way);
     let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
     let strength = if view.cone_scale == 0.0 { strength } else { strength * cone(view, toward) };
-    let strength = reached.select(strength, strength.like(0.0));
+    let strength = reached.select(strength, strength.broadcast(0.0));
     let lobe = blinn_phong(surfaces.normal, toward, normalize(-direction), shininess);
     // Off its peak a lobe is so small that some devices keep its products and others do not.
     let light = V3::splat(token, view.color).scale(strength);
-    let light = if frame.is_tinted() { times(light, color(left)) } else { light };
+    let light = if frame.has_transmittance() { times(light, color(left)) } else { light };
     let diffuse = flush3(light);
-    Arriving { diffuse: sum.diffuse + diffuse, specular: sum.specular + flush3(diffuse.scale(lobe)) }
+    IncomingLight { diffuse: sum.diffuse + diffuse, specular: sum.specular + flush3(diffuse.scale(lobe)) }
 }

@@ -2,17 +2,17 @@
 //! kernels that backends only dispatch.
 
 pub mod bin;
+pub mod blocker_search;
 pub mod detail;
-pub mod edges;
 pub mod inspect;
-pub mod layers;
 pub mod light;
 pub mod occlusion;
-pub mod penumbra;
+pub mod peel;
+pub mod penumbra_blocks;
+pub mod penumbra_filter;
 pub mod prepare;
 pub mod raster;
 pub mod resolve;
 pub mod shade;
-pub mod soften;
 pub mod surface;
 pub mod visibility;

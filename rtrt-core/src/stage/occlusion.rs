@@ -1,12 +1,12 @@
 //! Occlusion: which lights reach a surface.
 
 use crate::grid::RayIndex;
-use crate::kernel::area::aside;
+use crate::kernel::area::light_offset;
 use crate::kernel::cone::cone;
-use crate::kernel::lists::Lists;
+use crate::kernel::lists::BlockLists;
 use crate::kernel::ray::Ray;
-use crate::kernel::tint::Crossing;
-use crate::kernel::traverse::{Any, Best, Geometry, Search};
+use crate::kernel::transmittance::Transmittance;
+use crate::kernel::traverse::{Any, ClosestHit, Geometry, HitFilter};
 use crate::kernel::view::light_block;
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
 use crate::layout::{Frame, View, ViewKind};
@@ -31,7 +31,7 @@ pub fn place(frame: &Frame, ray: u32, light: u32) -> (u32, u32) {
 pub fn word<L: Lane, const G: usize>(
     frame: &Frame,
     views: &[View],
-    lists: &Lists<'_>,
+    lists: &BlockLists<'_>,
     geometry: &Geometry<'_>,
     word: u32,
     first: RayIndex,
@@ -39,7 +39,7 @@ pub fn word<L: Lane, const G: usize>(
 ) -> [L::Bits; G] {
     let mut mask: [L::Bits; G] = groups(
         #[inline(always)]
-        |g| surfaces[g].material.like(0),
+        |g| surfaces[g].material.broadcast(0),
     );
     let mut light = word * LIGHTS_PER_WORD;
     let mut bit = 0;
@@ -61,21 +61,21 @@ pub fn word<L: Lane, const G: usize>(
 /// found the surfaces are numbered from `first` on.
 ///
 /// The shadow rays of a packet are sorted by the block of the light that they end in, and
-/// each block's list, which holds every object that the light sees there, is asked once
+/// each block's list, which holds every instance that the light sees there, is asked once
 /// for all of its rays.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
 pub fn occlusion<L: Lane, const G: usize>(
     frame: &Frame,
     views: &[View],
-    lists: &Lists<'_>,
+    lists: &BlockLists<'_>,
     geometry: &Geometry<'_>,
     light: u32,
     first: RayIndex,
     surfaces: &[Surfaces<L>; G],
 ) -> [L::Bits; G] {
     let light = &views[frame.light_view(light) as usize];
-    let (one, none) = (surfaces[0].material.like(1), surfaces[0].material.like(0));
+    let (one, none) = (surfaces[0].material.broadcast(1), surfaces[0].material.broadcast(0));
     let mut pending: [L; G] = groups(
         #[inline(always)]
         |g| limit(frame, light, group::<L>(first, g), &surfaces[g]),
@@ -83,8 +83,8 @@ pub fn occlusion<L: Lane, const G: usize>(
     let mut lit: [L::Bits; G] = groups(
         #[inline(always)]
         |g| {
-            let zero = pending[g].like(0.0);
-            zero.less_than(pending[g]).select(one, none)
+            let zero = pending[g].broadcast(0.0);
+            pending[g].gt(zero).select(one, none)
         },
     );
     if frame.shadows == 0 || !any_pending(&pending) {
@@ -101,35 +101,35 @@ pub fn occlusion<L: Lane, const G: usize>(
         #[inline(always)]
         |g| light_block(light, surfaces[g].origin),
     );
-    let mut searches = [Any; G];
-    cast(lists, geometry, &rays, &blocks, &mut searches, &mut pending, &mut lit);
+    let mut filters = [Any; G];
+    cast(lists, geometry, &rays, &blocks, &mut filters, &mut pending, &mut lit);
     lit
 }
 
 /// What is left of the light where it reaches a group of surfaces (`asked` is 1, see
-/// [`ask`]), as a word (see [`crate::kernel::tint`]); 0 elsewhere. Of the surfaces only the
+/// [`potentially_lit`]), as a word (see [`crate::kernel::transmittance`]); 0 elsewhere. Of the surfaces only the
 /// origins are needed.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
-pub fn tint<L: Lane, const G: usize>(
+pub fn transmittance<L: Lane, const G: usize>(
     frame: &Frame,
     views: &[View],
-    lists: &Lists<'_>,
+    lists: &BlockLists<'_>,
     geometry: &Geometry<'_>,
     light: u32,
     first: RayIndex,
     origins: &[V3<L>; G],
     asked: &[L::Bits; G],
 ) -> [L::Bits; G] {
-    let mut searches: [Crossing<L>; G] = groups(
+    let mut filters: [Transmittance<L>; G] = groups(
         #[inline(always)]
-        |g| Crossing::new(origins[g].x),
+        |g| Transmittance::new(origins[g].x),
     );
-    let lit = cross(frame, views, lists, geometry, light, first, origins, asked, &mut searches);
-    let none = asked[0].like(0);
+    let lit = cross(frame, views, lists, geometry, light, first, origins, asked, &mut filters);
+    let none = asked[0].broadcast(0);
     groups(
         #[inline(always)]
-        |g| none.less_than(lit[g]).select(searches[g].word(), none),
+        |g| lit[g].gt(none).select(filters[g].word(), none),
     )
 }
 
@@ -137,24 +137,24 @@ pub fn tint<L: Lane, const G: usize>(
 /// group's search: 1 in the lanes in which no ray was ended, else 0.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
-pub(super) fn cross<L: Lane, S: Search<L>, const G: usize>(
+pub(super) fn cross<L: Lane, S: HitFilter<L>, const G: usize>(
     frame: &Frame,
     views: &[View],
-    lists: &Lists<'_>,
+    lists: &BlockLists<'_>,
     geometry: &Geometry<'_>,
     light: u32,
     first: RayIndex,
     origins: &[V3<L>; G],
     asked: &[L::Bits; G],
-    searches: &mut [S; G],
+    filters: &mut [S; G],
 ) -> [L::Bits; G] {
     let light = &views[frame.light_view(light) as usize];
-    let none = asked[0].like(0);
+    let none = asked[0].broadcast(0);
     let mut pending: [L; G] = groups(
         #[inline(always)]
         |g| {
             let limit = arrival(light, origins[g]);
-            none.less_than(asked[g]).select(limit, limit.like(-1.0))
+            asked[g].gt(none).select(limit, limit.broadcast(-1.0))
         },
     );
     let mut lit: [L::Bits; G] = groups(
@@ -172,15 +172,15 @@ pub(super) fn cross<L: Lane, S: Search<L>, const G: usize>(
         #[inline(always)]
         |g| light_block(light, origins[g]),
     );
-    cast(lists, geometry, &rays, &blocks, searches, &mut pending, &mut lit);
+    cast(lists, geometry, &rays, &blocks, filters, &mut pending, &mut lit);
     lit
 }
 
-/// One word of the shadow mask of a group of surfaces, where `tint(light)` is what is left of
+/// One word of the shadow mask of a group of surfaces, where `transmittance(light)` is what is left of
 /// each light: bit `i` is 1 in the lanes that anything of light `word · 32 + i` reaches.
 /// `none` is 0.
 #[inline(always)]
-pub fn mask<B: Bits>(frame: &Frame, word: u32, none: B, tint: impl Fn(u32) -> B) -> B
+pub fn mask<B: Bits>(frame: &Frame, word: u32, none: B, transmittance: impl Fn(u32) -> B) -> B
 where
     B::Mask: Select<B>,
 {
@@ -188,7 +188,7 @@ where
     let mut light = word * LIGHTS_PER_WORD;
     let mut bit = 0;
     while bit < LIGHTS_PER_WORD && light < frame.lights {
-        mask = mask | none.less_than(tint(light)).select(none.like(1 << bit), none);
+        mask = mask | none.lt(transmittance(light)).select(none.broadcast(1 << bit), none);
         light += 1;
         bit += 1;
     }
@@ -198,7 +198,7 @@ where
 /// 1 in the lanes of a group of surfaces that the light would reach if nothing stood between
 /// them, else 0. The rays that found the surfaces are numbered from `first` on.
 #[inline(always)]
-pub fn ask<L: Lane>(
+pub fn potentially_lit<L: Lane>(
     frame: &Frame,
     views: &[View],
     light: u32,
@@ -206,34 +206,34 @@ pub fn ask<L: Lane>(
     surfaces: &Surfaces<L>,
 ) -> L::Bits {
     let limit = limit(frame, &views[frame.light_view(light) as usize], first, surfaces);
-    limit.like(0.0).less_than(limit).select(surfaces.material.like(1), surfaces.material.like(0))
+    limit.gt(limit.broadcast(0.0)).select(surfaces.material.broadcast(1), surfaces.material.broadcast(0))
 }
 
 /// Casts the shadow rays that are pending, block after block of the light, and makes `lit` 0
 /// where one of them is ended.
 #[inline(always)]
-fn cast<L: Lane, S: Search<L>, const G: usize>(
-    lists: &Lists<'_>,
+fn cast<L: Lane, S: HitFilter<L>, const G: usize>(
+    lists: &BlockLists<'_>,
     geometry: &Geometry<'_>,
     rays: &[Ray<L>; G],
     blocks: &[L::Bits; G],
-    searches: &mut [S; G],
+    filters: &mut [S; G],
     pending: &mut [L; G],
     lit: &mut [L::Bits; G],
 ) {
-    let none = lit[0].like(0);
+    let none = lit[0].broadcast(0);
     loop {
         let Some(block) = first_pending(pending, blocks) else {
             return;
         };
-        let mut best: [Best<L>; G] = groups(
+        let mut best: [ClosestHit<L>; G] = groups(
             #[inline(always)]
             |g| {
-                let here = blocks[g].equal(none.like(block));
-                let zero = pending[g].like(0.0);
-                Best {
-                    t: here.select(pending[g], pending[g].like(-1.0)),
-                    object: none,
+                let here = blocks[g].eq(none.broadcast(block));
+                let zero = pending[g].broadcast(0.0);
+                ClosestHit {
+                    t: here.select(pending[g], pending[g].broadcast(-1.0)),
+                    instance: none,
                     triangle: none,
                     u: zero,
                     v: zero,
@@ -244,14 +244,14 @@ fn cast<L: Lane, S: Search<L>, const G: usize>(
             #[inline(always)]
             |g| best[g].t,
         );
-        closest(lists, geometry, block, rays, searches, &mut best);
+        closest(lists, geometry, block, rays, filters, &mut best);
         let mut g = 0;
         while g < G {
-            let zero = pending[g].like(0.0);
-            let here = zero.less_than(asked[g]);
-            let met = here & best[g].t.less_than(zero);
+            let zero = pending[g].broadcast(0.0);
+            let here = asked[g].gt(zero);
+            let met = here & best[g].t.lt(zero);
             lit[g] = met.select(none, lit[g]);
-            pending[g] = here.select(zero.like(-1.0), pending[g]);
+            pending[g] = here.select(zero.broadcast(-1.0), pending[g]);
             g += 1;
         }
     }
@@ -263,25 +263,25 @@ fn cast<L: Lane, S: Search<L>, const G: usize>(
 #[inline(always)]
 pub fn limit<L: Lane>(frame: &Frame, light: &View, first: RayIndex, surfaces: &Surfaces<L>) -> L {
     let (to_light, limit) = to_light(frame, light, first, surfaces.origin);
-    let zero = limit.like(0.0);
-    let faces = zero.less_than(surfaces.normal.dot(to_light));
+    let zero = limit.broadcast(0.0);
+    let faces = zero.lt(surfaces.normal.dot(to_light));
     let reach = if light.kind == ViewKind::Sun as u32 { f32::MAX } else { light.reach_squared };
-    let within = to_light.dot(to_light).less_than(zero.like(reach));
-    let mut reached = surfaces.material.like(0).less_than(surfaces.material) & faces & within;
+    let within = to_light.dot(to_light).lt(zero.broadcast(reach));
+    let mut reached = surfaces.material.gt(surfaces.material.broadcast(0)) & faces & within;
     if light.cone_scale != 0.0 {
         // As the light stage computes it, so that no light arrives without having been asked for.
-        reached = reached & zero.less_than(cone(light, normalize(to_light)));
+        reached = reached & zero.lt(cone(light, normalize(to_light)));
     }
-    reached.select(limit, zero.like(-1.0))
+    reached.select(limit, zero.broadcast(-1.0))
 }
 
 /// The vector to the light, and the `t` at which a ray along it has arrived. To its middle, or,
-/// of an area light, to the point that each ray takes (see [`aside`]); the rays are numbered from
+/// of an area light, to the point that each ray takes (see [`light_offset`]); the rays are numbered from
 /// `first` on.
 #[inline(always)]
 pub fn to_light<L: Lane>(frame: &Frame, light: &View, first: RayIndex, from: V3<L>) -> (V3<L>, L) {
     let way = to_middle(light, from);
-    let way = if light.disc == 0.0 { way } else { way + aside(frame, light, first, way) };
+    let way = if light.disc == 0.0 { way } else { way + light_offset(frame, light, first, way) };
     (way, arrival(light, from))
 }
 
@@ -299,7 +299,7 @@ pub fn to_middle<L: Lane>(light: &View, from: V3<L>) -> V3<L> {
 /// The `t` at which a ray along the vector to the light has arrived.
 #[inline(always)]
 fn arrival<L: Lane>(light: &View, from: V3<L>) -> L {
-    from.x.like(if light.kind == ViewKind::Sun as u32 { f32::MAX } else { 1.0 })
+    from.x.broadcast(if light.kind == ViewKind::Sun as u32 { f32::MAX } else { 1.0 })
 }
 
 /// The first ray of a group of those numbered from `first` on.
@@ -313,7 +313,7 @@ fn group<L: Lane>(first: RayIndex, group: usize) -> RayIndex {
 fn any_pending<L: Lane, const G: usize>(pending: &[L; G]) -> bool {
     let mut g = 0;
     while g < G {
-        if pending[g].like(0.0).less_than(pending[g]).any() {
+        if pending[g].gt(pending[g].broadcast(0.0)).any() {
             return true;
         }
         g += 1;
@@ -326,7 +326,7 @@ fn any_pending<L: Lane, const G: usize>(pending: &[L; G]) -> bool {
 fn first_pending<L: Lane, const G: usize>(pending: &[L; G], blocks: &[L::Bits; G]) -> Option<u32> {
     let mut g = 0;
     while g < G {
-        if pending[g].like(0.0).less_than(pending[g]).any() {
+        if pending[g].gt(pending[g].broadcast(0.0)).any() {
             let (waits, blocks) = (pending[g].row(), blocks[g].row());
             let mut lane = 0;
             while lane < L::WIDTH {

@@ -8,32 +8,32 @@
 //! differ, where two are as good as equally near, and at the edge of what is seen.
 
 use crate::grid::{BLOCK, RayIndex};
-use crate::kernel::cover::Cover;
-use crate::kernel::pane::mode_of;
-use crate::kernel::project::{Seen, Window};
+use crate::kernel::project::{ClipWindow, Projected};
 use crate::kernel::ray::point;
-use crate::kernel::triangle::{Triangle, meet};
+use crate::kernel::screen_bounds::ScreenBounds;
+use crate::kernel::transparency::alpha_mode_of;
+use crate::kernel::triangle::{Triangle, intersect};
 use crate::lane::V3;
-use crate::layout::{AlphaMode, Frame, Hit, NONE, Object, View};
+use crate::layout::{AlphaMode, Frame, Hit, Instance, NONE, View};
 use crate::stage::visibility::rays;
 
 /// The meshes of a scene, as they are drawn.
 #[derive(Clone, Copy)]
 pub struct Meshes<'a> {
     /// Objects, placed in the world.
-    pub objects: &'a [Object],
+    pub instances: &'a [Instance],
     /// Vertex indices of all meshes, and panes.
-    pub words: &'a [u32],
+    pub mesh_data: &'a [u32],
     /// Vertex positions, object space.
     pub positions: &'a [[f32; 3]],
 }
 
-/// What is drawn: one more than the object, and the triangle, or [`NONE`] where rays are to be
+/// What is drawn: one more than the instance, and the triangle, or [`NONE`] where rays are to be
 /// traced; 0 for nothing.
 pub type Drawn = [u32; 2];
 
 /// A ray that is still to be traced.
-pub const UNTRACED: Hit = Hit { t: 0.0, object: 0, triangle: 0, u: 0.0, v: 0.0 };
+pub const UNTRACED: Hit = Hit { t: 0.0, instance: 0, triangle: 0, u: 0.0, v: 0.0 };
 
 /// Whether a ray is still to be traced.
 #[inline(always)]
@@ -41,7 +41,7 @@ pub fn is_untraced(hit: &Hit) -> bool {
     hit.t <= 0.0
 }
 
-/// Vertex `number` of an object, three a triangle: its place in the window's picture, and what is
+/// Vertex `number` of an instance, three a triangle: its place in the window's picture, and what is
 /// drawn.
 ///
 /// A sphere, of which there are no triangles, is the rectangle of blocks that it covers, as near as
@@ -50,30 +50,30 @@ pub fn is_untraced(hit: &Hit) -> bool {
 pub fn vertex(
     frame: &Frame,
     view: &View,
-    window: &Window,
-    covers: &[Cover],
+    window: &ClipWindow,
+    screen_bounds: &[ScreenBounds],
     meshes: &Meshes<'_>,
-    object: u32,
+    instance: u32,
     number: u32,
 ) -> ([f32; 4], Drawn) {
-    let placed = &meshes.objects[object as usize];
+    let placed = &meshes.instances[instance as usize];
     let triangle = number / 3;
     let seen = if placed.is_sphere() {
-        let cover = &covers[(Frame::CAMERA * frame.objects + object) as usize];
+        let cover = &screen_bounds[(Frame::CAMERA * frame.instances + instance) as usize];
         let corner = if triangle == 0 { number } else { 6 - number };
         rectangle(frame, view, cover, corner)
     } else {
-        let vertex = placed.first_vertex + meshes.words[(placed.first_index + number) as usize];
-        Seen::point(view, to_world(placed, meshes.positions[vertex as usize]))
+        let vertex = placed.first_vertex + meshes.mesh_data[(placed.first_index + number) as usize];
+        Projected::point(view, to_world(placed, meshes.positions[vertex as usize]))
     };
-    let is_traced = placed.is_sphere() || mode_of(placed, meshes.words) == AlphaMode::Mask as u32;
-    let drawn = [object + 1, if is_traced { NONE } else { triangle }];
+    let is_traced = placed.is_sphere() || alpha_mode_of(placed, meshes.mesh_data) == AlphaMode::Mask as u32;
+    let drawn = [instance + 1, if is_traced { NONE } else { triangle }];
     (seen.clip(view, window, frame.magnitude), drawn)
 }
 
 /// The blocks that something covers: first column and row, the column and row after the last.
 #[inline(always)]
-fn blocks(frame: &Frame, view: &View, cover: &Cover) -> [u32; 4] {
+fn blocks(frame: &Frame, view: &View, cover: &ScreenBounds) -> [u32; 4] {
     if view.one_list == 1 {
         // All blocks share one list, and are one to a cover.
         return [0, 0, frame.grid().blocks_x(), frame.grid().blocks_y()];
@@ -81,9 +81,9 @@ fn blocks(frame: &Frame, view: &View, cover: &Cover) -> [u32; 4] {
     [cover.x0, cover.y0, cover.x1, cover.y1]
 }
 
-/// Whether anything of an object can be in the picture of the window.
+/// Whether anything of an instance can be in the picture of the window.
 #[inline(always)]
-pub fn is_in(frame: &Frame, view: &View, window: &Window, cover: &Cover) -> bool {
+pub fn is_in(frame: &Frame, view: &View, window: &ClipWindow, cover: &ScreenBounds) -> bool {
     let [x0, y0, x1, y1] = blocks(frame, view, cover);
     let (right, bottom) = (window.column + window.columns, window.row + window.rows);
     x0 < right && window.column < x1 && y0 < bottom && window.row < y1
@@ -92,18 +92,18 @@ pub fn is_in(frame: &Frame, view: &View, window: &Window, cover: &Cover) -> bool
 /// A corner of what a cover covers: 0 has the first column and row, 1 the first row only, 2 the
 /// first column only, and 3 neither.
 #[inline(always)]
-fn rectangle(frame: &Frame, view: &View, cover: &Cover, corner: u32) -> Seen {
+fn rectangle(frame: &Frame, view: &View, cover: &ScreenBounds, corner: u32) -> Projected {
     let [x0, y0, x1, y1] = blocks(frame, view, cover);
     let column = if corner & 1 == 0 { x0 } else { x1 };
     let row = if corner & 2 == 0 { y0 } else { y1 };
-    Seen::corner(view, frame.magnitude, [column, row], f32::from_bits(cover.key))
+    Projected::corner(view, frame.magnitude, [column, row], f32::from_bits(cover.key))
 }
 
-/// A point of an object, in world space.
+/// A point of an instance, in world space.
 #[inline(always)]
-fn to_world(object: &Object, position: [f32; 3]) -> V3<f32> {
+fn to_world(instance: &Instance, position: [f32; 3]) -> V3<f32> {
     let position = V3::splat((), position);
-    if object.is_identity == 1 { position } else { point(&object.to_world, position) }
+    if instance.is_identity == 1 { position } else { point(&instance.to_world, position) }
 }
 
 /// How many numbers a row of a picture has, in which all blocks of a row of the frame's are drawn: an
@@ -125,24 +125,24 @@ pub fn pixel(frame: &Frame, ray: RayIndex) -> u32 {
 /// The record of a ray through a pixel in which this is drawn; a ray outside the frame hits nothing.
 #[inline(always)]
 pub fn pick(frame: &Frame, camera: &View, meshes: &Meshes<'_>, ray: RayIndex, drawn: Drawn) -> Hit {
-    let [object, triangle] = drawn;
-    if object == 0 || !frame.grid().contains(frame.grid().ray(ray)) {
+    let [instance, triangle] = drawn;
+    if instance == 0 || !frame.grid().contains(frame.grid().ray(ray)) {
         return Hit::MISS;
     }
     if triangle == NONE {
         return UNTRACED;
     }
-    let object = object - 1;
-    let placed = &meshes.objects[object as usize];
+    let instance = instance - 1;
+    let placed = &meshes.instances[instance as usize];
     let ray = rays::<f32, 1>((), frame, camera, ray)[0];
     let ray = if placed.is_identity == 1 { ray } else { ray.to_object(placed) };
-    let [a, b, c] = placed.corners(meshes.words, triangle);
+    let [a, b, c] = placed.corners(meshes.mesh_data, triangle);
     let corner = |vertex: u32| meshes.positions[vertex as usize];
     let shape = Triangle::new(corner(a), corner(b), corner(c));
-    let seen = shape.seen_from(ray.origin);
-    let found = meet(&ray, &shape, &seen, f32::MAX);
+    let seen = shape.relative_to(ray.origin);
+    let found = intersect(&ray, &shape, &seen, f32::MAX);
     if found.mask && (placed.double_sided == 1 || seen.front(found.t)) {
-        Hit { t: found.t, object, triangle, u: found.u, v: found.v }
+        Hit { t: found.t, instance, triangle, u: found.u, v: found.v }
     } else {
         UNTRACED
     }

@@ -20,9 +20,9 @@ pub fn resolve<L: Lane>(
         #[inline(always)]
         |lane| [average(grid, pixel(lane), &color)],
     );
-    let is_partial = a.like(0.0).less_than(a) & a.less_than(a.like(1.0));
+    let is_partial = a.gt(a.broadcast(0.0)) & a.lt(a.broadcast(1.0));
     let [r, g, b] = if is_partial.any() {
-        let scale = is_partial.select(recip(a), a.like(1.0));
+        let scale = is_partial.select(recip(a), a.broadcast(1.0));
         [r * scale, g * scale, b * scale]
     } else {
         [r, g, b]

@@ -1,11 +1,11 @@
 //! Shade: the color that a ray brings back.
 
 use crate::kernel::environment::{Sky, arriving as arriving_from, mirrored};
-use crate::kernel::texture::{Chosen, Maps, Pick, channel, sample};
+use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, channel, sample};
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{AlphaMode, Backdrop, Frame, Material};
 use crate::num::{clamp, flush, flush3, normalize};
-use crate::stage::light::Arriving;
+use crate::stage::light::IncomingLight;
 use crate::stage::surface::Surfaces;
 
 /// Linear RGB and alpha of what a group of rays has found:
@@ -40,41 +40,46 @@ pub fn shade<L: Lane>(
     maps: &Maps<'_>,
     direction: V3<L>,
     surfaces: &Surfaces<L>,
-    arriving: &Arriving<L>,
+    arriving: &IncomingLight<L>,
 ) -> [L; 4] {
     let token = surfaces.footprint.token();
-    let one = surfaces.footprint.like(1.0);
+    let one = surfaces.footprint.broadcast(1.0);
     let sky = frame.sky();
-    let found = surfaces.material.like(0).less_than(surfaces.material);
-    let clear = one.like(if frame.backdrop == Backdrop::Nothing as u32 { 0.0 } else { 1.0 });
+    let found = surfaces.material.gt(surfaces.material.broadcast(0));
+    let clear = one.broadcast(if frame.backdrop == Backdrop::Nothing as u32 { 0.0 } else { 1.0 });
     let shows_sky = sky.first != 0 && frame.backdrop == Backdrop::Environment as u32;
     let background = if shows_sky && (!found).any() {
-        flush3(mirrored(maps, sky, direction, one.like(0.0)))
+        flush3(mirrored(maps, sky, direction, one.broadcast(0.0)))
     } else {
         V3::splat(token, [frame.background_r, frame.background_g, frame.background_b])
     };
     if !found.any() {
         return [background.x, background.y, background.z, clear];
     }
-    let looks = looks(maps, surfaces, if sky.first == 0 { 0.5 } else { 1.0 });
+    let surface_material = surface_material(maps, surfaces, if sky.first == 0 { 0.5 } else { 1.0 });
     let ambient = if sky.first == 0 {
         V3::splat(token, [frame.ambient_r, frame.ambient_g, frame.ambient_b])
     } else {
         flush3(arriving_from(maps, sky, surfaces.normal))
     };
-    let diffuse = flush3(times(looks.diffuse, ambient.scale(looks.occlusion) + arriving.diffuse));
-    let specular = flush3(times(looks.highlight, arriving.specular));
-    let lit = flush3(diffuse + specular + looks.emission);
-    let lit =
-        if sky.first == 0 { lit } else { flush3(lit + reflection(maps, sky, direction, surfaces, &looks)) };
-    let color = V3::select(found, V3::select(looks.unlit, flush3(looks.base), lit), background);
-    [color.x, color.y, color.z, found.select(looks.alpha, clear)]
+    let diffuse =
+        flush3(times(surface_material.diffuse, ambient.scale(surface_material.occlusion) + arriving.diffuse));
+    let specular = flush3(times(surface_material.highlight, arriving.specular));
+    let lit = flush3(diffuse + specular + surface_material.emission);
+    let lit = if sky.first == 0 {
+        lit
+    } else {
+        flush3(lit + reflection(maps, sky, direction, surfaces, &surface_material))
+    };
+    let color =
+        V3::select(found, V3::select(surface_material.unlit, flush3(surface_material.base), lit), background);
+    [color.x, color.y, color.z, found.select(surface_material.alpha, clear)]
 }
 
 /// The base color of a group of surfaces, linear RGB: material · texture · vertex color.
 #[inline(always)]
 pub fn base<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>) -> V3<L> {
-    flush3(looks(maps, surfaces, 0.0).base)
+    flush3(surface_material(maps, surfaces, 0.0).base)
 }
 
 /// What the surfaces mirror of the environment.
@@ -84,24 +89,24 @@ fn reflection<L: Lane>(
     sky: Sky,
     direction: V3<L>,
     surfaces: &Surfaces<L>,
-    looks: &Looks<L>,
+    surface_material: &SurfaceMaterial<L>,
 ) -> V3<L> {
     let toward = normalize(-direction);
     let normal = surfaces.normal;
     let cosine = normal.dot(toward);
-    let (zero, one) = (cosine.like(0.0), cosine.like(1.0));
-    let light = mirrored(maps, sky, normal.scale(cosine * 2.0) - toward, looks.roughness);
+    let (zero, one) = (cosine.broadcast(0.0), cosine.broadcast(1.0));
+    let light = mirrored(maps, sky, normal.scale(cosine * 2.0) - toward, surface_material.roughness);
     let grazing = one - clamp(cosine, 0.0, 1.0);
     let square = grazing * grazing;
     let grazing = flush(square * square * grazing);
-    let smooth = (one - looks.roughness).max(zero);
+    let smooth = (one - surface_material.roughness).max(zero);
     let share = |mirror: L| mirror + (smooth.max(mirror) - mirror) * grazing;
-    let mirror = looks.mirror;
+    let mirror = surface_material.mirror;
     flush3(times(light, V3 { x: share(mirror.x), y: share(mirror.y), z: share(mirror.z) }))
 }
 
-/// What a group of surfaces looks like, its textures included.
-struct Looks<L: Lane> {
+/// What a group of surfaces surface_material like, its textures included.
+struct SurfaceMaterial<L: Lane> {
     base: V3<L>,
     diffuse: V3<L>,
     mirror: V3<L>,
@@ -114,29 +119,29 @@ struct Looks<L: Lane> {
     alpha: L,
 }
 
-/// The looks; a metal loses this share of its diffuse color.
+/// The surface_material; a metal loses this share of its diffuse color.
 #[inline(always)]
-fn looks<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32) -> Looks<L> {
+fn surface_material<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32) -> SurfaceMaterial<L> {
     let token = surfaces.footprint.token();
-    let one = surfaces.footprint.like(1.0);
-    let chosen = Chosen::new(surfaces.material);
-    let places = surfaces.places();
+    let one = surfaces.footprint.broadcast(1.0);
+    let chosen = MaterialLookup::new(surfaces.material);
+    let tex_coords = surfaces.tex_coords();
     let [br, bg, bb, sr, sg, sb, er, eg, eb, metallic, roughness, strength, unlit, alpha] =
         chosen.numbers::<Numbers, 14>(token, maps);
-    let texture = sample::<L, { Material::COLOR }, true>(maps, &chosen, &places);
+    let texture = sample::<L, { Material::COLOR }, true>(maps, &chosen, &tex_coords);
     let painted = |number: u32| channel::<L>(surfaces.color, number);
     let base = V3 {
         x: br * texture[0] * painted(0),
         y: bg * texture[1] * painted(1),
         z: bb * texture[2] * painted(2),
     };
-    let [_, green, blue, _] = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, &places);
+    let [_, green, blue, _] = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, &tex_coords);
     let (metallic, roughness) = (metallic * blue, roughness * green);
-    let [occluded, _, _, _] = sample::<L, { Material::OCCLUSION }, false>(maps, &chosen, &places);
-    let glow = sample::<L, { Material::EMISSION }, true>(maps, &chosen, &places);
+    let [occluded, _, _, _] = sample::<L, { Material::OCCLUSION }, false>(maps, &chosen, &tex_coords);
+    let glow = sample::<L, { Material::EMISSION }, true>(maps, &chosen, &tex_coords);
     let specular = V3 { x: sr, y: sg, z: sb };
     let mirror = specular + (base - specular).scale(metallic);
-    Looks {
+    SurfaceMaterial {
         base,
         diffuse: base.scale(one - metallic * metal),
         mirror,
@@ -144,17 +149,17 @@ fn looks<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32) -> Looks<
         highlight: mirror.scale(one - roughness * 0.5),
         emission: V3 { x: flush(er * glow[0]), y: flush(eg * glow[1]), z: flush(eb * glow[2]) },
         occlusion: one + (occluded - one) * strength,
-        unlit: one.less_equal(unlit),
+        unlit: one.le(unlit),
         alpha: alpha
-            .less_than(one.like(0.0))
+            .lt(one.broadcast(0.0))
             .select(one, flush(clamp(alpha * texture[3] * painted(3), 0.0, 1.0))),
     }
 }
 
-/// What a material says of its looks.
+/// What a material says of its surface_material.
 struct Numbers;
 
-impl Pick<14> for Numbers {
+impl MaterialField<14> for Numbers {
     #[inline(always)]
     fn pick(material: &Material) -> [f32; 14] {
         let (b, s, e) = (&material.base, &material.specular, &material.emission);

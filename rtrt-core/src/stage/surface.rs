@@ -1,15 +1,15 @@
 //! Surface: what the lights and the material need to know about a hit.
 
-use crate::kernel::distinct::Distinct;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::footprint;
 use crate::kernel::offset::offset;
 use crate::kernel::ray::{normal, point, vector};
 use crate::kernel::sphere::{self, ENTRY};
-use crate::kernel::texture::Places;
-use crate::kernel::traverse::{Best, BestRows, Geometry};
+use crate::kernel::texture::TexCoords;
+use crate::kernel::traverse::{ClosestHit, ClosestHitRows, Geometry};
+use crate::kernel::unique_gather::UniqueGather;
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
-use crate::layout::{Attribute, NONE, Object, Surface, View};
+use crate::layout::{Attribute, Instance, NONE, Surface, View};
 use crate::num::{TINY, clamp, floor, flush, flush3, from_integer, normalize, recip, sqrt, to_integer};
 
 /// The surfaces that one group of rays has found; see [`Surface`].
@@ -49,8 +49,8 @@ pub struct SurfaceRows<L: Lane> {
 impl<L: Lane> Surfaces<L> {
     /// Where they are in their textures.
     #[inline(always)]
-    pub fn places(&self) -> Places<L> {
-        Places { uv: [self.uv, self.second_uv], footprint: [self.footprint, self.second_footprint] }
+    pub fn tex_coords(&self) -> TexCoords<L> {
+        TexCoords { uv: [self.uv, self.second_uv], footprint: [self.footprint, self.second_footprint] }
     }
     /// The record of one lane.
     #[inline(always)]
@@ -111,80 +111,80 @@ impl Surfaces<f32> {
 /// of more than two words in memory, pointers and all, which no device takes.)
 #[derive(Clone, Copy)]
 pub struct Vertices<'a> {
-    /// The scene's objects.
-    pub objects: &'a [Object],
+    /// The scene's instances.
+    pub instances: &'a [Instance],
     /// The scene's words.
-    pub words: &'a [u32],
+    pub mesh_data: &'a [u32],
     /// The scene's attributes.
     pub attributes: &'a [Attribute],
 }
 
-/// A word of an object.
-pub(super) trait OfObject {
+/// A word of an instance.
+pub(super) trait OfInstance {
     /// What it is where nothing was hit.
     const NONE: u32;
     /// The word.
-    fn of(object: &Object) -> u32;
+    fn of(instance: &Instance) -> u32;
 }
 
 impl Vertices<'_> {
-    /// A word of the object in each lane. Neighboring rays mostly hit the same one, which is
+    /// A word of the instance in each lane. Neighboring rays mostly hit the same one, which is
     /// then looked at once.
     #[inline(always)]
-    pub(super) fn of_objects<L: Lane, W: OfObject>(
+    pub(super) fn of_instances<L: Lane, W: OfInstance>(
         &self,
         token: L::Token,
-        objects: L::Bits,
-        found: &BestRows<L>,
+        instances: L::Bits,
+        found: &ClosestHitRows<L>,
     ) -> L::Bits {
-        let first = found.object(0);
-        if L::WIDTH > 1 && !(!objects.equal(objects.like(first))).any() {
-            return objects.like(self.of_object::<W>(first));
+        let first = found.instance(0);
+        if L::WIDTH > 1 && !(!instances.eq(instances.broadcast(first))).any() {
+            return instances.broadcast(self.of_object::<W>(first));
         }
         L::bits_from_fn(
             token,
             #[inline(always)]
-            |lane| self.of_object::<W>(found.object(lane)),
+            |lane| self.of_object::<W>(found.instance(lane)),
         )
     }
 
-    /// A word of one object.
+    /// A word of one instance.
     #[inline(always)]
-    fn of_object<W: OfObject>(&self, index: u32) -> u32 {
-        if index == NONE { W::NONE } else { W::of(&self.objects[index as usize]) }
+    fn of_object<W: OfInstance>(&self, index: u32) -> u32 {
+        if index == NONE { W::NONE } else { W::of(&self.instances[index as usize]) }
     }
 }
 
 /// Whether object and world space are the same.
 pub(super) struct Identity;
 
-impl OfObject for Identity {
+impl OfInstance for Identity {
     const NONE: u32 = 1;
     #[inline(always)]
-    fn of(object: &Object) -> u32 {
-        object.is_identity
+    fn of(instance: &Instance) -> u32 {
+        instance.is_identity
     }
 }
 
 /// 1 + the material.
 struct OneMaterial;
 
-impl OfObject for OneMaterial {
+impl OfInstance for OneMaterial {
     const NONE: u32 = 0;
     #[inline(always)]
-    fn of(object: &Object) -> u32 {
-        object.material + 1
+    fn of(instance: &Instance) -> u32 {
+        instance.material + 1
     }
 }
 
 /// 1 for a sphere.
 struct Round;
 
-impl OfObject for Round {
+impl OfInstance for Round {
     const NONE: u32 = 0;
     #[inline(always)]
-    fn of(object: &Object) -> u32 {
-        object.is_sphere() as u32
+    fn of(instance: &Instance) -> u32 {
+        instance.is_sphere() as u32
     }
 }
 
@@ -202,13 +202,13 @@ pub fn surface<L: Lane>(
     geometry: &Geometry<'_>,
     attributes: &[Attribute],
     direction: V3<L>,
-    best: &Best<L>,
+    best: &ClosestHit<L>,
 ) -> Surfaces<L> {
     let token = best.t.token();
-    let zero = best.t.like(0.0);
-    let none = best.object.like(0);
+    let zero = best.t.broadcast(0.0);
+    let none = best.instance.broadcast(0);
     let nothing = V3 { x: zero, y: zero, z: zero };
-    let missed = best.object.equal(best.object.like(NONE));
+    let missed = best.instance.eq(best.instance.broadcast(NONE));
     if !(!missed).any() {
         return Surfaces {
             origin: nothing,
@@ -221,7 +221,7 @@ pub fn surface<L: Lane>(
             second_footprint: zero,
         };
     }
-    let vertices = Vertices { objects: geometry.objects, words: geometry.words, attributes };
+    let vertices = Vertices { instances: geometry.instances, mesh_data: geometry.mesh_data, attributes };
     let found = best.rows();
     let triangles = triangles(best, &found, !missed);
     let [
@@ -239,7 +239,7 @@ pub fn surface<L: Lane>(
         #[inline(always)]
         |lane| colors(&vertices, &found, lane),
     );
-    let space = Space::of(&vertices, best.t, best.object, &found);
+    let space = Space::of(&vertices, best.t, best.instance, &found);
     let a = space.point(V3 { x: ax, y: ay, z: az });
     let b = space.point(V3 { x: bx, y: by, z: bz });
     let c = space.point(V3 { x: cx, y: cy, z: cz });
@@ -255,10 +255,10 @@ pub fn surface<L: Lane>(
     let mut across = (b - a).cross(c - a);
     let mut flat = facing(normalize(across), -direction);
 
-    let round = vertices.of_objects::<L, Round>(token, best.object, &found);
-    let round = none.less_than(round);
+    let round = vertices.of_instances::<L, Round>(token, best.instance, &found);
+    let round = round.gt(none);
     if round.any() {
-        let enters = best.triangle.equal(none.like(ENTRY));
+        let enters = best.triangle.eq(none.broadcast(ENTRY));
         let n = sphere::point(best.u, best.v);
         let [s, t] = sphere::tangents(n);
         let [longitude, latitude] = sphere::longitude_and_latitude(n);
@@ -273,7 +273,7 @@ pub fn surface<L: Lane>(
     }
     let area = sqrt(across.dot(across));
     let length = smooth.dot(smooth);
-    let has_normal = length.like(TINY).less_than(length);
+    let has_normal = length.broadcast(TINY).lt(length);
     let smooth = flush3(V3::select(has_normal, facing(normalize(smooth), flat), flat));
 
     let place = flush3(place);
@@ -284,7 +284,7 @@ pub fn surface<L: Lane>(
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
         normal: V3::select(missed, nothing, smooth),
-        material: vertices.of_objects::<L, OneMaterial>(token, best.object, &found),
+        material: vertices.of_instances::<L, OneMaterial>(token, best.instance, &found),
         color: missed.select(none, mixed(&weights, colors)),
         uv: [missed.select(zero, flush(uv[0])), missed.select(zero, flush(uv[1]))],
         footprint: missed.select(zero, flush(footprint(pixel, uv_area, area))),
@@ -295,14 +295,18 @@ pub fn surface<L: Lane>(
 
 /// The different triangles that the lanes in `wanted` have hit.
 #[inline(always)]
-pub(super) fn triangles<L: Lane>(best: &Best<L>, found: &BestRows<L>, wanted: L::Mask) -> Distinct<L> {
-    Distinct::of(
+pub(super) fn triangles<L: Lane>(
+    best: &ClosestHit<L>,
+    found: &ClosestHitRows<L>,
+    wanted: L::Mask,
+) -> UniqueGather<L> {
+    UniqueGather::of(
         best.t.token(),
         wanted,
         #[inline(always)]
         |lane| {
-            best.object.equal(best.object.like(found.object(lane)))
-                & best.triangle.equal(best.triangle.like(found.triangle(lane)))
+            best.instance.eq(best.instance.broadcast(found.instance(lane)))
+                & best.triangle.eq(best.triangle.broadcast(found.triangle(lane)))
         },
     )
 }
@@ -319,11 +323,11 @@ fn grazing<L: Lane>(normal: V3<L>, direction: V3<L>) -> L {
 /// `v`, turned to the side that `toward` is on.
 #[inline(always)]
 fn facing<L: Lane>(v: V3<L>, toward: V3<L>) -> V3<L> {
-    let away = v.dot(toward).less_than(v.x.like(0.0));
+    let away = v.dot(toward).lt(v.x.broadcast(0.0));
     V3::select(away, -v, v)
 }
 
-/// The way from object to world space, of each lane's own object.
+/// The way from instance to world space, of each lane's own instance.
 #[derive(Clone, Copy)]
 pub(super) struct Space<L: Lane> {
     /// The lanes whose object and world space are the same.
@@ -335,37 +339,42 @@ pub(super) struct Space<L: Lane> {
 }
 
 impl<L: Lane> Space<L> {
-    /// The spaces of the hit objects. Matrices are read lane by lane only where the lanes
-    /// have hit different objects.
+    /// The spaces of the hit instances. Matrices are read lane by lane only where the lanes
+    /// have hit different instances.
     #[inline(always)]
-    pub(super) fn of(vertices: &Vertices<'_>, like: L, objects: L::Bits, found: &BestRows<L>) -> Self {
+    pub(super) fn of(
+        vertices: &Vertices<'_>,
+        like: L,
+        instances: L::Bits,
+        found: &ClosestHitRows<L>,
+    ) -> Self {
         let token = like.token();
-        let identity = vertices.of_objects::<L, Identity>(token, objects, found);
-        let same = identity.equal(identity.like(1));
-        let zero = [[like.like(0.0); 4]; 3];
+        let identity = vertices.of_instances::<L, Identity>(token, instances, found);
+        let same = identity.eq(identity.broadcast(1));
+        let zero = [[like.broadcast(0.0); 4]; 3];
         let mut space = Self { same, all_same: !(!same).any(), to_world: zero, to_object: zero };
         if space.all_same {
             return space;
         }
-        let different = Distinct::of(
+        let different = UniqueGather::of(
             token,
             !same,
             #[inline(always)]
-            |lane| objects.equal(objects.like(found.object(lane))),
+            |lane| instances.eq(instances.broadcast(found.instance(lane))),
         );
         // Whole matrices at once: a closure made in a loop is beyond rust-gpu.
         space.to_world = different.gather(
             #[inline(always)]
             |lane| {
-                let index = found.object(lane);
-                if index == NONE { [[0.0; 4]; 3] } else { vertices.objects[index as usize].to_world }
+                let index = found.instance(lane);
+                if index == NONE { [[0.0; 4]; 3] } else { vertices.instances[index as usize].to_world }
             },
         );
         space.to_object = different.gather(
             #[inline(always)]
             |lane| {
-                let index = found.object(lane);
-                if index == NONE { [[0.0; 4]; 3] } else { vertices.objects[index as usize].to_object }
+                let index = found.instance(lane);
+                if index == NONE { [[0.0; 4]; 3] } else { vertices.instances[index as usize].to_object }
             },
         );
         space
@@ -396,14 +405,14 @@ impl<L: Lane> Space<L> {
 fn corners<L: Lane>(
     geometry: &Geometry<'_>,
     attributes: &[Attribute],
-    found: &BestRows<L>,
+    found: &ClosestHitRows<L>,
     lane: usize,
 ) -> [[f32; 4]; 6] {
-    let index = found.object(lane);
+    let index = found.instance(lane);
     if index == NONE {
         return [[0.0; 4]; 6];
     }
-    let [a, b, c] = geometry.corners(&geometry.objects[index as usize], found.triangle(lane));
+    let [a, b, c] = geometry.corners(&geometry.instances[index as usize], found.triangle(lane));
     let (p, q, r) =
         (&geometry.positions[a as usize], &geometry.positions[b as usize], &geometry.positions[c as usize]);
     let (a, b, c) = (&attributes[a as usize], &attributes[b as usize], &attributes[c as usize]);
@@ -420,12 +429,12 @@ fn corners<L: Lane>(
 
 /// The colors of the corners of one lane's triangle, and a word that means nothing.
 #[inline(always)]
-fn colors<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) -> [u32; 4] {
-    let index = found.object(lane);
+fn colors<L: Lane>(vertices: &Vertices<'_>, found: &ClosestHitRows<L>, lane: usize) -> [u32; 4] {
+    let index = found.instance(lane);
     if index == NONE {
         return [0; 4];
     }
-    let [a, b, c] = vertices.objects[index as usize].corners(vertices.words, found.triangle(lane));
+    let [a, b, c] = vertices.instances[index as usize].corners(vertices.mesh_data, found.triangle(lane));
     let color = |vertex: u32| vertices.attributes[vertex as usize].color;
     [color(a), color(b), color(c), 0]
 }
@@ -433,14 +442,14 @@ fn colors<L: Lane>(vertices: &Vertices<'_>, found: &BestRows<L>, lane: usize) ->
 /// The color between those of three corners.
 #[inline(always)]
 fn mixed<L: Lane>(weights: &Weights<L>, [a, b, c, _]: [L::Bits; 4]) -> L::Bits {
-    let same = a.equal(b) & b.equal(c);
+    let same = a.eq(b) & b.eq(c);
     if !(!same).any() {
         return a;
     }
     let channel = |shift: u32| {
-        let part = |color: L::Bits| from_integer::<L>((color >> shift) & color.like(255));
+        let part = |color: L::Bits| from_integer::<L>((color >> shift) & color.broadcast(255));
         let mixed = floor(weights.mix(part(a), part(b), part(c)) + 0.5);
-        (to_integer(mixed) & a.like(255)) << shift
+        (to_integer(mixed) & a.broadcast(255)) << shift
     };
     same.select(a, channel(0) | channel(8) | channel(16) | channel(24))
 }

@@ -1,10 +1,12 @@
 //! Visibility: the closest surface on each ray of the camera.
 
 use crate::grid::{RayIndex, place};
-use crate::kernel::lists::Lists;
+use crate::kernel::lists::BlockLists;
 use crate::kernel::ray::Ray;
 use crate::kernel::tiles::{TILES, Tiles};
-use crate::kernel::traverse::{Best, Closest, Geometry, Search, meet_sphere, met_by_rays, traverse};
+use crate::kernel::traverse::{
+    Closest, ClosestHit, Geometry, HitFilter, intersect_sphere, ray_hit_mask, traverse,
+};
 use crate::kernel::view::{camera_direction, camera_ray, central_ray};
 use crate::lane::{Lane, Select, V3, groups};
 use crate::layout::{Frame, Hit, NONE, View};
@@ -71,14 +73,14 @@ pub fn visibility<L: Lane, const G: usize>(
     token: L::Token,
     frame: &Frame,
     views: &[View],
-    lists: &Lists<'_>,
+    lists: &BlockLists<'_>,
     geometry: &Geometry<'_>,
     first: RayIndex,
-) -> [Best<L>; G] {
+) -> [ClosestHit<L>; G] {
     let camera = &views[Frame::CAMERA as usize];
     let (corner, inside) = frame.grid().corner(first);
     let mut best = unfound::<L, G>(token, frame, first);
-    let mut searches = [Closest; G];
+    let mut filters = [Closest; G];
     let block = camera.list(frame.grid().block(first));
     if lists.is_empty(block) {
         return best;
@@ -91,10 +93,10 @@ pub fn visibility<L: Lane, const G: usize>(
                 central_ray(camera, x, y)
             },
         );
-        closest(lists, geometry, block, &rays, &mut searches, &mut best);
+        closest(lists, geometry, block, &rays, &mut filters, &mut best);
     } else {
         let rays = rays::<L, G>(token, frame, camera, first);
-        closest(lists, geometry, block, &rays, &mut searches, &mut best);
+        closest(lists, geometry, block, &rays, &mut filters, &mut best);
     }
     best
 }
@@ -102,7 +104,11 @@ pub fn visibility<L: Lane, const G: usize>(
 /// What the rays numbered from `first` on, all in one block, have found before they search:
 /// nothing. A ray outside the frame looks for nothing.
 #[inline(always)]
-pub fn unfound<L: Lane, const G: usize>(token: L::Token, frame: &Frame, first: RayIndex) -> [Best<L>; G] {
+pub fn unfound<L: Lane, const G: usize>(
+    token: L::Token,
+    frame: &Frame,
+    first: RayIndex,
+) -> [ClosestHit<L>; G] {
     let grid = frame.grid();
     let (corner, inside) = grid.corner(first);
     groups(
@@ -110,27 +116,33 @@ pub fn unfound<L: Lane, const G: usize>(token: L::Token, frame: &Frame, first: R
         |group| {
             let [x, y] = places::<L>(token, corner, inside + (group * L::WIDTH) as u32);
             let [width, height] = grid.rays_across();
-            let is_inside = x.less_than(x.like(width as f32)) & y.less_than(y.like(height as f32));
-            let limit = is_inside.select(x.like(f32::MAX), x.like(-1.0));
-            let none = limit.bits_like(NONE);
-            Best { t: limit, object: none, triangle: none, u: limit.like(0.0), v: limit.like(0.0) }
+            let is_inside = x.lt(x.broadcast(width as f32)) & y.lt(y.broadcast(height as f32));
+            let limit = is_inside.select(x.broadcast(f32::MAX), x.broadcast(-1.0));
+            let none = limit.broadcast_bits(NONE);
+            ClosestHit {
+                t: limit,
+                instance: none,
+                triangle: none,
+                u: limit.broadcast(0.0),
+                v: limit.broadcast(0.0),
+            }
         },
     )
 }
 
-/// Meets a packet with the objects of one block's list, near to far, until nothing nearer
+/// Meets a packet with the instances of one block's list, near to far, until nothing nearer
 /// can follow.
 ///
-/// A packet passes by the objects whose boxes none of its tiles may meet, before any ray is
+/// A packet passes by the instances whose boxes none of its tiles may meet, before any ray is
 /// transformed.
 #[inline(always)]
-pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usize>(
-    lists: &Lists<'_>,
+pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, S: HitFilter<L>, const G: usize>(
+    lists: &BlockLists<'_>,
     geometry: &Geometry<'_>,
     block: u32,
     rays: &[Ray<L, O>; G],
-    searches: &mut [S; G],
-    best: &mut [Best<L>; G],
+    filters: &mut [S; G],
+    best: &mut [ClosestHit<L>; G],
 ) {
     if lists.is_empty(block) {
         return;
@@ -152,21 +164,29 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usi
         if limit < f32::from_bits(entry.key) {
             return;
         }
-        let object = &geometry.objects[entry.object as usize];
-        let (low, high) = object.widened(geometry.magnitude);
-        let met = if G == 1 {
-            met_by_rays(rays, &low, &high, 1, best)
+        let instance = &geometry.instances[entry.instance as usize];
+        let (low, high) = instance.padded_aabb(geometry.magnitude);
+        let hit_mask = if G == 1 {
+            ray_hit_mask(rays, &low, &high, 1, best)
         } else {
-            tiles.meets::<O>(&low, &high, &limits, searching)
+            tiles.hit_mask::<O>(&low, &high, &limits, searching)
         };
-        if met == 0 {
+        if hit_mask == 0 {
             continue;
         }
-        if object.is_sphere() {
-            meet_sphere(geometry, object.whole(entry.object), rays, met, &mut limits, searches, best);
+        if instance.is_sphere() {
+            intersect_sphere(
+                geometry,
+                instance.source_instance(entry.instance),
+                rays,
+                hit_mask,
+                &mut limits,
+                filters,
+                best,
+            );
             continue;
         }
-        let is_identity = object.is_identity == 1;
+        let is_identity = instance.is_identity == 1;
         let (local_rays, local_tiles);
         let (here, here_tiles) = if G > 1 && is_identity {
             (rays, &tiles)
@@ -174,19 +194,19 @@ pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, S: Search<L>, const G: usi
             local_rays = groups(
                 #[inline(always)]
                 |g| {
-                    let is_met = G == 1 || met >> Tiles::<L, G>::tile(g) & 1 == 1;
-                    if is_met && !is_identity { rays[g].to_object(object) } else { rays[g] }
+                    let is_met = G == 1 || hit_mask >> Tiles::<L, G>::tile(g) & 1 == 1;
+                    if is_met && !is_identity { rays[g].to_object(instance) } else { rays[g] }
                 },
             );
-            local_tiles = Tiles::of(&local_rays, best, met);
+            local_tiles = Tiles::of(&local_rays, best, hit_mask);
             (&local_rays, &local_tiles)
         };
-        traverse(geometry, entry.object, here, here_tiles, met, &mut limits, searches, best);
+        traverse(geometry, entry.instance, here, here_tiles, hit_mask, &mut limits, filters, best);
     }
 }
 
 /// The deferred record of one lane.
 #[inline(always)]
-pub fn hit<L: Lane>(best: &Best<L>, lane: usize) -> Hit {
+pub fn hit<L: Lane>(best: &ClosestHit<L>, lane: usize) -> Hit {
     best.rows().hit(lane)
 }

@@ -46,7 +46,7 @@ struct Report {
     /// What the host takes to set up a frame and hand it to a GPU, which it then waits for; null
     /// where the host itself renders.
     host_ms: Option<Times>,
-    tree_build_ms: f64,
+    bvh_build_ms: f64,
     /// Everything that rays are traced and shaded with, but for texels.
     scene_bytes: usize,
     /// Vertices and indices as imported.
@@ -118,13 +118,13 @@ pub fn run(options: &Bench) -> Result<(), Error> {
         stages_ms: PerStage(stages),
         frame_ms: times(frame_ms).median,
         host_ms: (!host_ms.is_empty()).then(|| times(host_ms)),
-        tree_build_ms: job.tree_build_ms,
+        bvh_build_ms: job.bvh_build_ms,
         scene_bytes: scene.bytes() - size_of_val(scene.texels()),
         source_bytes: scene.source_bytes(),
         peak_rss_bytes,
         triangles: scene.triangles(),
         drawn_triangles: scene.drawn_triangles(),
-        objects: scene.objects().len(),
+        objects: scene.instances().len(),
         hash: hash::pixels(&picture),
     };
     if options.common.json { output::print_json(&report) } else { output::print(report) }
@@ -172,7 +172,7 @@ impl fmt::Display for Report {
         if let Some(Times { median, min }) = self.host_ms {
             writeln!(f, "{:>12} {median:9.3} ms (min {min:.3})", "of it, host")?;
         }
-        writeln!(f, "{:>12} {:9.3} ms", "tree build", self.tree_build_ms)?;
+        writeln!(f, "{:>12} {:9.3} ms", "tree build", self.bvh_build_ms)?;
         writeln!(f, "primary rays: {:.2} million a second", self.primary_rays_per_second * MEGA)?;
         let [traced, both] =
             [self.traced_rays_per_second, self.primary_and_shadow_rays_per_second].map(|rays| rays * MEGA);

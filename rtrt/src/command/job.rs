@@ -33,7 +33,7 @@ pub struct Job {
     /// Rays from the camera.
     pub rays: u64,
     /// Milliseconds.
-    pub tree_build_ms: f64,
+    pub bvh_build_ms: f64,
     /// Whether the lights are those of the file.
     own_lights: bool,
     /// Whether the lights are [`import::light_by_default`]'s.
@@ -67,14 +67,14 @@ impl Job {
         }
         console.detail(format_args!(
             "scene: {} objects, {} triangles stored, {} drawn; trees took {:.1} ms",
-            loaded.scene.objects().len(),
+            loaded.scene.instances().len(),
             loaded.scene.triangles(),
             loaded.scene.drawn_triangles(),
-            loaded.tree_build_ms
+            loaded.bvh_build_ms
         ));
         choose_animation(common, &mut loaded, time.is_some(), console)?;
         let camera = camera(common, &mut loaded, time.is_some())?;
-        let Loaded { mut scene, cameras, lit_by_default, animation, files, tree_build_ms, .. } = loaded;
+        let Loaded { mut scene, cameras, lit_by_default, animation, files, bvh_build_ms, .. } = loaded;
         let default_lights = lit_by_default && common.lights.is_empty() && common.environment.is_none();
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
@@ -112,7 +112,7 @@ impl Job {
             rays,
             shadows: common.shadows(),
             layers: common.transparency_depth,
-            tree_build_ms,
+            bvh_build_ms,
             own_lights: common.lights.is_empty() && !lit_by_default,
             #[cfg(feature = "viewer")]
             default_lights,

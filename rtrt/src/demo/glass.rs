@@ -62,7 +62,7 @@ pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.80 },
     };
-    Ok(shown(scene, "window", camera, stage.builder.tree_build_ms))
+    Ok(shown(scene, "window", camera, stage.builder.bvh_build_ms))
 }
 
 /// The scene in the making.
@@ -81,7 +81,7 @@ impl<J: Join> Stage<'_, J> {
     }
     fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
         let mesh = self.builder.add_mesh(GLASS, shape.0)?;
-        self.builder.add_object(GLASS, mesh, material, Mat4::IDENTITY)?;
+        self.builder.add_instance(GLASS, mesh, material, Mat4::IDENTITY)?;
         Ok(())
     }
 

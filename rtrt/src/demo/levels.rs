@@ -26,7 +26,7 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
     let floor = builder.add_material(phong([0.5, 0.48, 0.45], 0.0, 0.9, Texture::NONE, [0.0; 3]))?;
     let shape = Shape::default().tiled(vec3(-60.0, 0.0, -120.0), Vec3::X * 120.0, Vec3::Z * 130.0, 1.0);
     let mesh = builder.add_mesh(LEVELS, shape.0)?;
-    builder.add_object(LEVELS, mesh, floor, Mat4::IDENTITY)?;
+    builder.add_instance(LEVELS, mesh, floor, Mat4::IDENTITY)?;
     let white = builder.add_material(phong([0.9; 3], 0.0, 0.4, Texture::NONE, [0.0; 3]))?;
     let mut meshes = Vec::new();
     for (from, rings, color) in STEPS {
@@ -36,7 +36,7 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
         let (column, row) = ((number % 32) as f32, (number / 32) as f32);
         let center = vec3((column - 15.5) * 2.0, 0.6, 2.0 - row * 2.2);
         let place = Mat4::from_translation(center) * Mat4::from_scale(Vec3::splat(0.6));
-        if let Some(object) = builder.add_object(LEVELS, meshes[0].1, white, place)? {
+        if let Some(object) = builder.add_instance(LEVELS, meshes[0].1, white, place)? {
             let set = builder.scene.set_levels(object, &meshes[1..]);
             set.map_err(|source| ImportError::Scene { path: LEVELS.into(), source })?;
         }
@@ -55,7 +55,7 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.7 },
     };
-    Ok(shown(scene, "field", camera, builder.tree_build_ms))
+    Ok(shown(scene, "field", camera, builder.bvh_build_ms))
 }
 
 /// A ball: so many rings of as many quads.

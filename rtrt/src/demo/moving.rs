@@ -9,7 +9,7 @@ use crate::import::{Animation, ImportError, Loaded};
 use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::layout::Texture;
 use rtrt_core::scene::{
-    Camera, Join, Light, MaterialIndex, MeshIndex, Motion, ObjectIndex, Projection, phong,
+    Camera, InstanceIndex, Join, Light, MaterialIndex, MeshIndex, Motion, Projection, phong,
 };
 use std::path::Path;
 
@@ -44,7 +44,7 @@ pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
     let floor = stage.material([0.95; 3], 0.6, planks)?;
     let shape = Shape::default().tiled(vec3(-16.0, 0.0, -9.0), Vec3::X * 32.0, Vec3::Z * 18.0, 2.4);
     let mesh = stage.builder.add_mesh(MOVING, shape.0)?;
-    stage.builder.add_object(MOVING, mesh, floor, Mat4::IDENTITY)?;
+    stage.builder.add_instance(MOVING, mesh, floor, Mat4::IDENTITY)?;
     let motions = stage.lanes()?;
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.16, 0.17, 0.19);
@@ -68,12 +68,12 @@ pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
         projection: Projection::Perspective { fov_y: 0.75 },
     };
     let animation = Some(Animation::of_motions(MOVING, motions, END));
-    Ok(Loaded { animation, ..shown(scene, "lanes", camera, stage.builder.tree_build_ms) })
+    Ok(Loaded { animation, ..shown(scene, "lanes", camera, stage.builder.bvh_build_ms) })
 }
 
 impl<J: Join> Stage<'_, J> {
     /// What flies, where it starts, and how.
-    fn lanes(&mut self) -> Result<Vec<(ObjectIndex, Mat4, Motion)>, ImportError> {
+    fn lanes(&mut self) -> Result<Vec<(InstanceIndex, Mat4, Motion)>, ImportError> {
         let board = self.texture(paint::board())?;
         let tints = [[0.9, 0.25, 0.15], [0.15, 0.7, 0.3], [0.15, 0.35, 0.9]];
         let [red, green, blue] = tints.map(|tint| self.glass(tint, 0.35));
@@ -112,7 +112,7 @@ impl<J: Join> Stage<'_, J> {
         goods: &Goods,
         number: u32,
         center: Vec3,
-    ) -> Result<(ObjectIndex, Mat4), ImportError> {
+    ) -> Result<(InstanceIndex, Mat4), ImportError> {
         let at = |size| Mat4::from_scale_rotation_translation(size, Quat::IDENTITY, center);
         let (material, start) = match number % 3 {
             0 => (goods.board, at(Vec3::splat(0.36))),
@@ -122,7 +122,7 @@ impl<J: Join> Stage<'_, J> {
         let scene = &mut self.builder.scene;
         let added = match number % 3 {
             1 => scene.add_sphere(material, start),
-            _ => scene.add_object(goods.cube, material, start),
+            _ => scene.add_instance(goods.cube, material, start),
         };
         let object = added.map_err(|source| ImportError::Scene { path: MOVING.into(), source })?;
         Ok((object, start))

@@ -25,7 +25,7 @@ pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
     let corner = vec3(-6.0, 0.0, -7.0);
     let shape = Shape::default().tiled(corner, Vec3::X * 12.0, Vec3::Z * 12.0, 2.4);
     let mesh = stage.builder.add_mesh(SPHERES, shape.0)?;
-    stage.builder.add_object(SPHERES, mesh, floor, Mat4::IDENTITY)?;
+    stage.builder.add_instance(SPHERES, mesh, floor, Mat4::IDENTITY)?;
     stage.large()?;
     stage.small()?;
     let mut scene = stage.builder.scene;
@@ -49,7 +49,7 @@ pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.72 },
     };
-    Ok(shown(scene, "table", camera, stage.builder.tree_build_ms))
+    Ok(shown(scene, "table", camera, stage.builder.bvh_build_ms))
 }
 
 impl<J: Join> Stage<'_, J> {

@@ -5,7 +5,9 @@ use super::gltf::Track;
 use super::shape::Shape;
 use glam::{DMat4, DQuat, DVec3, Mat4, Vec3};
 use gltf_json::animation::Property;
-use rtrt_core::scene::{Camera, Light, Mesh, MeshIndex, Motion, ObjectIndex, Projection, Scene, SceneError};
+use rtrt_core::scene::{
+    Camera, InstanceIndex, Light, Mesh, MeshIndex, Motion, Projection, Scene, SceneError,
+};
 use std::path::{Path, PathBuf};
 
 /// The animations of a file: its nodes, and how they move. The first one is played, unless another
@@ -19,7 +21,7 @@ pub struct Animation {
     /// Parents come before their children.
     nodes: Vec<Node>,
     /// Objects that move by themselves, and where they start.
-    motions: Vec<(ObjectIndex, Mat4, Motion)>,
+    motions: Vec<(InstanceIndex, Mat4, Motion)>,
     /// When these come to rest, seconds.
     rest: f64,
 }
@@ -32,7 +34,7 @@ pub(super) struct Node {
     pub local: Local,
     pub tracks: Vec<Track>,
     /// Objects, and where they are seen from the node.
-    pub objects: Vec<(ObjectIndex, DMat4)>,
+    pub objects: Vec<(InstanceIndex, DMat4)>,
     /// Meshes that change their shape.
     pub shapes: Vec<Shape>,
     /// A camera of the file, by its place in [`super::Loaded::cameras`].
@@ -98,7 +100,7 @@ impl Local {
 #[derive(Debug, Clone, Default)]
 pub struct Pose {
     /// Objects, and their way to world space.
-    pub objects: Vec<(ObjectIndex, Mat4)>,
+    pub objects: Vec<(InstanceIndex, Mat4)>,
     /// Meshes, and the shape that they have.
     pub shapes: Vec<(MeshIndex, Mesh)>,
     /// Cameras, by their place in [`super::Loaded::cameras`].
@@ -114,7 +116,7 @@ impl Animation {
     }
 
     /// Motions that come to rest after so many seconds.
-    pub(crate) fn of_motions(path: &str, motions: Vec<(ObjectIndex, Mat4, Motion)>, rest: f64) -> Self {
+    pub(crate) fn of_motions(path: &str, motions: Vec<(InstanceIndex, Mat4, Motion)>, rest: f64) -> Self {
         Self { motions, rest, ..Self::new(Path::new(path), vec!["motion".into()], Vec::new()) }
     }
 

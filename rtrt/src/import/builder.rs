@@ -6,7 +6,7 @@ use super::{ImportError, picture};
 use crate::cache::Cache;
 use rtrt_core::layout::{Attribute, Material, Texture, Wrap};
 use rtrt_core::scene::{
-    Content, Image, Join, MaterialIndex, Mesh, MeshError, MeshIndex, MeshTree, ObjectIndex, Scene, SceneError,
+    Bvh, Content, Image, InstanceIndex, Join, MaterialIndex, Mesh, MeshError, MeshIndex, Scene, SceneError,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ pub(crate) struct Builder<'a, J> {
     pub warnings: Vec<String>,
     /// Kinds of things that the file has and the renderer does not draw.
     pub not_drawn: BTreeSet<&'static str>,
-    pub tree_build_ms: f64,
+    pub bvh_build_ms: f64,
     /// The file, for messages.
     pub path: PathBuf,
     /// What was read.
@@ -76,7 +76,7 @@ impl<'a, J: Join> Builder<'a, J> {
             scene: Scene::new(),
             warnings: Vec::new(),
             not_drawn: BTreeSet::new(),
-            tree_build_ms: 0.0,
+            bvh_build_ms: 0.0,
             path: path.to_owned(),
             files: Files::default(),
             join,
@@ -129,9 +129,9 @@ impl<'a, J: Join> Builder<'a, J> {
                 self.warn(format!("a mesh's tree is not kept for the next time: {error}"));
                 tree
             }),
-            None => MeshTree::build(&mesh, self.join),
+            None => Bvh::build(&mesh, self.join),
         };
-        self.tree_build_ms += start.elapsed().as_secs_f64() * 1e3;
+        self.bvh_build_ms += start.elapsed().as_secs_f64() * 1e3;
         let path = &self.path;
         self.scene.add_mesh(&mesh, &tree).map_err(|source| ImportError::Scene { path: path.clone(), source })
     }
@@ -150,17 +150,17 @@ impl<'a, J: Join> Builder<'a, J> {
 
     /// Places a mesh. One whose transform cannot be inverted has no volume to be seen: it
     /// is left out with a warning.
-    pub fn add_object(
+    pub fn add_instance(
         &mut self,
         name: &str,
         mesh: MeshIndex,
         material: MaterialIndex,
         to_world: glam::Mat4,
-    ) -> Result<Option<ObjectIndex>, ImportError> {
-        if self.scene.objects().len() as u64 >= OBJECTS {
+    ) -> Result<Option<InstanceIndex>, ImportError> {
+        if self.scene.instances().len() as u64 >= OBJECTS {
             return Err(self.limit("objects", OBJECTS));
         }
-        match self.scene.add_object(mesh, material, to_world) {
+        match self.scene.add_instance(mesh, material, to_world) {
             Ok(object) => Ok(Some(object)),
             Err(SceneError::Transform) => {
                 self.warn(format!("{name} is left out: its transform cannot be inverted"));
@@ -178,14 +178,14 @@ impl<'a, J: Join> Builder<'a, J> {
         mesh: MeshIndex,
         material: MaterialIndex,
         to_world: glam::Mat4,
-    ) -> Result<ObjectIndex, ImportError> {
+    ) -> Result<InstanceIndex, ImportError> {
         let refused = |path: &Path, source| ImportError::Scene { path: path.to_owned(), source };
         if to_world.as_dmat4().determinant() != 0.0
-            && let Some(object) = self.add_object(name, mesh, material, to_world)?
+            && let Some(object) = self.add_instance(name, mesh, material, to_world)?
         {
             return Ok(object);
         }
-        let object = self.scene.add_object(mesh, material, glam::Mat4::IDENTITY);
+        let object = self.scene.add_instance(mesh, material, glam::Mat4::IDENTITY);
         let object = object.map_err(|source| refused(&self.path, source))?;
         self.scene.hide(object).map_err(|source| refused(&self.path, source))?;
         Ok(object)

@@ -63,7 +63,7 @@ pub struct Loaded {
     /// The files that the scene consists of, also those that were looked for and are not there.
     pub files: Vec<PathBuf>,
     /// Time taken to build mesh trees, or to take them from the cache, in milliseconds.
-    pub tree_build_ms: f64,
+    pub bvh_build_ms: f64,
 }
 
 /// Loads a scene. `join` runs the halves of tree builds, at once where it has threads.
@@ -103,6 +103,6 @@ pub fn load_cached(path: &Path, join: &impl Join, cache: Option<&Cache>) -> Resu
         let list: Vec<_> = builder.not_drawn.into_iter().collect();
         warnings.push(format!("not drawn: {}", list.join(", ")));
     }
-    let (files, tree_build_ms) = (builder.files.list(), builder.tree_build_ms);
-    Ok(Loaded { scene, cameras, camera, lit_by_default, animation, warnings, files, tree_build_ms })
+    let (files, bvh_build_ms) = (builder.files.list(), builder.bvh_build_ms);
+    Ok(Loaded { scene, cameras, camera, lit_by_default, animation, warnings, files, bvh_build_ms })
 }

@@ -177,7 +177,7 @@ mod tests {
         };
         let mut scene = rtrt_core::scene::Scene::new();
         let empty = Mesh::new(vec![], vec![], vec![]).unwrap();
-        let tree = rtrt_core::scene::MeshTree::build(&empty, &rtrt_core::scene::Sequential);
+        let tree = rtrt_core::scene::Bvh::build(&empty, &rtrt_core::scene::Sequential);
         let mesh = scene.add_mesh(&empty, &tree).unwrap();
         Shape { name: String::new(), mesh, rest, weights: vec![], skin }
     }

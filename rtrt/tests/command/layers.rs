@@ -4,7 +4,7 @@ use crate::folder::{Folder, stdout};
 use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::Grid;
 use rtrt_core::layout::NONE;
-use rtrt_core::scene::ObjectIndex;
+use rtrt_core::scene::InstanceIndex;
 
 /// The samples of a channel of a layer.
 fn channel(image: &exr::image::FlatImage, layer: &str, name: &str) -> Vec<u32> {
@@ -64,11 +64,11 @@ fn layers_are_the_deferred_buffers() {
             let (hit, surface) = (&deferred.hits[rays[0]], &deferred.surfaces[rays[0]]);
             let at = |layer: &[Vec<u32>]| layer.iter().map(|c| c[pixel as usize]).collect::<Vec<_>>();
             let floats = |layer: &[Vec<u32>]| at(layer).into_iter().map(f32::from_bits).collect::<Vec<_>>();
-            let is_hit = hit.object != NONE;
+            let is_hit = hit.instance != NONE;
             assert_eq!(floats(&depth), [if is_hit { hit.t } else { f32::INFINITY }]);
             assert_eq!((floats(&normal), floats(&uv)), (surface.normal.to_vec(), surface.uv.to_vec()));
-            assert_eq!((at(&object), at(&triangle)[0]), (vec![hit.object], hit.triangle));
-            let source = scene.source_triangle(ObjectIndex(hit.object), hit.triangle);
+            assert_eq!((at(&object), at(&triangle)[0]), (vec![hit.instance], hit.triangle));
+            let source = scene.source_triangle(InstanceIndex(hit.instance), hit.triangle);
             assert_eq!(at(&triangle)[1], source.unwrap_or(NONE));
             assert_eq!(floats(&weights), [hit.u, hit.v]);
             let mean = |value: &dyn Fn(usize) -> f32| {

@@ -72,7 +72,7 @@ fn render_prints_the_documented_keys() {
         "size",
         "stages_ms",
         "threads",
-        "tree_build_ms",
+        "bvh_build_ms",
         "triangles",
     ];
     assert_eq!(keys(&report), expected);
@@ -107,7 +107,7 @@ fn bench_prints_the_documented_keys() {
         "stages_ms",
         "threads",
         "traced_rays_per_second",
-        "tree_build_ms",
+        "bvh_build_ms",
         "triangles",
     ];
     assert_eq!(keys(&report), expected);

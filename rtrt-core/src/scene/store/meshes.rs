@@ -2,9 +2,9 @@
 
 use super::{MeshIndex, Pair, Scene, SceneError};
 use crate::layout::{Kind, Node};
+use crate::scene::bvh::Bounds;
 use crate::scene::place::{Stored, sphere};
-use crate::scene::tree::Bounds;
-use crate::scene::{Mesh, MeshTree};
+use crate::scene::{Bvh, Mesh};
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
@@ -14,7 +14,7 @@ impl Scene {
     ///
     /// # Errors
     /// The scene is full.
-    pub fn add_mesh(&mut self, mesh: &Mesh, tree: &MeshTree) -> Result<MeshIndex, SceneError> {
+    pub fn add_mesh(&mut self, mesh: &Mesh, tree: &Bvh) -> Result<MeshIndex, SceneError> {
         let room = |have: usize, more: usize, what| {
             if have + more > u32::MAX as usize / 4 {
                 Err(SceneError::TooLarge { what })
@@ -33,7 +33,7 @@ impl Scene {
         let used = |all: usize| if all == 0 { 0 } else { order.vertices.len() };
         let (tangents, second_uv) = (used(mesh.tangents().len()), used(mesh.second_uv().len()));
         let words = indices.len() + tangents + 2 * second_uv;
-        let first_index = room(self.words.len(), words, "triangles")?;
+        let first_index = room(self.mesh_data.len(), words, "triangles")?;
         let root = tree.nodes.first().copied().ok_or(SceneError::TooLarge { what: "empty trees" })?;
         let bounds = Bounds::around(&root);
         let (center, radius) = sphere(mesh, &bounds);
@@ -49,21 +49,21 @@ impl Scene {
             first_source: self.sources.len(),
             nodes: tree.nodes.len() as u32,
             vertices: order.vertices.len() as u32,
-            panes: [0; 2],
+            transparencies: [0; 2],
             triangles: mesh.triangles() as u32,
             bounds,
             center,
             radius,
         };
-        // What stands beside the root is where hidden objects go.
+        // What stands beside the root is where hidden instances go.
         self.nodes.push(Pair([Node { kind: 3, ..Node::zeroed() }, root]));
         self.nodes.extend(tree.nodes[1..].chunks_exact(2).map(|pair| Pair([pair[0], pair[1]])));
-        self.words.extend_from_slice(&indices);
+        self.mesh_data.extend_from_slice(&indices);
         if tangents > 0 {
-            self.words.extend(vertices().map(|vertex| mesh.tangents()[vertex]));
+            self.mesh_data.extend(vertices().map(|vertex| mesh.tangents()[vertex]));
         }
         if second_uv > 0 {
-            self.words.extend(vertices().flat_map(|vertex| mesh.second_uv()[vertex].map(f32::to_bits)));
+            self.mesh_data.extend(vertices().flat_map(|vertex| mesh.second_uv()[vertex].map(f32::to_bits)));
         }
         self.positions.extend(vertices().map(|vertex| mesh.positions()[vertex]));
         self.attributes.extend(vertices().map(|vertex| mesh.attributes()[vertex]));

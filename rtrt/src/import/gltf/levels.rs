@@ -6,7 +6,7 @@ use crate::import::builder::Geometry;
 use gltf_json::camera::Type;
 use gltf_json::validation::Checked;
 use gltf_json::{Node, Value, deserialize};
-use rtrt_core::scene::{Join, MaterialIndex, MeshIndex, ObjectIndex};
+use rtrt_core::scene::{InstanceIndex, Join, MaterialIndex, MeshIndex};
 
 /// The extension, by its name.
 pub(super) const NAME: &str = "MSFT_lod";
@@ -84,11 +84,11 @@ impl<J: Join> Import<'_, '_, J> {
     /// Gives an object, which is a part of a node, the levels of that part.
     pub fn set_levels(
         &mut self,
-        object: ObjectIndex,
+        object: InstanceIndex,
         part: usize,
         levels: &[Level],
     ) -> Result<(), ImportError> {
-        let Some(placed) = self.builder.scene.objects().get(object.0 as usize) else { return Ok(()) };
+        let Some(placed) = self.builder.scene.instances().get(object.0 as usize) else { return Ok(()) };
         let size = placed.high.iter().zip(placed.low).map(|(high, low)| f64::from(high - low));
         let radius = 0.5 * libm::sqrt(size.map(|side| side * side).sum());
         let fov_y = self.root.cameras.iter().find_map(|camera| match camera.type_ {

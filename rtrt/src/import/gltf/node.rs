@@ -105,7 +105,7 @@ impl<J: Join> Import<'_, '_, J> {
             };
             // A skin puts its mesh where the joints are, wherever its node is.
             for &(mesh, material) in parts.iter().filter(|_| is_skinned) {
-                self.builder.add_object(&name, mesh, material, Mat4::IDENTITY)?;
+                self.builder.add_instance(&name, mesh, material, Mat4::IDENTITY)?;
             }
             let can_change = !is_skinned && !has_targets;
             let levels = if can_change { self.levels(&name, node, &parts)? } else { vec![] };
@@ -116,7 +116,7 @@ impl<J: Join> Import<'_, '_, J> {
                     let object = if moves {
                         Some(self.builder.add_moving(&name, mesh, material, to_world)?)
                     } else {
-                        self.builder.add_object(&name, mesh, material, to_world)?
+                        self.builder.add_instance(&name, mesh, material, to_world)?
                     };
                     if let Some(object) = object.filter(|_| !levels.is_empty()) {
                         self.set_levels(object, part, &levels)?;

@@ -43,7 +43,7 @@ pub(super) fn load<J: Join>(
         let material = material(builder, source, &mut textures)?;
         let name = name.map_or("the polygons without a material".into(), |name| quoted(name));
         let mesh = builder.add_mesh(&name, geometry(&obj, &polygons))?;
-        builder.add_object(&name, mesh, material, Mat4::IDENTITY)?;
+        builder.add_instance(&name, mesh, material, Mat4::IDENTITY)?;
     }
     if unknown > 0 {
         builder.warn(format!("{unknown} materials are in no material library; they are drawn gray"));

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 /// Lists that need not be made, because they would be the same again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kept {
+pub enum ReusableLists {
     /// None.
     Nothing,
     /// Those of all lights.
@@ -17,38 +17,39 @@ pub enum Kept {
 
 /// What the lists of a frame were made of. A backend that keeps lists has one.
 #[derive(Debug, Default)]
-pub struct Source {
+pub struct ListCacheKey {
     /// The scene, its versions, the levels of detail that were chosen, and the bits of the
     /// frame's magnitude.
     scene: Option<(u32, Versions, u32, u32)>,
-    /// What the camera's lists hold; see [`Setup::part_triangles`].
+    /// What the camera's lists hold; see [`Setup::cut_triangles`].
     parts: Option<u32>,
     views: Vec<View>,
 }
 
-impl Source {
+impl ListCacheKey {
     /// Which lists of this frame are those of the frame that was asked about before, if they
     /// were all made. Lists of lights depend on the camera where only what it sees, or what is
     /// near it, casts shadows.
-    pub fn kept(&mut self, setup: &Setup, scene: &Scene) -> Kept {
-        let source = Some((scene.id(), scene.versions(), setup.chosen(), setup.frame.magnitude.to_bits()));
+    pub fn reusable(&mut self, setup: &Setup, scene: &Scene) -> ReusableLists {
+        let source =
+            Some((scene.id(), scene.versions(), setup.lod_revision(), setup.frame.magnitude.to_bits()));
         let is_same_scene = self.scene == source;
         let first_light = Frame::CAMERA as usize + 1;
         let is_same_camera =
-            is_same(&self.views, &setup.views, 0..first_light) && self.parts == setup.part_triangles();
+            is_same(&self.views, &setup.views, 0..first_light) && self.parts == setup.cut_triangles();
         let are_same_lights = self.views.len() == setup.views.len()
             && is_same(&self.views, &setup.views, first_light..setup.views.len());
         self.scene = source;
-        self.parts = setup.part_triangles();
+        self.parts = setup.cut_triangles();
         if are_same_lights {
             self.views[..first_light].copy_from_slice(&setup.views[..first_light]);
         } else {
             self.views.clone_from(&setup.views);
         }
         match (is_same_scene && are_same_lights, is_same_camera) {
-            (true, true) => Kept::All,
-            (true, false) if scene.occluders == Occluders::All => Kept::Lights,
-            _ => Kept::Nothing,
+            (true, true) => ReusableLists::All,
+            (true, false) if scene.occluders == Occluders::All => ReusableLists::Lights,
+            _ => ReusableLists::Nothing,
         }
     }
 }

@@ -5,56 +5,56 @@
 //! added up from front to back, so that a ray is done when nothing shines through any more.
 
 use crate::grid::RayIndex;
-use crate::kernel::lists::Lists;
-use crate::kernel::pane::{cutoff, mode, pane};
+use crate::kernel::lists::BlockLists;
 use crate::kernel::ray::Ray;
-use crate::kernel::traverse::{Best, Geometry, Search, keep};
-use crate::kernel::triangle::Meeting;
+use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};
+use crate::kernel::traverse::{ClosestHit, Geometry, HitFilter, keep_closest};
+use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select, groups};
 use crate::layout::{AlphaMode, Backdrop, Frame, NONE, View};
 use crate::num::flush;
 use crate::stage::visibility::{closest, rays, unfound};
 
-/// How much farther than a surface another one of the same object is at least: 1 + 2⁻²⁰.
+/// How much farther than a surface another one of the same instance is at least: 1 + 2⁻²⁰.
 ///
 /// Rays through the edge between two triangles meet both; without this the edges of a pane
 /// would be seen.
-const APART: f32 = 1.0 + 1.0 / 1_048_576.0;
+const MIN_SEPARATION: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// The least hit, by `(t, object, triangle)`, behind a surface, of what is not cut out by a
-/// mask. Of the surface's own object, what is not [`APART`] from it is left out.
+/// The least hit, by `(t, instance, triangle)`, behind a surface, of what is not cut out by a
+/// mask. Of the surface's own instance, what is not [`MIN_SEPARATION`] from it is left out.
 #[derive(Clone, Copy)]
-struct Behind<L: Lane> {
+struct BehindLast<L: Lane> {
     t: L,
-    object: L::Bits,
+    instance: L::Bits,
 }
 
-impl<L: Lane> Search<L> for Behind<L> {
-    const ENDS: bool = false;
-    const FRONTS: bool = true;
+impl<L: Lane> HitFilter<L> for BehindLast<L> {
+    const TERMINATES: bool = false;
+    const CULLS_BACK_FACES: bool = true;
 
     #[inline(always)]
-    fn keep(
+    fn accept(
         &mut self,
         geometry: &Geometry<'_>,
-        object: u32,
+        instance: u32,
         id: u32,
-        found: &Meeting<L>,
-        best: &mut Best<L>,
+        found: &Intersection<L>,
+        best: &mut ClosestHit<L>,
     ) -> bool {
-        let number = self.object.like(object);
-        let own = self.object.equal(number);
-        let apart = (self.t * APART).less_than(found.t);
-        let later = self.t.less_than(found.t) | (self.t.less_equal(found.t) & self.object.less_than(number));
+        let number = self.instance.broadcast(instance);
+        let own = self.instance.eq(number);
+        let apart = (self.t * MIN_SEPARATION).lt(found.t);
+        let later = self.t.lt(found.t) | (self.t.le(found.t) & self.instance.lt(number));
         let mut mask = found.mask & ((own & apart) | (!own & later));
-        if mask.any() && mode(geometry, object) == AlphaMode::Mask as u32 {
-            let [_, _, _, alpha] = pane(geometry, object, id, found);
-            mask = mask & alpha.like(cutoff(geometry, object)).less_equal(alpha);
+        if mask.any() && mode(geometry, instance) == AlphaMode::Mask as u32 {
+            let [_, _, _, alpha] = tint_and_alpha(geometry, instance, id, found);
+            mask = mask & alpha.broadcast(cutoff(geometry, instance)).le(alpha);
         }
         if !mask.any() {
             return false;
         }
-        keep(found, mask, object, id, best);
+        keep_closest(found, mask, instance, id, best);
         true
     }
 }
@@ -63,31 +63,31 @@ impl<L: Lane> Search<L> for Behind<L> {
 /// ones. A ray that had hit nothing looks for nothing; one whose last `t` is 0 has not looked
 /// for anything yet.
 #[inline(always)]
-pub fn layer<L: Lane, const G: usize>(
+pub fn peel<L: Lane, const G: usize>(
     token: L::Token,
     frame: &Frame,
     views: &[View],
-    lists: &Lists<'_>,
+    lists: &BlockLists<'_>,
     geometry: &Geometry<'_>,
     first: RayIndex,
-    last: &[Best<L>; G],
-) -> [Best<L>; G] {
+    last: &[ClosestHit<L>; G],
+) -> [ClosestHit<L>; G] {
     let camera = &views[Frame::CAMERA as usize];
     let inside = unfound::<L, G>(token, frame, first);
-    let mut best: [Best<L>; G] = groups(
+    let mut best: [ClosestHit<L>; G] = groups(
         #[inline(always)]
         |g| {
-            let ended = last[g].object.equal(last[g].object.like(NONE));
-            Best { t: ended.select(inside[g].t.like(-1.0), inside[g].t), ..inside[g] }
+            let ended = last[g].instance.eq(last[g].instance.broadcast(NONE));
+            ClosestHit { t: ended.select(inside[g].t.broadcast(-1.0), inside[g].t), ..inside[g] }
         },
     );
-    let mut searches: [Behind<L>; G] = groups(
+    let mut filters: [BehindLast<L>; G] = groups(
         #[inline(always)]
-        |g| Behind { t: last[g].t, object: last[g].object },
+        |g| BehindLast { t: last[g].t, instance: last[g].instance },
     );
     let rays: [Ray<L>; G] = rays::<L, G>(token, frame, camera, first);
     let block = camera.list(frame.grid().block(first));
-    closest(lists, geometry, block, &rays, &mut searches, &mut best);
+    closest(lists, geometry, block, &rays, &mut filters, &mut best);
     best
 }
 
@@ -103,18 +103,18 @@ pub fn layer<L: Lane, const G: usize>(
 /// layer that a ray may look at counts as opaque, but for [`Backdrop::Nothing`].
 #[inline(always)]
 pub fn blend<L: Lane>(frame: &Frame, before: [L; 4], shaded: [L; 4]) -> [L; 4] {
-    let one = before[3].like(1.0);
+    let one = before[3].broadcast(1.0);
     let done = is_covered(before[3]);
     let alpha = if frame.layers != 1 {
         shaded[3]
     } else if frame.backdrop == Backdrop::Nothing as u32 {
-        one.like(0.0).less_than(shaded[3]).select(one, shaded[3])
+        shaded[3].gt(one.broadcast(0.0)).select(one, shaded[3])
     } else {
         one
     };
     let share = (one - before[3]) * alpha;
     let sum = |before: L, shaded: L| done.select(before, before + flush(shaded * share));
-    let covered = one.less_equal(alpha).select(one, before[3] + share);
+    let covered = one.le(alpha).select(one, before[3] + share);
     [
         sum(before[0], shaded[0]),
         sum(before[1], shaded[1]),
@@ -126,5 +126,5 @@ pub fn blend<L: Lane>(frame: &Frame, before: [L; 4], shaded: [L; 4]) -> [L; 4] {
 /// Whether nothing behind the layers so far can be seen.
 #[inline(always)]
 pub fn is_covered<L: Lane>(covered: L) -> L::Mask {
-    covered.like(1.0).less_equal(covered)
+    covered.ge(covered.broadcast(1.0))
 }

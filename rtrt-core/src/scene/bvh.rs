@@ -25,7 +25,7 @@ impl Join for Sequential {
 
 /// The tree of a mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MeshTree {
+pub struct Bvh {
     /// Nodes, the root first; children are neighbors.
     pub nodes: Vec<Node>,
     /// The mesh's triangles in the order of the leaves.
@@ -48,7 +48,7 @@ const _: () = assert!(DEEP + 26 < STACK);
 /// Nodes with fewer triangles are built by one worker.
 const PARALLEL: usize = 4096;
 
-impl MeshTree {
+impl Bvh {
     /// The tree of the mesh. The same for every `join`: workers build disjoint parts, and
     /// every sum runs in one order.
     ///
@@ -70,7 +70,7 @@ impl MeshTree {
         let mut nodes = vec![Node::zeroed(); 2 * boxes.len() - 1];
         let (root, below) = nodes.split_at_mut(1);
         let build = Build { boxes: &boxes, join };
-        let whole = Part { nodes: below, first_node: 1, references: &mut references, first: 0 };
+        let whole = BuildRange { nodes: below, first_node: 1, references: &mut references, first: 0 };
         (root[0], _) = build.node(whole, 0);
         Self { nodes: compact(&nodes), triangles: references }
     }
@@ -79,21 +79,21 @@ impl MeshTree {
 /// Why a tree was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("not a tree of the mesh: {0}")]
-pub struct TreeError(&'static str);
+pub struct BvhError(&'static str);
 
-impl MeshTree {
+impl Bvh {
     /// What cannot be computed from the mesh again: `[first, kind]` of each node.
     pub fn links(&self) -> Vec<[u32; 2]> {
         self.nodes.iter().map(|node| [node.first, node.kind]).collect()
     }
 
-    /// The tree of the mesh with these [`MeshTree::links`] and triangles in the order of its
+    /// The tree of the mesh with these [`Bvh::links`] and triangles in the order of its
     /// leaves, as they may have been kept in a file. Its boxes are computed from the mesh, so no
     /// hit is lost whatever the links say.
     ///
     /// # Errors
     /// They are no tree that holds every triangle of the mesh once, or too deep a one.
-    pub fn from_links(mesh: &Mesh, links: &[[u32; 2]], triangles: Vec<u32>) -> Result<Self, TreeError> {
+    pub fn from_links(mesh: &Mesh, links: &[[u32; 2]], triangles: Vec<u32>) -> Result<Self, BvhError> {
         check(mesh.triangles(), links, &triangles)?;
         let node = |&[first, kind]: &[u32; 2]| Node { first, kind, ..Node::zeroed() };
         let mut nodes: Vec<Node> = links.iter().map(node).collect();
@@ -107,20 +107,20 @@ impl MeshTree {
 
 /// Whether the links make a tree: every node but the root is one of two neighbors below one
 /// node before them, every triangle is in one leaf, and a stack is deep enough.
-fn check(count: usize, links: &[[u32; 2]], triangles: &[u32]) -> Result<(), TreeError> {
+fn check(count: usize, links: &[[u32; 2]], triangles: &[u32]) -> Result<(), BvhError> {
     let once = |seen: &mut Vec<bool>, index: usize, what| match seen.get_mut(index) {
         Some(seen) if !*seen => {
             *seen = true;
             Ok(())
         }
-        _ => Err(TreeError(what)),
+        _ => Err(BvhError(what)),
     };
     let mut seen = vec![false; count];
     for &triangle in triangles {
         once(&mut seen, triangle as usize, "a triangle is there twice, or not in the mesh")?;
     }
     if triangles.len() != count || links.len().is_multiple_of(2) {
-        return Err(TreeError("the number of triangles or nodes is wrong"));
+        return Err(BvhError("the number of triangles or nodes is wrong"));
     }
     let mut depths = vec![0_u8; links.len()];
     let mut children = vec![false; links.len()];
@@ -130,12 +130,12 @@ fn check(count: usize, links: &[[u32; 2]], triangles: &[u32]) -> Result<(), Tree
         if kind & 3 == 3 {
             let last = first + (kind >> 2) as usize;
             if last > count || (kind == 3 && links.len() > 1) {
-                return Err(TreeError("a leaf is empty, or beyond the mesh"));
+                return Err(BvhError("a leaf is empty, or beyond the mesh"));
             }
             (first..last).try_for_each(|i| once(&mut held, i, "a triangle is in two leaves"))?;
         } else {
             if kind > 3 || first <= index || first.is_multiple_of(2) || usize::from(depth) >= STACK {
-                return Err(TreeError("a node's children are before it, or too deep"));
+                return Err(BvhError("a node's children are before it, or too deep"));
             }
             once(&mut children, first, "a node has two parents, or is not there")?;
             once(&mut children, first + 1, "a node has two parents, or is not there")?;
@@ -143,7 +143,7 @@ fn check(count: usize, links: &[[u32; 2]], triangles: &[u32]) -> Result<(), Tree
         }
     }
     if held.contains(&false) || children[1..].contains(&false) {
-        return Err(TreeError("a triangle or a node is left out"));
+        return Err(BvhError("a triangle or a node is left out"));
     }
     Ok(())
 }
@@ -234,7 +234,7 @@ struct Build<'a, J> {
 }
 
 /// The part of a tree that one worker builds: where its nodes go, and its triangles.
-struct Part<'a> {
+struct BuildRange<'a> {
     nodes: &'a mut [Node],
     first_node: usize,
     references: &'a mut [u32],
@@ -269,8 +269,8 @@ impl<J: Join> Build<'_, J> {
     }
 
     /// Builds the part and gives its root, and what a visit to it costs, in triangle tests.
-    fn node(&self, part: Part<'_>, depth: usize) -> (Node, f32) {
-        let Part { nodes, first_node, references, first } = part;
+    fn node(&self, part: BuildRange<'_>, depth: usize) -> (Node, f32) {
+        let BuildRange { nodes, first_node, references, first } = part;
         let count = references.len();
         let mut bounds = Bounds::EMPTY;
         let mut centers = Bounds::EMPTY;
@@ -296,8 +296,9 @@ impl<J: Join> Build<'_, J> {
         let (pair, below) = nodes.split_at_mut(2);
         let (left_nodes, right_nodes) = below.split_at_mut(2 * middle - 2);
         let (left_references, right_references) = references.split_at_mut(middle);
-        let left = Part { nodes: left_nodes, first_node: first_node + 2, references: left_references, first };
-        let right = Part {
+        let left =
+            BuildRange { nodes: left_nodes, first_node: first_node + 2, references: left_references, first };
+        let right = BuildRange {
             nodes: right_nodes,
             first_node: first_node + 2 * middle,
             references: right_references,
@@ -392,7 +393,7 @@ mod tests {
     /// Checks that every triangle is in exactly one leaf and in the box of every node
     /// above it; gives the depth.
     fn check(mesh: &Mesh) -> usize {
-        let tree = MeshTree::build(mesh, &Sequential);
+        let tree = Bvh::build(mesh, &Sequential);
         let mut seen = vec![0; mesh.triangles()];
         let mut deepest = 0;
         let mut todo = vec![(0_u32, vec![])];
@@ -452,7 +453,7 @@ mod tests {
 
     /// What a visit to a node costs, and its triangles; counts leaves of more than one, and inner nodes
     /// that could be leaves, of which each has to cost less than its triangles would.
-    fn cost(tree: &MeshTree, node: &Node, small: &mut [u32; 2]) -> (f32, u32) {
+    fn cost(tree: &Bvh, node: &Node, small: &mut [u32; 2]) -> (f32, u32) {
         if node.is_leaf() {
             small[0] += u32::from(node.triangles() > 1);
             return (node.triangles() as f32, node.triangles());
@@ -478,7 +479,7 @@ mod tests {
             [p, q, r].map(|corner| core::array::from_fn(|i| p[i] + (corner[i] - p[i]) * 10.0))
         };
         let triangles: Vec<_> = scattered(2000).into_iter().map(larger).collect();
-        let tree = MeshTree::build(&mesh(&triangles), &Sequential);
+        let tree = Bvh::build(&mesh(&triangles), &Sequential);
         let mut small = [0; 2];
         let (_, count) = cost(&tree, &tree.nodes[0], &mut small);
         assert!(count == 2000 && small.iter().all(|&count| count > 50), "{small:?}");
@@ -488,18 +489,18 @@ mod tests {
     fn kept_links_give_the_same_tree() {
         for count in [0, 1, 2, 5000] {
             let mesh = mesh(&scattered(count));
-            let tree = MeshTree::build(&mesh, &Sequential);
-            assert_eq!(MeshTree::from_links(&mesh, &tree.links(), tree.triangles.clone()), Ok(tree));
+            let tree = Bvh::build(&mesh, &Sequential);
+            assert_eq!(Bvh::from_links(&mesh, &tree.links(), tree.triangles.clone()), Ok(tree));
         }
     }
 
     #[test]
     fn links_that_are_no_tree_are_refused() {
         let mesh = mesh(&scattered(40));
-        let tree = MeshTree::build(&mesh, &Sequential);
+        let tree = Bvh::build(&mesh, &Sequential);
         let links = tree.links();
         let refused = |links: &[[u32; 2]], triangles: &[u32]| {
-            MeshTree::from_links(&mesh, links, triangles.to_vec()).is_err()
+            Bvh::from_links(&mesh, links, triangles.to_vec()).is_err()
         };
         for node in 0..links.len() {
             for (word, value) in [(0, 0), (0, u32::MAX), (0, 1), (1, 3), (1, 7), (1, u32::MAX), (1, 4)] {
@@ -520,13 +521,13 @@ mod tests {
         }
         *chain.last_mut().unwrap() = [70, 7];
         let mesh = self::mesh(&scattered(71));
-        let error = MeshTree::from_links(&mesh, &chain, (0..71).collect()).unwrap_err();
+        let error = Bvh::from_links(&mesh, &chain, (0..71).collect()).unwrap_err();
         assert!(error.0.contains("deep"), "{error}");
     }
 
     #[test]
     fn an_empty_mesh_has_an_empty_leaf() {
-        let tree = MeshTree::build(&mesh(&[]), &Sequential);
+        let tree = Bvh::build(&mesh(&[]), &Sequential);
         assert!(tree.nodes.len() == 1 && tree.nodes[0].is_leaf() && tree.nodes[0].triangles() == 0);
     }
 }

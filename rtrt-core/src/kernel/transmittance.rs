@@ -1,8 +1,8 @@
 //! The color of a shadow: what is left of a light that has crossed panes.
 
-use crate::kernel::pane::{cutoff, mode, pane};
-use crate::kernel::traverse::{Best, Geometry, Search};
-use crate::kernel::triangle::Meeting;
+use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};
+use crate::kernel::traverse::{ClosestHit, Geometry, HitFilter};
+use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select, V3};
 use crate::layout::AlphaMode;
 use crate::num::{clamp, floor, from_integer, recip, sqrt, to_integer};
@@ -19,23 +19,23 @@ const UNIT: f32 = 1.0 / ONE as f32;
 /// What one in a channel stands for.
 const STEP: f32 = 1.0 / MOST;
 
-/// A search for everything between a surface and a light: the panes' alphas, and their tints
+/// A search for everything between a surface and a light: the panes' alphas, and their transmittance
 /// times their alphas, summed as whole numbers of 2⁻¹⁶, so that no order of the panes and no
 /// order of the search can change them. A ray is done at what is opaque, and when the alphas
 /// reach 1: what is then missing from the sums no longer matters.
 #[derive(Clone, Copy)]
-pub struct Crossing<L: Lane> {
+pub struct Transmittance<L: Lane> {
     alpha: L::Bits,
     red: L::Bits,
     green: L::Bits,
     blue: L::Bits,
 }
 
-impl<L: Lane> Crossing<L> {
+impl<L: Lane> Transmittance<L> {
     /// Nothing crossed yet; shaped like `like`.
     #[inline(always)]
     pub fn new(like: L) -> Self {
-        let none = like.bits_like(0);
+        let none = like.broadcast_bits(0);
         Self { alpha: none, red: none, green: none, blue: none }
     }
 
@@ -54,9 +54,9 @@ impl<L: Lane> Crossing<L> {
     #[inline(always)]
     pub fn word(&self) -> L::Bits {
         let sum: L = from_integer(self.alpha);
-        let inverse = recip(sum.max(sum.like(1.0)));
+        let inverse = recip(sum.max(sum.broadcast(1.0)));
         let alpha = sum * UNIT;
-        let left = clamp(sum.like(1.0) - alpha, 0.0, 1.0);
+        let left = clamp(sum.broadcast(1.0) - alpha, 0.0, 1.0);
         packed([
             share(self.red, inverse, alpha, left),
             share(self.green, inverse, alpha, left),
@@ -86,10 +86,10 @@ fn channel<L: Lane>(share: L) -> L::Bits {
     to_integer(floor(sqrt(clamp(share, 0.0, 1.0)) * MOST + 0.5))
 }
 
-/// What is left of a channel of white light: see [`Crossing::word`].
+/// What is left of a channel of white light: see [`Transmittance::word`].
 #[inline(always)]
-fn share<L: Lane>(tints: L::Bits, inverse: L, alpha: L, left: L) -> L {
-    left * (left + alpha * (from_integer::<L>(tints) * inverse))
+fn share<L: Lane>(transmittance: L::Bits, inverse: L, alpha: L, left: L) -> L {
+    left * (left + alpha * (from_integer::<L>(transmittance) * inverse))
 }
 
 /// A share of 1, as a whole number for sums.
@@ -102,40 +102,40 @@ fn fixed<L: Lane>(share: L) -> L::Bits {
 #[inline(always)]
 pub fn color<L: Lane>(word: L::Bits) -> V3<L> {
     let channel = |shift: u32| {
-        let root = from_integer::<L>((word >> shift) & word.like(1023)) * STEP;
+        let root = from_integer::<L>((word >> shift) & word.broadcast(1023)) * STEP;
         root * root
     };
     V3 { x: channel(0), y: channel(10), z: channel(20) }
 }
 
-impl<L: Lane> Search<L> for Crossing<L> {
-    const ENDS: bool = true;
-    const FRONTS: bool = false;
+impl<L: Lane> HitFilter<L> for Transmittance<L> {
+    const TERMINATES: bool = true;
+    const CULLS_BACK_FACES: bool = false;
 
     #[inline(always)]
-    fn keep(
+    fn accept(
         &mut self,
         geometry: &Geometry<'_>,
-        object: u32,
+        instance: u32,
         id: u32,
-        found: &Meeting<L>,
-        best: &mut Best<L>,
+        found: &Intersection<L>,
+        best: &mut ClosestHit<L>,
     ) -> bool {
         if !found.mask.any() {
             return false;
         }
-        let mode = mode(geometry, object);
+        let mode = mode(geometry, instance);
         let mut ended = found.mask;
         if mode != AlphaMode::Opaque as u32 {
-            let pane = pane(geometry, object, id, found);
+            let pane = tint_and_alpha(geometry, instance, id, found);
             if mode == AlphaMode::Mask as u32 {
-                ended = ended & pane[3].like(cutoff(geometry, object)).less_equal(pane[3]);
+                ended = ended & pane[3].broadcast(cutoff(geometry, instance)).le(pane[3]);
             } else {
                 self.add(pane);
-                ended = ended & !self.alpha.less_than(self.alpha.like(ONE));
+                ended = ended & !self.alpha.lt(self.alpha.broadcast(ONE));
             }
         }
-        best.t = ended.select(best.t.like(-1.0), best.t);
+        best.t = ended.select(best.t.broadcast(-1.0), best.t);
         ended.any()
     }
 }
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
 
     fn crossed(panes: &[([f32; 3], f32)]) -> [f32; 3] {
-        let mut crossing = Crossing::new(0.0_f32);
+        let mut crossing = Transmittance::new(0.0_f32);
         for &([red, green, blue], alpha) in panes {
             crossing.add([red, green, blue, alpha]);
         }
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn light_that_crosses_nothing_stays_as_it_is() {
-        assert_eq!(Crossing::new(0.0_f32).word().0, WHITE);
+        assert_eq!(Transmittance::new(0.0_f32).word().0, WHITE);
         assert_eq!(crossed(&[]), [1.0; 3]);
         assert_eq!(crossed(&[([0.3, 0.0, 1.0], 0.0)]), [1.0; 3]);
     }

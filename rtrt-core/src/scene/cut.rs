@@ -1,15 +1,15 @@
-//! Parts of objects: what the lists of the camera's blocks hold in place of whole ones, where a
+//! BvhCut of instances: what the lists of the camera's blocks hold in place of whole ones, where a
 //! scene asks for it.
 
-use crate::layout::{Node, Object};
+use crate::layout::{Instance, Node};
+use crate::scene::bvh::Bounds;
 use crate::scene::place;
-use crate::scene::tree::Bounds;
 use crate::scene::{Scene, SetupError, Structure, Versions};
 use alloc::vec::Vec;
 
 /// Objects, then their parts: kept while nothing changes that they depend on.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Parts {
+pub(super) struct BvhCut {
     /// The scene, its versions, which levels of detail were chosen, and the triangles that a part
     /// has at most; none where there are no parts.
     source: Option<(u32, Versions, u32, u32)>,
@@ -17,7 +17,7 @@ pub(super) struct Parts {
     pub triangles: Option<u32>,
     /// Whether there are never any.
     pub are_refused: bool,
-    objects: Vec<Object>,
+    instances: Vec<Instance>,
     /// Nodes that may have to be divided.
     waiting: Vec<u32>,
 }
@@ -25,54 +25,54 @@ pub(super) struct Parts {
 /// The most parts that a frame may have.
 const MOST: usize = 1 << 20;
 
-/// About so many parts are made of scenes that have fewer objects. Measured: with more, scenes
-/// whose objects stand side by side get slower, those whose objects lie behind one another faster.
+/// About so many parts are made of scenes that have fewer instances. Measured: with more, scenes
+/// whose instances stand side by side get slower, those whose instances lie behind one another faster.
 const USUAL: u64 = 256;
 /// The least triangles that are worth a part.
 const LEAST: u64 = 64;
 
-/// How many triangles a part of these objects should have at most; none where parts would gain
+/// How many triangles a part of these instances should have at most; none where parts would gain
 /// nothing.
-fn triangles(objects: &[Object]) -> Option<u32> {
-    if objects.len() as u64 >= USUAL {
+fn triangles(instances: &[Instance]) -> Option<u32> {
+    if instances.len() as u64 >= USUAL {
         return None;
     }
-    let all: u64 = objects.iter().map(|object| u64::from(object.triangles)).sum();
+    let all: u64 = instances.iter().map(|instance| u64::from(instance.triangles)).sum();
     let triangles = (all / USUAL).max(LEAST) as u32;
-    objects.iter().any(|object| object.triangles > triangles).then_some(triangles)
+    instances.iter().any(|instance| instance.triangles > triangles).then_some(triangles)
 }
 
-impl Parts {
-    /// The objects, then the parts of at most `triangles` triangles.
-    pub fn objects(&self) -> &[Object] {
-        &self.objects
+impl BvhCut {
+    /// The instances, then the parts of at most `triangles` triangles.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
     }
 
-    /// Makes the parts of a frame's objects that the scene asks for, unless those at hand are the
-    /// same. `chosen` is another number wherever objects are others for the same scene. Gives the
+    /// Makes the parts of a frame's instances that the scene asks for, unless those at hand are the
+    /// same. `chosen` is another number wherever instances are others for the same scene. Gives the
     /// first of what the camera's lists choose from, and how many these are.
     pub fn prepare(
         &mut self,
         scene: &Scene,
-        objects: &[Object],
+        instances: &[Instance],
         chosen: u32,
     ) -> Result<[u32; 2], SetupError> {
         self.triangles = match scene.structure {
             _ if self.are_refused => None,
-            Structure::Blocks => triangles(objects),
+            Structure::Blocks => triangles(instances),
             Structure::Parts(triangles) => Some(triangles.max(1)),
             Structure::Objects | Structure::None => None,
         };
-        let whole = objects.len() as u32;
+        let whole = instances.len() as u32;
         let Some(triangles) = self.triangles else { return Ok([0, whole]) };
-        self.make(scene, objects, chosen, triangles)?;
-        Ok([whole, self.objects.len() as u32 - whole])
+        self.make(scene, instances, chosen, triangles)?;
+        Ok([whole, self.instances.len() as u32 - whole])
     }
 
     fn make(
         &mut self,
         scene: &Scene,
-        objects: &[Object],
+        instances: &[Instance],
         chosen: u32,
         triangles: u32,
     ) -> Result<(), SetupError> {
@@ -81,42 +81,42 @@ impl Parts {
             return Ok(());
         }
         self.source = None;
-        self.objects.clear();
-        self.objects.extend_from_slice(objects);
-        for (number, object) in (0..).zip(objects) {
-            if object.is_sphere() {
-                self.objects.push(Object { part_of: number, ..*object });
-            } else if object.triangles > 0 {
-                self.cut(scene.nodes(), number, object, triangles)?;
+        self.instances.clear();
+        self.instances.extend_from_slice(instances);
+        for (number, instance) in (0..).zip(instances) {
+            if instance.is_sphere() {
+                self.instances.push(Instance { opened_from: number, ..*instance });
+            } else if instance.triangles > 0 {
+                self.cut(scene.nodes(), number, instance, triangles)?;
             }
         }
         self.source = source;
         Ok(())
     }
 
-    /// Adds the parts of an object: nodes from the root down, until they are small enough.
+    /// Adds the parts of an instance: nodes from the root down, until they are small enough.
     fn cut(
         &mut self,
         nodes: &[Node],
         number: u32,
-        object: &Object,
+        instance: &Instance,
         triangles: u32,
     ) -> Result<(), SetupError> {
-        let matrix = place::matrix(object).as_dmat4();
+        let matrix = place::matrix(instance).as_dmat4();
         self.waiting.clear();
-        self.waiting.push(object.root);
+        self.waiting.push(instance.root);
         while let Some(index) = self.waiting.pop() {
             let node = &nodes[index as usize];
-            if !node.is_leaf() && held(nodes, object.root, node) > triangles {
-                self.waiting.extend([1, 0].map(|child| object.root + node.first + child));
+            if !node.is_leaf() && held(nodes, instance.root, node) > triangles {
+                self.waiting.extend([1, 0].map(|child| instance.root + node.first + child));
                 continue;
             }
-            if self.objects.len() >= MOST {
-                return Err(SetupError::Parts { triangles, limit: MOST });
+            if self.instances.len() >= MOST {
+                return Err(SetupError::BvhCut { triangles, limit: MOST });
             }
             let bounds = Bounds::around(node);
-            let part = place::part(object, &matrix, &bounds);
-            self.objects.push(Object { start: index, part_of: number, ..part });
+            let part = place::part(instance, &matrix, &bounds);
+            self.instances.push(Instance { start: index, opened_from: number, ..part });
         }
         Ok(())
     }
@@ -140,10 +140,10 @@ fn held(nodes: &[Node], root: u32, node: &Node) -> u32 {
 mod tests {
     use super::*;
     use crate::layout::{Attribute, Texture};
-    use crate::scene::{Mesh, MeshTree, Sequential, phong};
+    use crate::scene::{Bvh, Mesh, Sequential, phong};
     use glam::{Mat4, Vec3};
 
-    /// `count` objects of 200 triangles on a strip, each turned.
+    /// `count` instances of 200 triangles on a strip, each turned.
     fn strips(count: u32) -> Scene {
         let corner = |i: u32| [(i / 2) as f32, (i % 2) as f32, (i % 7) as f32 * 0.1];
         let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
@@ -151,10 +151,10 @@ mod tests {
         let mesh = Mesh::new((0..202).map(corner).collect(), alloc::vec![attribute; 202], indices).unwrap();
         let mut scene = Scene::new();
         let gray = scene.add_material(phong([0.5; 3], 0.0, 0.5, Texture::NONE, [0.0; 3])).unwrap();
-        let strip = scene.add_mesh(&mesh, &MeshTree::build(&mesh, &Sequential)).unwrap();
+        let strip = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
         for i in 0..count {
             let place = Mat4::from_rotation_y(i as f32) * Mat4::from_scale(Vec3::new(1.0, 2.0, 0.5));
-            scene.add_object(strip, gray, place).unwrap();
+            scene.add_instance(strip, gray, place).unwrap();
         }
         scene
     }
@@ -163,18 +163,18 @@ mod tests {
     fn parts_hold_every_triangle_once_and_lie_in_their_objects_bounds() {
         let scene = strips(2);
         for most in [1, 5, 64, 1000] {
-            let mut parts = Parts::default();
-            parts.make(&scene, scene.objects(), 0, most).unwrap();
+            let mut parts = BvhCut::default();
+            parts.make(&scene, scene.instances(), 0, most).unwrap();
             let mut seen = alloc::vec![0; 400];
-            for part in &parts.objects()[2..] {
+            for part in &parts.instances()[2..] {
                 let (whole, node) =
-                    (&scene.objects()[part.part_of as usize], &scene.nodes()[part.start as usize]);
+                    (&scene.instances()[part.opened_from as usize], &scene.nodes()[part.start as usize]);
                 let (mut below, mut held_here) = (alloc::vec![node], 0);
                 while let Some(node) = below.pop() {
                     if node.is_leaf() {
                         held_here += node.triangles();
                         for id in node.first..node.first + node.triangles() {
-                            seen[(200 * part.part_of + id) as usize] += 1;
+                            seen[(200 * part.opened_from + id) as usize] += 1;
                         }
                     } else {
                         below.extend(&scene.nodes()[(whole.root + node.first) as usize..][..2]);
@@ -190,9 +190,9 @@ mod tests {
 
     #[test]
     fn few_objects_of_many_triangles_are_cut() {
-        assert_eq!(triangles(strips(3).objects()), Some(64));
-        assert_eq!(triangles(strips(100).objects()), Some(20_000 / 256));
-        assert_eq!(triangles(strips(256).objects()), None);
+        assert_eq!(triangles(strips(3).instances()), Some(64));
+        assert_eq!(triangles(strips(100).instances()), Some(20_000 / 256));
+        assert_eq!(triangles(strips(256).instances()), None);
         assert_eq!(triangles(&[]), None);
         assert_eq!(Structure::default(), Structure::Blocks);
     }

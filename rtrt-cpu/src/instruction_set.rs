@@ -12,7 +12,7 @@ const GROUPS_16: usize = 16;
 
 /// An instruction set that is there, and how it is used.
 #[derive(Debug, Clone, Copy)]
-pub enum Level {
+pub enum InstructionSet {
     /// One number at a time.
     Scalar,
     /// Eight numbers, AVX2.
@@ -32,7 +32,7 @@ pub enum Level {
     Baseline(fearless_simd::Level),
 }
 
-impl Level {
+impl InstructionSet {
     /// The level for this many lanes; without a number the fastest. Sixteen lanes need
     /// AVX-512.
     pub fn new(lanes: Option<u32>) -> Result<Self, Error> {
@@ -106,7 +106,7 @@ impl Level {
     }
 
     /// Runs the work with it.
-    pub fn run<W: Work>(self, work: W) -> W::Output {
+    pub fn run<W: LaneTask>(self, work: W) -> W::Output {
         match self {
             Self::Scalar => work.run::<f32, GROUPS_1>(()),
             #[cfg(target_arch = "x86_64")]
@@ -139,7 +139,7 @@ impl Level {
 
 /// What runs at any level. Implementations are `#[inline(always)]`, or they would be compiled
 /// without the level's instructions.
-pub trait Work {
+pub trait LaneTask {
     /// What comes of it.
     type Output;
 

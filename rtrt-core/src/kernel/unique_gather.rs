@@ -8,7 +8,7 @@ const MOST: usize = 4;
 
 /// Which lanes of a group want the same record: neighbors have mostly hit the same triangle.
 #[derive(Clone, Copy)]
-pub struct Distinct<L: Lane> {
+pub struct UniqueGather<L: Lane> {
     token: L::Token,
     /// A lane that wants each of the records.
     lanes: [usize; MOST],
@@ -18,7 +18,7 @@ pub struct Distinct<L: Lane> {
     count: usize,
 }
 
-impl<L: Lane> Distinct<L> {
+impl<L: Lane> UniqueGather<L> {
     /// The records that the lanes in `wanted` want; `same(lane)` are the lanes that want what
     /// `lane` does.
     #[inline(always)]
@@ -68,20 +68,20 @@ impl<L: Lane> Distinct<L> {
         all
     }
 
-    /// [`Distinct::gather`] of words.
+    /// [`UniqueGather::gather`] of words.
     #[inline(always)]
     pub fn bits(&self, record: impl Fn(usize) -> [u32; 4]) -> [L::Bits; 4] {
         if L::WIDTH == 1 || self.count > MOST {
             return L::gather_bits(self.token, record);
         }
         let zero = L::splat(self.token, 0.0);
-        let mut all = [zero.bits_like(0); 4];
+        let mut all = [zero.broadcast_bits(0); 4];
         let mut i = 0;
         while i < self.count {
             let words = record(self.lanes[i]);
             let mut n = 0;
             while n < 4 {
-                all[n] = self.masks[i].select(zero.bits_like(words[n]), all[n]);
+                all[n] = self.masks[i].select(zero.broadcast_bits(words[n]), all[n]);
                 n += 1;
             }
             i += 1;

@@ -1,23 +1,23 @@
-//! Edges: the blocks in which shadows are blurred, and those that are left alone.
+//! PenumbraSummary: the blocks in which shadows are blurred, and those that are left alone.
 
 use crate::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, place};
 use crate::layout::Frame;
-use crate::stage::penumbra::{left_at, size_at};
-use crate::stage::soften::reach;
+use crate::stage::blocker_search::{penumbra_at, transmittance_at};
+use crate::stage::penumbra_filter::reach;
 use bytemuck::{Pod, Zeroable};
 
 /// What the shadows of a light have in common, among some rays. A function of the set of rays.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Edges {
+pub struct PenumbraSummary {
     /// Those bits of what is left of the light that are 1 at all of the rays.
     pub all: u32,
-    /// Those that are 1 at any; and [`Edges::PENUMBRA`].
+    /// Those that are 1 at any; and [`PenumbraSummary::PENUMBRA`].
     pub any: u32,
 }
-const _: () = assert!(size_of::<Edges>() == 8);
+const _: () = assert!(size_of::<PenumbraSummary>() == 8);
 
-impl Edges {
+impl PenumbraSummary {
     /// Those of no rays.
     pub const NONE: Self = Self { all: u32::MAX, any: 0 };
     /// The bit that is 1 where any of the rays lies in a penumbra. What is left has 30 bits.
@@ -47,18 +47,18 @@ pub fn edges_at(frame: &Frame, block: u32, light: u32) -> usize {
     (block * frame.lights + light) as usize
 }
 
-/// The edges of a light in a block of a band. `shadows` are the words that [`left_at`] and
-/// [`size_at`] find their ways in.
+/// The edges of a light in a block of a band. `shadows` are the words that [`transmittance_at`] and
+/// [`penumbra_at`] find their ways in.
 #[inline(always)]
-pub fn edges(frame: &Frame, shadows: &[u32], block: u32, light: u32) -> Edges {
+pub fn edges(frame: &Frame, shadows: &[u32], block: u32, light: u32) -> PenumbraSummary {
     let first = block * BLOCK_RAYS;
     common(
         frame.grid(),
         RayIndex(frame.first_ray + first),
         #[inline(always)]
         |ray| {
-            let left = shadows[left_at(frame, first + ray, light)];
-            Edges::of(left, f32::from_bits(shadows[size_at(frame, first + ray, light)]))
+            let left = shadows[transmittance_at(frame, first + ray, light)];
+            PenumbraSummary::of(left, f32::from_bits(shadows[penumbra_at(frame, first + ray, light)]))
         },
     )
 }
@@ -66,9 +66,9 @@ pub fn edges(frame: &Frame, shadows: &[u32], block: u32, light: u32) -> Edges {
 /// What those rays of a block have in common that are in the frame: `first` is the block's first,
 /// `of` the edges of each, by its number in the block.
 #[inline(always)]
-pub fn common(grid: Grid, first: RayIndex, of: impl Fn(u32) -> Edges) -> Edges {
+pub fn common(grid: Grid, first: RayIndex, of: impl Fn(u32) -> PenumbraSummary) -> PenumbraSummary {
     let [left, top] = grid.ray(first);
-    let mut edges = Edges::NONE;
+    let mut edges = PenumbraSummary::NONE;
     let mut ray = 0;
     while ray < BLOCK_RAYS {
         let [x, y] = place(ray);
@@ -83,11 +83,11 @@ pub fn common(grid: Grid, first: RayIndex, of: impl Fn(u32) -> Edges) -> Edges {
 /// Whether the shadows of a light in a block of a band are to be blurred: 1, or 0 where the blur
 /// would leave all of them as they are. `edges` are those of all blocks of the band.
 #[inline(always)]
-pub fn are_soft(frame: &Frame, edges: &[Edges], block: u32, light: u32) -> u32 {
+pub fn are_soft(frame: &Frame, edges: &[PenumbraSummary], block: u32, light: u32) -> u32 {
     let columns = frame.grid().blocks_x();
     let [left, right] = span(frame, block % columns, columns);
     let [top, bottom] = span(frame, block / columns, frame.rays / BLOCK_RAYS / columns);
-    let mut seen = Edges::NONE;
+    let mut seen = PenumbraSummary::NONE;
     let mut y = top;
     while y < bottom {
         let mut x = left;
@@ -123,7 +123,9 @@ mod tests {
     #[test]
     fn edges_are_soft_where_a_penumbra_is_and_not_all_is_the_same() {
         let of = |rays: &[(u32, f32)]| {
-            rays.iter().fold(Edges::NONE, |sum, &(left, size)| sum.and(Edges::of(left, size))).are_soft()
+            rays.iter()
+                .fold(PenumbraSummary::NONE, |sum, &(left, size)| sum.and(PenumbraSummary::of(left, size)))
+                .are_soft()
         };
         assert!(!of(&[]) && !of(&[(0, -1.0)]) && !of(&[(7, 0.5)]) && !of(&[(0, 0.5), (0, -1.0)]));
         assert!(!of(&[(7, -1.0), (0, -1.0), (3, 0.0)]));

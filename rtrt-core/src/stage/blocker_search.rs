@@ -5,7 +5,7 @@
 //! [`soften`](super::soften).
 
 use crate::grid::RayIndex;
-use crate::kernel::lists::Lists;
+use crate::kernel::lists::BlockLists;
 use crate::kernel::penumbra::Nearest;
 use crate::kernel::traverse::Geometry;
 use crate::lane::{Bits, Lane, Select, V3, groups};
@@ -15,48 +15,48 @@ use crate::stage::occlusion::cross;
 /// Where what is left of a light at a ray is, in the words of a band's shadows: one for each ray
 /// and light.
 #[inline(always)]
-pub fn left_at(frame: &Frame, ray: u32, light: u32) -> usize {
+pub fn transmittance_at(frame: &Frame, ray: u32, light: u32) -> usize {
     (ray * frame.lights + light) as usize
 }
 
 /// Where the size of the penumbra is: behind those, one for each ray and light.
 #[inline(always)]
-pub fn size_at(frame: &Frame, ray: u32, light: u32) -> usize {
-    (frame.rays * frame.lights) as usize + left_at(frame, ray, light)
+pub fn penumbra_at(frame: &Frame, ray: u32, light: u32) -> usize {
+    (frame.rays * frame.lights) as usize + transmittance_at(frame, ray, light)
 }
 
 /// What is left of a light at a group of surfaces, and the sizes of the penumbras there: those
-/// of [`Nearest`] where the surfaces ask for the light (see [`ask`](super::occlusion::ask)), 0
+/// of [`Nearest`] where the surfaces ask for the light (see [`potentially_lit`](super::occlusion::potentially_lit)), 0
 /// and −1 elsewhere.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "structs of references cannot hold what loops change")]
-pub fn near<L: Lane, const G: usize>(
+pub fn blocker_search<L: Lane, const G: usize>(
     frame: &Frame,
     views: &[View],
-    lists: &Lists<'_>,
+    lists: &BlockLists<'_>,
     geometry: &Geometry<'_>,
     light: u32,
     first: RayIndex,
     origins: &[V3<L>; G],
     asked: &[L::Bits; G],
 ) -> [(L::Bits, L); G] {
-    let mut searches: [Nearest<L>; G] = groups(
+    let mut filters: [Nearest<L>; G] = groups(
         #[inline(always)]
         |g| Nearest::new(origins[g].x),
     );
-    cross(frame, views, lists, geometry, light, first, origins, asked, &mut searches);
+    cross(frame, views, lists, geometry, light, first, origins, asked, &mut filters);
     let light = &views[frame.light_view(light) as usize];
     groups(
         #[inline(always)]
-        |g| answer(light, asked[g], &searches[g]),
+        |g| answer(light, asked[g], &filters[g]),
     )
 }
 
 /// [`near`] of a group.
 #[inline(always)]
 fn answer<L: Lane>(light: &View, asked: L::Bits, search: &Nearest<L>) -> (L::Bits, L) {
-    let none = asked.like(0);
-    let is_asked = none.less_than(asked);
+    let none = asked.broadcast(0);
+    let is_asked = asked.gt(none);
     let size = search.penumbra(light);
-    (is_asked.select(search.word(), none), is_asked.select(size, size.like(-1.0)))
+    (is_asked.select(search.word(), none), is_asked.select(size, size.broadcast(-1.0)))
 }

@@ -11,19 +11,19 @@
 //! across the light's way, in the world, rather than on the screen, so that a penumbra does not
 //! depend on where it is seen from.
 
-use crate::kernel::tint::{color, packed};
+use crate::kernel::transmittance::{color, packed};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3, Word};
 use crate::layout::{Frame, Surface, View};
 use crate::num::{clamp, floor, flush, normalize, recip, sqrt, to_integer};
+use crate::stage::blocker_search::{penumbra_at, transmittance_at};
 use crate::stage::occlusion::to_middle;
-use crate::stage::penumbra::{left_at, size_at};
 
 /// What a light leaves at a place where there is no ray.
 pub const MISSING: u32 = u32::MAX;
 
 /// A group of rays, side by side in a row of the frame, and those around them, as a backend keeps
 /// them.
-pub trait Around<L: Lane> {
+pub trait Neighborhood<L: Lane> {
     /// Where rays are kept.
     type Place: Copy;
 
@@ -32,7 +32,7 @@ pub trait Around<L: Lane> {
     fn place(&self, aside: [u32; 2]) -> Self::Place;
     /// What the light leaves there, as a word; [`MISSING`] where there is no ray.
     fn left(&self, place: Self::Place) -> L::Bits;
-    /// Sizes of the penumbras there (see [`near`](super::penumbra::near)); −1 where there is no
+    /// Sizes of the penumbras there (see [`near`](super::blocker_search::blocker_search)); −1 where there is no
     /// ray.
     fn size(&self, place: Self::Place) -> L;
     /// Where the surfaces are that these rays hit; anything where there is no ray.
@@ -41,7 +41,7 @@ pub trait Around<L: Lane> {
     fn normal(&self, place: Self::Place) -> V3<L>;
 }
 
-/// A ray, and those around it in the buffers of a band: what [`left_at`] and [`size_at`] find
+/// A ray, and those around it in the buffers of a band: what [`transmittance_at`] and [`penumbra_at`] find
 /// their ways in, and surfaces.
 pub struct Band<'a> {
     /// The frame, with the rays of the band.
@@ -56,7 +56,7 @@ pub struct Band<'a> {
     pub at: [u32; 2],
 }
 
-impl Around<f32> for Band<'_> {
+impl Neighborhood<f32> for Band<'_> {
     /// The ray's number in the band, or [`MISSING`].
     type Place = u32;
 
@@ -72,14 +72,18 @@ impl Around<f32> for Band<'_> {
     }
     #[inline(always)]
     fn left(&self, place: u32) -> Word {
-        Word(if place == MISSING { MISSING } else { self.shadows[left_at(self.frame, place, self.light)] })
+        Word(if place == MISSING {
+            MISSING
+        } else {
+            self.shadows[transmittance_at(self.frame, place, self.light)]
+        })
     }
     #[inline(always)]
     fn size(&self, place: u32) -> f32 {
         if place == MISSING {
             -1.0
         } else {
-            f32::from_bits(self.shadows[size_at(self.frame, place, self.light)])
+            f32::from_bits(self.shadows[penumbra_at(self.frame, place, self.light)])
         }
     }
     #[inline(always)]
@@ -96,8 +100,8 @@ impl Around<f32> for Band<'_> {
 const BLUR: u32 = 6;
 /// What one of them is of all.
 const SHARE: f32 = 1.0 / BLUR as f32;
-/// The longest steps of the blur's lattice, in pixels: they cover [`Frame::WINDOW`].
-const LONGEST: u32 = Frame::WINDOW / BLUR;
+/// The longest steps of the blur's lattice, in pixels: they cover [`Frame::PENUMBRA_WINDOW`].
+const LONGEST: u32 = Frame::PENUMBRA_WINDOW / BLUR;
 
 /// Taps of each lattice of the search: 21.
 const SEARCHED: Disc = Disc::within(5);
@@ -148,11 +152,16 @@ struct Here<L> {
 ///
 /// Sums are in the order of the lattice, whoever computes them.
 #[inline(always)]
-pub fn soften<L: Lane, A: Around<L>>(frame: &Frame, views: &[View], around: &A, light: u32) -> L::Bits {
+pub fn filter_penumbra<L: Lane, A: Neighborhood<L>>(
+    frame: &Frame,
+    views: &[View],
+    around: &A,
+    light: u32,
+) -> L::Bits {
     let (camera, view) = (&views[Frame::CAMERA as usize], &views[frame.light_view(light) as usize]);
     let place = around.place([0, 0]);
     let own = around.left(place);
-    let missing = own.like(MISSING);
+    let missing = own.broadcast(MISSING);
     let asked = is_asked::<L>(own, around.size(place));
     let mut same = asked;
     let mut lattice = 0;
@@ -161,26 +170,26 @@ pub fn soften<L: Lane, A: Around<L>>(frame: &Frame, views: &[View], around: &A, 
         let mut tap = SEARCHED.first();
         while SEARCHED.has(tap) && same.any() {
             let left = around.left(around.place(aside(steps, tap)));
-            same = same & (left.equal(own) | left.equal(missing));
+            same = same & (left.eq(own) | left.eq(missing));
             tap = SEARCHED.after(tap);
         }
         lattice += 1;
     }
     let differs = asked & !same;
     if !differs.any() {
-        return asked.select(own, own.like(0));
+        return asked.select(own, own.broadcast(0));
     }
     let origin = around.origin(place);
     let toward = normalize(to_middle(view, origin));
     let here = Here { origin, normal: around.normal(place), toward };
 
     // The distance of two rays on a surface that faces the eye.
-    let none = origin.x.like(0.0);
+    let none = origin.x.broadcast(0.0);
     let token = none.token();
     let depth = (origin - V3::splat(token, camera.center)).dot(V3::splat(token, camera.depth));
     let cell = depth * camera.pixel_t + camera.pixel;
 
-    let (mut sum, mut count, mut least) = (none, none, none.like(f32::MAX));
+    let (mut sum, mut count, mut least) = (none, none, none.broadcast(f32::MAX));
     let mut lattice = 0;
     while lattice < LATTICES {
         let steps = searched(frame, lattice);
@@ -189,29 +198,29 @@ pub fn soften<L: Lane, A: Around<L>>(frame: &Frame, views: &[View], around: &A, 
         while SEARCHED.has(tap) {
             let place = around.place(aside(steps, tap));
             let size = around.size(place);
-            if (differs & none.less_than(size)).any() {
+            if (differs & size.gt(none)).any() {
                 let square = distance(&here, around.origin(place), around.normal(place));
-                let is_penumbra = none.less_than(size) & none.less_equal(square);
-                let reaches = is_penumbra & square.less_equal(flush(size * size));
+                let is_penumbra = size.gt(none) & square.ge(none);
+                let reaches = is_penumbra & square.le(flush(size * size));
                 sum = sum + reaches.select(size, none);
-                count = count + reaches.select(none.like(1.0), none);
+                count = count + reaches.select(none.broadcast(1.0), none);
                 let far = size + half;
-                let is_near = is_penumbra & square.less_equal(flush(far * far));
+                let is_near = is_penumbra & square.le(flush(far * far));
                 least = is_near.select(least.min(size), least);
             }
             tap = SEARCHED.after(tap);
         }
         lattice += 1;
     }
-    let blurred = differs & least.less_than(least.like(f32::MAX));
+    let blurred = differs & least.lt(least.broadcast(f32::MAX));
     if !blurred.any() {
-        return asked.select(own, own.like(0));
+        return asked.select(own, own.broadcast(0));
     }
 
     let slope = here.normal.dot(here.toward);
-    let cell = cell * none.like(LEAST_SLOPE).max(slope);
-    let size = none.less_than(count).select(sum * recip(count), least);
-    let radius = size.min(cell * frame.window as f32);
+    let cell = cell * none.broadcast(LEAST_SLOPE).max(slope);
+    let size = count.gt(none).select(sum * recip(count), least);
+    let radius = size.min(cell * frame.penumbra_window as f32);
     let steps = steps(radius * recip(cell), frame.side);
     let edge = cell.max(radius * SHARE);
     let sharpness = recip(radius * edge) * 0.5;
@@ -222,7 +231,7 @@ pub fn soften<L: Lane, A: Around<L>>(frame: &Frame, views: &[View], around: &A, 
     let mut lane = 0;
     while lane < L::WIDTH {
         let step = rows.at(lane);
-        let now = rest & steps.equal(steps.like(step));
+        let now = rest & steps.eq(steps.broadcast(step));
         if now.any() {
             if differ(around, step, now, own) {
                 let average = blur(around, &here, step, now, square, sharpness);
@@ -232,19 +241,19 @@ pub fn soften<L: Lane, A: Around<L>>(frame: &Frame, views: &[View], around: &A, 
         }
         lane += 1;
     }
-    asked.select(soft, own.like(0))
+    asked.select(soft, own.broadcast(0))
 }
 
 /// Whether anything but their own is left around the rays of a mask, whose lattices have these
 /// steps.
 #[inline(always)]
-fn differ<L: Lane, A: Around<L>>(around: &A, steps: u32, now: L::Mask, own: L::Bits) -> bool {
+fn differ<L: Lane, A: Neighborhood<L>>(around: &A, steps: u32, now: L::Mask, own: L::Bits) -> bool {
     let mut differ = false;
     let mut tap = BLURRED.first();
     while BLURRED.has(tap) && !differ {
         let place = around.place(aside([steps, 1], tap));
         let left = around.left(place);
-        let other = now & !left.equal(own);
+        let other = now & !left.eq(own);
         differ = other.any() && (other & is_asked::<L>(left, around.size(place))).any();
         tap = BLURRED.after(tap);
     }
@@ -253,7 +262,7 @@ fn differ<L: Lane, A: Around<L>>(around: &A, steps: u32, now: L::Mask, own: L::B
 
 /// The average of what is left around the rays of a mask, whose lattices have these steps.
 #[inline(always)]
-fn blur<L: Lane, A: Around<L>>(
+fn blur<L: Lane, A: Neighborhood<L>>(
     around: &A,
     here: &Here<L>,
     steps: u32,
@@ -261,7 +270,7 @@ fn blur<L: Lane, A: Around<L>>(
     square: L,
     sharpness: L,
 ) -> L::Bits {
-    let none = square.like(0.0);
+    let none = square.broadcast(0.0);
     let (mut total, mut red, mut green, mut blue) = (none, none, none, none);
     let mut tap = BLURRED.first();
     while BLURRED.has(tap) {
@@ -271,7 +280,7 @@ fn blur<L: Lane, A: Around<L>>(
         if asked.any() {
             let there = distance(here, around.origin(place), around.normal(place));
             let weight = clamp((square - there) * sharpness + 0.5, 0.0, 1.0);
-            let weight = (asked & none.less_equal(there)).select(weight, none);
+            let weight = (asked & there.ge(none)).select(weight, none);
             let light = color::<L>(left);
             total = total + weight;
             red = red + light.x * weight;
@@ -287,7 +296,7 @@ fn blur<L: Lane, A: Around<L>>(
 /// Whether a light was asked for at rays, by what is left of it there.
 #[inline(always)]
 fn is_asked<L: Lane>(left: L::Bits, size: L) -> L::Mask {
-    !left.equal(left.like(MISSING)) & (!left.equal(left.like(0)) | size.like(0.0).less_equal(size))
+    !left.eq(left.broadcast(MISSING)) & (!left.eq(left.broadcast(0)) | size.ge(size.broadcast(0.0)))
 }
 
 /// The least cosine between a surface's normal and the way to the light that is reckoned with.
@@ -299,9 +308,9 @@ const LEAST_SLOPE: f32 = 1.0 / 16.0;
 fn steps<L: Lane>(radius: L, side: u32) -> L::Bits {
     let ratio = radius * SHARE;
     let steps = sqrt(ratio * ratio - 1.0);
-    let none = steps.like(0.0);
-    let steps = none.less_than(steps).select(floor(steps) + 1.0, none);
-    to_integer(steps.min(steps.like((LONGEST * side) as f32)))
+    let none = steps.broadcast(0.0);
+    let steps = steps.gt(none).select(floor(steps) + 1.0, none);
+    to_integer(steps.min(steps.broadcast((LONGEST * side) as f32)))
 }
 
 /// Lattices of the search.
@@ -390,10 +399,10 @@ fn distance<L: Lane>(here: &Here<L>, origin: V3<L>, normal: V3<L>) -> L {
     let way = origin - here.origin;
     let (square, height) = (flush(way.dot(way)), here.normal.dot(way));
     let along = way.dot(here.toward);
-    let is_flat = (flush(height * height) * FLATNESS).less_equal(square);
-    let is_same = is_flat & square.like(BEND).less_equal(here.normal.dot(normal));
+    let is_flat = (flush(height * height) * FLATNESS).le(square);
+    let is_same = is_flat & square.broadcast(BEND).le(here.normal.dot(normal));
     let aside = flush(square - along * along);
-    is_same.select(aside.max(aside.like(0.0)), aside.like(-1.0))
+    is_same.select(aside.max(aside.broadcast(0.0)), aside.broadcast(-1.0))
 }
 
 #[cfg(test)]
@@ -435,14 +444,14 @@ mod tests {
                     farthest = aside.map(i32::unsigned_abs).into_iter().fold(farthest, u32::max);
                 }
             }
-            assert!(farthest <= reach(&frame) && farthest >= Frame::WINDOW * side, "{farthest}");
+            assert!(farthest <= reach(&frame) && farthest >= Frame::PENUMBRA_WINDOW * side, "{farthest}");
         }
     }
 
     #[test]
     fn the_blur_covers_the_window() {
         for side in [1, 2, 4] {
-            for radius in 1..=Frame::WINDOW * side {
+            for radius in 1..=Frame::PENUMBRA_WINDOW * side {
                 let steps = steps::<f32>(radius as f32, side).0 as f32;
                 assert!(BLUR as f32 * (steps * steps + 1.0).sqrt() >= radius as f32 * 0.9999, "{radius}");
             }

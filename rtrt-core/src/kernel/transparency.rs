@@ -1,16 +1,16 @@
 //! What a ray meets of a surface that is not opaque everywhere.
 //!
 //! A search asks this while it runs, before it is known which surface is seen, so all that
-//! it takes lies in the scene's words: for each object that is not opaque a record, and for
+//! it takes lies in the scene's mesh_data: for each instance that is not opaque a record, and for
 //! its mesh the vertices' texture coordinates and colors. Only the texels lie elsewhere.
 
 use crate::kernel::interpolate::Weights;
 use crate::kernel::sphere::{longitude_and_latitude, point};
-use crate::kernel::texture::{BYTE, Finest, finest};
+use crate::kernel::texture::{BYTE, FinestLevel, finest};
 use crate::kernel::traverse::Geometry;
-use crate::kernel::triangle::Meeting;
+use crate::kernel::triangle::Intersection;
 use crate::lane::{Lane, Mask, Row};
-use crate::layout::Object;
+use crate::layout::Instance;
 use crate::num::{clamp, flush};
 
 /// Words of a record.
@@ -24,46 +24,46 @@ pub const MODE: u32 = 0;
 pub const CUTOFF: u32 = 1;
 /// In a record: linear RGB and alpha of the material.
 pub const BASE: u32 = 2;
-/// In a record: where the first of the mesh's vertices is in the scene's words.
+/// In a record: where the first of the mesh's vertices is in the scene's mesh_data.
 pub const VERTICES: u32 = 6;
 /// In a record: what [`crate::layout::Texture`] says of the base color's texture. Where it
 /// starts, columns, rows (0 without a texture), wrapping, `turn`, `shift`.
 pub const TEXTURE: u32 = 7;
 
-/// A number in the scene's words.
+/// A number in the scene's mesh_data.
 #[inline(always)]
 fn number(geometry: &Geometry<'_>, at: u32) -> f32 {
-    f32::from_bits(geometry.words[at as usize])
+    f32::from_bits(geometry.mesh_data[at as usize])
 }
 
-/// The least alpha of what is there of an object that is masked.
+/// The least alpha of what is there of an instance that is masked.
 #[inline(always)]
-pub fn cutoff(geometry: &Geometry<'_>, object: u32) -> f32 {
-    number(geometry, geometry.objects[object as usize].pane + CUTOFF)
+pub fn cutoff(geometry: &Geometry<'_>, instance: u32) -> f32 {
+    number(geometry, geometry.instances[instance as usize].transparency + CUTOFF)
 }
 
-/// The [`crate::layout::AlphaMode`] of an object, as a number.
+/// The [`crate::layout::AlphaMode`] of an instance, as a number.
 #[inline(always)]
-pub fn mode(geometry: &Geometry<'_>, object: u32) -> u32 {
-    mode_of(&geometry.objects[object as usize], geometry.words)
+pub fn mode(geometry: &Geometry<'_>, instance: u32) -> u32 {
+    alpha_mode_of(&geometry.instances[instance as usize], geometry.mesh_data)
 }
 
-/// The same of an object, where `words` are the scene's.
+/// The same of an instance, where `mesh_data` are the scene's.
 #[inline(always)]
-pub fn mode_of(object: &Object, words: &[u32]) -> u32 {
-    if object.pane == 0 { 0 } else { words[(object.pane + MODE) as usize] }
+pub fn alpha_mode_of(instance: &Instance, mesh_data: &[u32]) -> u32 {
+    if instance.transparency == 0 { 0 } else { mesh_data[(instance.transparency + MODE) as usize] }
 }
 
-/// Where rays have met a triangle of an object that is not opaque.
+/// Where rays have met a triangle of an instance that is not opaque.
 struct Met<L: Lane> {
-    object: u32,
+    instance: u32,
     triangle: u32,
     lanes: u32,
     u: L::Row,
     v: L::Row,
 }
 
-/// Tint (linear RGB, 0 ..= 1) and alpha (0 ..= 1) of an object with a pane, where rays have met
+/// Tint (linear RGB, 0 ..= 1) and alpha (0 ..= 1) of an instance with a pane, where rays have met
 /// its triangle; all 0 in the other lanes.
 ///
 /// ```text
@@ -72,8 +72,13 @@ struct Met<L: Lane> {
 ///
 /// The texture is taken at its finest level, bilinear: a search knows no footprint.
 #[inline(always)]
-pub fn pane<L: Lane>(geometry: &Geometry<'_>, object: u32, triangle: u32, found: &Meeting<L>) -> [L; 4] {
-    let met = Met::<L> { object, triangle, lanes: found.mask.bits(), u: found.u.row(), v: found.v.row() };
+pub fn tint_and_alpha<L: Lane>(
+    geometry: &Geometry<'_>,
+    instance: u32,
+    triangle: u32,
+    found: &Intersection<L>,
+) -> [L; 4] {
+    let met = Met::<L> { instance, triangle, lanes: found.mask.bits(), u: found.u.row(), v: found.v.row() };
     L::gather(
         found.t.token(),
         #[inline(always)]
@@ -88,15 +93,15 @@ impl<L: Lane> Met<L> {
         if self.lanes >> lane & 1 == 0 {
             return [0.0; 4];
         }
-        let object = &geometry.objects[self.object as usize];
-        let pane = object.pane;
-        let [a, b, c] = geometry.corners(object, self.triangle);
-        let first = geometry.words[(pane + VERTICES) as usize];
-        let a = first + VERTEX * (a - object.first_vertex);
-        let b = first + VERTEX * (b - object.first_vertex);
-        let c = first + VERTEX * (c - object.first_vertex);
+        let instance = &geometry.instances[self.instance as usize];
+        let pane = instance.transparency;
+        let [a, b, c] = geometry.corners(instance, self.triangle);
+        let first = geometry.mesh_data[(pane + VERTICES) as usize];
+        let a = first + VERTEX * (a - instance.first_vertex);
+        let b = first + VERTEX * (b - instance.first_vertex);
+        let c = first + VERTEX * (c - instance.first_vertex);
         let weights = Weights::new(self.u.at(lane), self.v.at(lane));
-        let [u, v] = if object.is_sphere() {
+        let [u, v] = if instance.is_sphere() {
             longitude_and_latitude(point(self.u.at(lane), self.v.at(lane)))
         } else {
             [
@@ -104,19 +109,22 @@ impl<L: Lane> Met<L> {
                 weights.mix(number(geometry, a + 1), number(geometry, b + 1), number(geometry, c + 1)),
             ]
         };
-        let (a, b, c) =
-            (geometry.words[a as usize + 2], geometry.words[b as usize + 2], geometry.words[c as usize + 2]);
+        let (a, b, c) = (
+            geometry.mesh_data[a as usize + 2],
+            geometry.mesh_data[b as usize + 2],
+            geometry.mesh_data[c as usize + 2],
+        );
         let t = pane + TEXTURE;
         let uv = [
             flush(u * number(geometry, t + 5) + v * number(geometry, t + 6) + number(geometry, t + 9)),
             flush(u * number(geometry, t + 7) + v * number(geometry, t + 8) + number(geometry, t + 10)),
         ];
-        let texture = Finest {
-            first: geometry.words[t as usize],
-            width: geometry.words[t as usize + 1],
-            height: geometry.words[t as usize + 2],
-            wrap_u: geometry.words[t as usize + 3],
-            wrap_v: geometry.words[t as usize + 4],
+        let texture = FinestLevel {
+            first: geometry.mesh_data[t as usize],
+            width: geometry.mesh_data[t as usize + 1],
+            height: geometry.mesh_data[t as usize + 2],
+            wrap_u: geometry.mesh_data[t as usize + 3],
+            wrap_v: geometry.mesh_data[t as usize + 4],
         };
         let texel = if texture.height == 0 { [1.0; 4] } else { finest(geometry.texels, &texture, uv) };
         [
