@@ -6,7 +6,7 @@
 use conformance::shape::{Build, Random, Shape, bulb};
 use divan::Bencher;
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, LAYERS, Picture, Request, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Bvh, Camera, Projection, Scene, Sequential};
 use rtrt_cpu::{Cpu, Options, Parallel};
 
@@ -27,14 +27,7 @@ fn cpu(lanes: u32, threads: usize) -> Option<Cpu> {
 
 /// Times frames of a scene, as wide as this machine can be.
 fn frames(bencher: Bencher<'_, '_>, scene: &Scene, camera: &Camera, lanes: u32) {
-    let request = Request {
-        camera,
-        size: [320, 180],
-        samples: 1,
-        shadows: Shadows::Hard,
-        layers: LAYERS,
-        deferred: false,
-    };
+    let request = Request::new(camera, [320, 180]).shadows(Shadows::Hard);
     let (Some(mut cpu), Some(mut scalar)) = (cpu(lanes, 1), cpu(1, 1)) else {
         println!("no {lanes} lanes here");
         return;

@@ -55,8 +55,7 @@ impl Backend for OneByOne {
         request: &Request<'_>,
         picture: &mut Picture,
     ) -> Result<(), RenderError> {
-        let &Request { camera, size, samples, shadows, layers, deferred } = request;
-        self.setup.prepare(scene, camera, size, samples, shadows, layers)?;
+        self.setup.prepare(scene, request)?;
         let frame = self.setup.frame;
         let grid = frame.grid();
         let words = lists(&self.setup, scene);
@@ -78,10 +77,10 @@ impl Backend for OneByOne {
             let color = |ray: RayIndex| kept.colors[ray.0 as usize];
             resolve::resolve::<f32>((), grid, |_| grid.pixel(number), color).0
         };
-        picture.pixels = (0..size[0] * size[1]).map(pixel).collect();
-        [picture.width, picture.height] = size;
+        picture.pixels = (0..frame.width * frame.height).map(pixel).collect();
+        [picture.width, picture.height] = request.size;
         kept.lists = words;
-        picture.deferred = deferred.then_some(kept);
+        picture.deferred = request.deferred.then_some(kept);
         Ok(())
     }
 }

@@ -13,7 +13,7 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use rtrt_core::backend::Shadows;
+use rtrt_core::backend::{Request, Shadows};
 use rtrt_core::layout::{Instance, View};
 use rtrt_core::scene::{Camera, Projection, Scene, Setup};
 use std::collections::HashMap;
@@ -134,7 +134,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let light = vector(light)?.to_array();
     let mut setup = Setup::default();
-    setup.prepare(&loaded.scene, &camera, SIZE, 1, Shadows::Hard, 1)?;
+    setup.prepare(&loaded.scene, &Request::new(&camera, SIZE).shadows(Shadows::Hard).layers(1))?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build()?;
     let isa = isa.first().map_or("avx2", String::as_str);
     let config = CString::new(format!("threads={THREADS},isa={isa}"))?;

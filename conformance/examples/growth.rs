@@ -7,7 +7,7 @@ use conformance::shape::{Build, Random, Shape, paved};
 use glam::{Mat4, Vec3};
 use rtrt::demo;
 use rtrt::import::Loaded;
-use rtrt_core::backend::{Backend, LAYERS, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
 use rtrt_core::scene::{Camera, InstanceIndex, Light, Projection, Scene, Structure};
 
 const CAMERA: Camera = Camera {
@@ -76,14 +76,7 @@ fn median_from(
     camera: &Camera,
     frames: usize,
 ) -> (Vec<u32>, [f64; STAGES.len()]) {
-    let request = Request {
-        camera,
-        size: [640, 360],
-        samples: 1,
-        shadows: Shadows::Hard,
-        layers: LAYERS,
-        deferred: false,
-    };
+    let request = Request::new(camera, [640, 360]).shadows(Shadows::Hard);
     let mut picture = Picture::default();
     let mut all = Vec::new();
     for _ in 0..=frames {

@@ -40,8 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, loaded) in &scenes()? {
         for samples in [1, 4] {
             let camera = &loaded.camera;
-            let request =
-                Request { camera, size: SIZE, samples, shadows: Shadows::Hard, layers: 8, deferred: true };
+            let request = Request::new(camera, SIZE).samples(samples).shadows(Shadows::Hard).deferred(true);
             let (mut traced, mut drawn) = (Picture::default(), Picture::default());
             cpu.render(&loaded.scene, &request, &mut traced)?;
             gpu.set_hybrid(true)?;
@@ -117,7 +116,7 @@ fn visibility_ms(
     loaded: &Loaded,
     request: &Request<'_>,
 ) -> Result<f64, Box<dyn std::error::Error>> {
-    let request = Request { deferred: false, ..*request };
+    let request = request.deferred(false);
     let mut picture = Picture::default();
     let mut times = Vec::new();
     for frame in 0..=FRAMES {

@@ -4,7 +4,7 @@
 
 use conformance::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, STAGES};
 use rtrt_core::scene::{Camera, InstanceIndex, Light, Motion, Projection};
 use std::time::Instant;
 
@@ -34,14 +34,7 @@ fn main() {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.9 },
     };
-    let request = Request {
-        camera: &camera,
-        size: [1280, 720],
-        samples: 1,
-        shadows: Shadows::Soft,
-        layers: rtrt_core::backend::LAYERS,
-        deferred: false,
-    };
+    let request = Request::new(&camera, [1280, 720]);
     let mut backends: Vec<Box<dyn Backend>> =
         vec![Box::new(rtrt_cpu::Cpu::new(rtrt_cpu::Options::default()).expect("a processor"))];
     match rtrt_gpu::Gpu::new(rtrt_gpu::Options::default()) {

@@ -7,7 +7,7 @@
 use conformance::shape::{Build, Random, Shape, lamp, sun};
 use glam::{Mat4, Vec3};
 use plotters::prelude::*;
-use rtrt_core::backend::{Backend, LAYERS, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
 use rtrt_core::scene::{Camera, Projection, Scene};
 use rtrt_cpu::{Cpu, Options};
 use std::error::Error;
@@ -80,14 +80,7 @@ fn balls(count: u32, lights: u32) -> Scene {
 
 /// The median time of a frame, by lines.
 fn frame(scene: &Scene, size: [u32; 2], threads: usize) -> [f64; LINES.len()] {
-    let request = Request {
-        camera: &CAMERA,
-        size,
-        samples: 1,
-        shadows: Shadows::Hard,
-        layers: LAYERS,
-        deferred: false,
-    };
+    let request = Request::new(&CAMERA, size).shadows(Shadows::Hard);
     let render =
         |cpu: &mut Cpu, picture: &mut Picture| cpu.render(scene, &request, picture).expect("a frame");
     let new = |lanes, threads| Cpu::new(Options { lanes, threads: Some(threads) }).expect("a processor");

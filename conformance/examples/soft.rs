@@ -103,7 +103,7 @@ fn frame(
     samples: u32,
     shadows: Shadows,
 ) -> Result<Pixels, Box<dyn std::error::Error>> {
-    let request = Request { camera, size: SIZE, samples, shadows, layers: 8, deferred: true };
+    let request = Request::new(camera, SIZE).samples(samples).shadows(shadows).deferred(true);
     let mut picture = Picture::default();
     cpu.render(&loaded.scene, &request, &mut picture)?;
     let deferred = picture.deferred.ok_or("no deferred buffers")?;

@@ -68,14 +68,11 @@ impl Case {
 
     /// What a backend is asked for.
     pub fn request(&self) -> Request<'_> {
-        Request {
-            camera: &self.camera,
-            size: self.size,
-            samples: self.samples,
-            shadows: self.shadows,
-            layers: self.layers,
-            deferred: true,
-        }
+        Request::new(&self.camera, self.size)
+            .samples(self.samples)
+            .shadows(self.shadows)
+            .layers(self.layers)
+            .deferred(true)
     }
 }
 

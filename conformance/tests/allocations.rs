@@ -49,8 +49,7 @@ fn allocations(scene: &Scene, shadows: Shadows) -> u32 {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.8 },
     };
-    let request =
-        Request { camera: &camera, size: [160, 90], samples: 1, shadows, layers: 8, deferred: false };
+    let request = Request::new(&camera, [160, 90]).shadows(shadows);
     let mut cpu = Cpu::new(Options::default()).expect("a backend");
     let mut picture = Picture::default();
     for frame in 0..3 + FRAMES {

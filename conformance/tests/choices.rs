@@ -15,14 +15,7 @@ const CAMERA: Camera = Camera {
 };
 
 fn request(camera: &Camera) -> Request<'_> {
-    Request {
-        camera,
-        size: [97, 55],
-        samples: 1,
-        shadows: Shadows::Hard,
-        layers: rtrt_core::backend::LAYERS,
-        deferred: true,
-    }
+    Request::new(camera, [97, 55]).shadows(Shadows::Hard).deferred(true)
 }
 
 /// From which distance on the balls have which level.

@@ -2,7 +2,7 @@
 
 use conformance::shape::paved;
 use glam::Vec3;
-use rtrt_core::backend::{Backend, LAYERS, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
 use rtrt_core::scene::{Camera, Projection, Scene};
 use rtrt_cpu::{Cpu, Options};
 
@@ -24,8 +24,7 @@ fn least<const N: usize>(frames: [(&Scene, [u32; 2]); N]) -> [f64; N] {
     let (mut picture, mut least) = (Picture::default(), [f64::INFINITY; N]);
     for _ in 0..RUNS {
         for ((scene, size), least) in frames.iter().zip(&mut least) {
-            let (samples, shadows, layers) = (1, Shadows::Off, LAYERS);
-            let request = Request { camera: &CAMERA, size: *size, samples, shadows, layers, deferred: false };
+            let request = Request::new(&CAMERA, *size).shadows(Shadows::Off);
             cpu.render(scene, &request, &mut picture).expect("a frame");
             *least = least.min(picture.stages_ms[shade]);
         }

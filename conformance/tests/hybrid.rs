@@ -97,7 +97,7 @@ fn scenes() -> Vec<(&'static str, Loaded)> {
 }
 
 fn request(camera: &Camera, samples: u32) -> Request<'_> {
-    Request { camera, size: [320, 180], samples, shadows: Shadows::Hard, layers: 8, deferred: true }
+    Request::new(camera, [320, 180]).samples(samples).shadows(Shadows::Hard).deferred(true)
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn a_frame_larger_than_a_texture_is_drawn_in_parts() {
     let loaded = rtrt::demo::spheres(&Parallel).unwrap();
     let (mut traced, mut drawn) = (Picture::default(), Picture::default());
     // Without pictures of the limited size first: what is there already is large enough.
-    gpu.render(&Scene::new(), &Request { size: [7, 5], ..request(&loaded.camera, 1) }, &mut drawn).unwrap();
+    gpu.render(&Scene::new(), &request(&loaded.camera, 1).size([7, 5]), &mut drawn).unwrap();
     for samples in [1, 4] {
         let request = request(&loaded.camera, samples);
         reference().render(&loaded.scene, &request, &mut traced).unwrap();

@@ -82,14 +82,7 @@ fn scene(time: f64) -> (Scene, MeshIndex) {
 
 #[test]
 fn a_moved_scene_is_a_new_one_made_there() {
-    let request = Request {
-        camera: &CAMERA,
-        size: [97, 55],
-        samples: 4,
-        shadows: Shadows::Soft,
-        layers: rtrt_core::backend::LAYERS,
-        deferred: true,
-    };
+    let request = Request::new(&CAMERA, [97, 55]).samples(4).deferred(true);
     let mut reference = reference();
     let mut variants = present(all(), requires_gpu());
     assert_eq!(variants.failed, 0);
@@ -143,8 +136,7 @@ fn a_frame_does_not_depend_on_the_one_before() {
         }
         let scene = if is_first { &first } else { &second };
         let shadows = Shadows::Hard;
-        let layers = rtrt_core::backend::LAYERS;
-        let request = Request { camera, size, samples: 1, shadows, layers, deferred: true };
+        let request = Request::new(camera, size).shadows(shadows).deferred(true);
         let (mut expected, mut actual) = (Picture::default(), Picture::default());
         reference().render(scene, &request, &mut expected).unwrap();
         for (variant, backend) in &mut variants.backends {
@@ -199,8 +191,7 @@ fn lists_are_kept_only_while_they_would_be_the_same() {
     for (step, change, camera) in steps {
         change(&mut scene);
         let shadows = Shadows::Hard;
-        let layers = rtrt_core::backend::LAYERS;
-        let request = Request { camera, size: [97, 55], samples: 1, shadows, layers, deferred: true };
+        let request = Request::new(camera, [97, 55]).shadows(shadows).deferred(true);
         let (mut expected, mut actual) = (Picture::default(), Picture::default());
         reference().render(&scene, &request, &mut expected).unwrap();
         for (variant, backend) in &mut variants.backends {

@@ -193,14 +193,13 @@ fn every_variant_equals_the_oracles_on_random_scenes() {
         let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let is_swarm = seed % 6 == 0;
         let scene = if is_swarm { swarm(&mut random) } else { scene(&mut random) };
-        let request = Request {
-            camera: &camera(&mut random),
-            size: if is_swarm { [61, 45] } else { [1 + random.below(40), 1 + random.below(30)] },
-            samples: [1, 1, 1, 1, 1, 4, 4, 16][random.below(8) as usize],
-            shadows: shadows(&mut random),
-            layers: [1, 2, 3, 8][random.below(4) as usize],
-            deferred: true,
-        };
+        let camera = camera(&mut random);
+        let size = if is_swarm { [61, 45] } else { [1 + random.below(40), 1 + random.below(30)] };
+        let request = Request::new(&camera, size)
+            .samples([1, 1, 1, 1, 1, 4, 4, 16][random.below(8) as usize])
+            .shadows(shadows(&mut random))
+            .layers([1, 2, 3, 8][random.below(4) as usize])
+            .deferred(true);
         reference.render(&scene, &request, &mut expected).unwrap_or_else(|why| panic!("seed {seed}: {why}"));
         brute::check(&scene, &request, &expected, 1).unwrap_or_else(|why| panic!("seed {seed}: {why}"));
         let seen = wide::check(&scene, &request, &expected, if is_swarm { 11 } else { 1 });

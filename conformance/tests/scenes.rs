@@ -3,7 +3,7 @@
 use conformance::oracle::brute;
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{compare, reference};
-use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request};
 use std::path::Path;
 
 const SCENES: [&str; 15] = [
@@ -44,14 +44,7 @@ fn every_variant_agrees_on_real_scenes() {
         let loaded =
             rtrt::import::load(&path, &rtrt_cpu::Parallel).unwrap_or_else(|why| panic!("{name}: {why}"));
         for samples in [1, 4] {
-            let request = Request {
-                camera: &loaded.camera,
-                size: [97, 55],
-                samples,
-                shadows: Shadows::Soft,
-                layers: 8,
-                deferred: true,
-            };
+            let request = Request::new(&loaded.camera, [97, 55]).samples(samples).deferred(true);
             reference.render(&loaded.scene, &request, &mut expected).unwrap();
             let is_blank = expected.pixels.iter().all(|&pixel| pixel == expected.pixels[0]);
             assert!(!is_blank, "{name} shows nothing");

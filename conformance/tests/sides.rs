@@ -17,7 +17,7 @@ fn seen(scene: &Scene, eye: Vec3) -> Deferred {
     let projection = Projection::Orthographic { height: 0.3 };
     let camera = Camera { eye, look_at: Vec3::ZERO, up: Vec3::Y, projection };
     let (shadows, size) = (Shadows::Hard, [16, 16]);
-    let request = Request { camera: &camera, size, samples: 1, shadows, layers: 4, deferred: true };
+    let request = Request::new(&camera, size).shadows(shadows).layers(4).deferred(true);
     let mut picture = Picture::default();
     reference().render(scene, &request, &mut picture).unwrap();
     picture.deferred.take().unwrap()

@@ -20,7 +20,7 @@ fn above(height: f32) -> Camera {
 }
 
 fn render(scene: &Scene, camera: &Camera, samples: u32, shadows: Shadows) -> (Picture, Deferred) {
-    let request = Request { camera, size: [SIZE; 2], samples, shadows, layers: 8, deferred: true };
+    let request = Request::new(camera, [SIZE; 2]).samples(samples).shadows(shadows).deferred(true);
     let mut picture = Picture::default();
     reference().render(scene, &request, &mut picture).unwrap();
     let deferred = picture.deferred.take().unwrap();

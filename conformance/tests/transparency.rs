@@ -3,7 +3,7 @@
 use conformance::reference;
 use conformance::shape::{Build, PLAIN, Shape, sun};
 use glam::Vec3;
-use rtrt_core::backend::{Backend, Deferred, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Deferred, Picture, Request, STAGES};
 use rtrt_core::layout::{AlphaMode, Backdrop, Material, NONE, Wrap};
 use rtrt_core::scene::{Camera, Image, Panorama, Projection, Scene, phong};
 
@@ -25,14 +25,7 @@ fn square(z: f32) -> Shape {
 fn render(scene: &Scene, eye: Vec3, look_at: Vec3, layers: u32) -> (Picture, Deferred) {
     let projection = Projection::Orthographic { height: 0.3 };
     let camera = Camera { eye, look_at, up: Vec3::Y, projection };
-    let request = Request {
-        camera: &camera,
-        size: [16, 16],
-        samples: 1,
-        shadows: Shadows::Soft,
-        layers,
-        deferred: true,
-    };
+    let request = Request::new(&camera, [16, 16]).layers(layers).deferred(true);
     let mut picture = Picture::default();
     reference().render(scene, &request, &mut picture).unwrap();
     let deferred = picture.deferred.take().unwrap();

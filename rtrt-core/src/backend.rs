@@ -1,55 +1,16 @@
 //! What every backend does: render a frame of a scene.
 
 use crate::layout::{Hit, Lit, Surface};
-use crate::scene::{Camera, Scene, SetupError};
+use crate::scene::{Scene, SetupError};
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+pub use crate::request::{LAYERS, Request, Shadows};
+
 /// The stages of a frame, in order. [`Picture::stages_ms`] is indexed alike.
 pub const STAGES: [&str; 10] =
     ["prepare", "bin", "visibility", "surface", "detail", "occlusion", "light", "shade", "layers", "resolve"];
-
-/// The usual number of layers of surfaces that a ray looks at.
-pub const LAYERS: u32 = 8;
-
-/// How lights cast shadows. Only lights with a radius tell the last three apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Shadows {
-    /// Not at all: what faces a light is lit.
-    Off,
-    /// As if all of a light came from its middle.
-    Hard,
-    /// As hard ones, then blurred as far as their penumbras reach (see
-    /// [`penumbra`](crate::stage::blocker_search)).
-    #[default]
-    Soft,
-    /// Each sub-ray of a pixel asks for another point of the light (see
-    /// [`area`](crate::kernel::area)).
-    Area {
-        /// Whether these points differ from pixel to pixel, and which of many ways it is to be.
-        /// With none, all pixels take the same points.
-        jitter: Option<u32>,
-    },
-}
-
-/// What to render.
-#[derive(Debug, Clone, Copy)]
-pub struct Request<'a> {
-    /// From where.
-    pub camera: &'a Camera,
-    /// Pixels in a row, and rows.
-    pub size: [u32; 2],
-    /// Sub-rays a pixel: 1, 4 or 16.
-    pub samples: u32,
-    /// How lights cast shadows.
-    pub shadows: Shadows,
-    /// The most layers of surfaces that a ray looks at, 1 ..= [`crate::scene::Setup::MAX_LAYERS`];
-    /// [`LAYERS`] is usual. The last of them counts as opaque.
-    pub layers: u32,
-    /// Whether to keep the deferred buffers.
-    pub deferred: bool,
-}
 
 /// The deferred buffers of a frame, one record a ray in the order of
 /// [`crate::grid::Grid`], and the lists they came from. Those up to `lit` are of the first

@@ -63,7 +63,7 @@ pub enum Place {
 /// none, that is a difference.
 ///
 /// ```
-/// use rtrt_core::backend::{LAYERS, Picture, Request, Shadows};
+/// use rtrt_core::backend::{Picture, Request};
 /// use rtrt_core::compare::compare;
 /// use rtrt_core::scene::{Camera, Projection};
 ///
@@ -73,8 +73,7 @@ pub enum Place {
 ///     up: [0.0, 1.0, 0.0].into(),
 ///     projection: Projection::Perspective { fov_y: 1.0 },
 /// };
-/// let request =
-///     Request { camera: &camera, size: [2, 1], samples: 1, shadows: Shadows::Hard, layers: LAYERS, deferred: false };
+/// let request = Request::new(&camera, [2, 1]);
 /// let expected = Picture { width: 2, height: 1, pixels: vec![7, 8], ..Picture::default() };
 /// let mut actual = expected.clone();
 /// assert!(compare(&request, &expected, &actual).is_ok());
@@ -287,7 +286,6 @@ impl fmt::Display for Difference {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::Shadows;
     use crate::layout::{Hit, Lit, Surface};
     use crate::scene::{Camera, Projection};
     use alloc::string::ToString;
@@ -302,14 +300,7 @@ mod tests {
     };
 
     fn request() -> Request<'static> {
-        Request {
-            camera: &CAMERA,
-            size: [5, 3],
-            samples: 4,
-            shadows: Shadows::Soft,
-            layers: 8,
-            deferred: true,
-        }
+        Request::new(&CAMERA, [5, 3]).samples(4).deferred(true)
     }
 
     /// A frame of one block, in whose lists a second block (of a light) holds two entries.

@@ -44,5 +44,7 @@ pub mod lane;
 pub mod layout;
 pub mod num;
 #[cfg(feature = "alloc")]
+mod request;
+#[cfg(feature = "alloc")]
 pub mod scene;
 pub mod stage;

@@ -4,7 +4,7 @@
 //! Whatever the number of lanes and threads, a picture has the same bits.
 //!
 //! ```
-//! use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+//! use rtrt_core::backend::{Backend, Picture, Request};
 //! use rtrt_core::scene::{Camera, Projection, Scene};
 //!
 //! let camera = Camera {
@@ -13,7 +13,7 @@
 //!     up: [0.0, 1.0, 0.0].into(),
 //!     projection: Projection::Perspective { fov_y: 1.0 },
 //! };
-//! let request = Request { camera: &camera, size: [32, 20], samples: 1, shadows: Shadows::Soft, layers: 8, deferred: false };
+//! let request = Request::new(&camera, [32, 20]);
 //! let mut picture = Picture::default();
 //! let mut cpu = rtrt_cpu::Cpu::new(rtrt_cpu::Options::default())?;
 //! cpu.render(&Scene::new(), &request, &mut picture)?;
@@ -219,14 +219,7 @@ impl Backend for Cpu {
         picture: &mut Picture,
     ) -> Result<(), RenderError> {
         let Self { pool, level, memory } = self;
-        memory.setup.prepare(
-            scene,
-            request.camera,
-            request.size,
-            request.samples,
-            request.shadows,
-            request.layers,
-        )?;
+        memory.setup.prepare(scene, request)?;
         let mut deferred = request.deferred.then(|| picture.deferred.take().unwrap_or_default());
         let mut clock = Clock::default();
         pool.install(|| {

@@ -9,7 +9,7 @@
 //! Without a device that can be used it says so, and ends well.
 
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, LAYERS, Picture, Request, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
 use rtrt_core::scene::{Bvh, Camera, Light, Mesh, MeshError, Projection, Scene, Sequential, phong};
 use rtrt_gpu::{Gpu, Route, wgpu};
@@ -50,14 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.9 },
     };
-    let request = Request {
-        camera: &camera,
-        size: SIZE,
-        samples: 4,
-        shadows: Shadows::Hard,
-        layers: LAYERS,
-        deferred: false,
-    };
+    let request = Request::new(&camera, SIZE).samples(4).shadows(Shadows::Hard);
     gpu.render_into(&texture, &scene, &request)?;
 
     // From here on the texture is the application's: it may be drawn, filtered, shown. Here it is

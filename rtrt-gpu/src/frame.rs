@@ -378,7 +378,7 @@ mod tests {
     use super::*;
     use crate::{Gpu, Options};
     use glam::{Mat4, Vec3};
-    use rtrt_core::backend::{Backend, Request, Shadows};
+    use rtrt_core::backend::{Backend, Request};
     use rtrt_core::layout::{Attribute, Texture};
     use rtrt_core::scene::{Bvh, Camera, Mesh, Projection, Sequential, phong};
     use rtrt_core::stage::raster::is_untraced;
@@ -389,14 +389,7 @@ mod tests {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 1.0 },
     };
-    const REQUEST: Request<'_> = Request {
-        camera: &CAMERA,
-        size: [40, 30],
-        samples: 1,
-        shadows: Shadows::Soft,
-        layers: 8,
-        deferred: false,
-    };
+    const REQUEST: Request<'_> = Request::new(&CAMERA, [40, 30]);
 
     fn open() -> Option<Gpu> {
         match Gpu::new(Options::default()) {
@@ -440,7 +433,7 @@ mod tests {
         let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
         scene.add_instance(mesh, white, Mat4::from_rotation_z(0.3)).unwrap();
         let camera = Camera { eye: Vec3::new(0.2, 0.3, 4.0), look_at: Vec3::ZERO, ..CAMERA };
-        let request = Request { camera: &camera, size: [320, 240], deferred: true, ..REQUEST };
+        let request = REQUEST.camera(&camera).size([320, 240]).deferred(true);
         gpu.set_hybrid(true).unwrap();
         // What is not known stays unknown.
         gpu.renderer.raster.as_mut().unwrap().pipelines.truncate(1);

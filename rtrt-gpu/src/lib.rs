@@ -128,7 +128,7 @@ impl Gpu {
         request: &Request<'_>,
     ) -> Result<[f64; STAGES.len()], RenderError> {
         let mut picture = Picture::default();
-        self.frame(scene, &Request { deferred: false, ..*request }, Some(texture), &mut picture)?;
+        self.frame(scene, &request.deferred(false), Some(texture), &mut picture)?;
         Ok(picture.stages_ms)
     }
 
@@ -140,10 +140,9 @@ impl Gpu {
         picture: &mut Picture,
     ) -> Result<(), RenderError> {
         let clock = HostClock::start();
-        let &Request { camera, size, samples, shadows, layers, deferred } = request;
-        self.setup.prepare(scene, camera, size, samples, shadows, layers)?;
+        self.setup.prepare(scene, request)?;
         self.renderer
-            .render(scene, &self.setup, deferred, clock, texture, picture)
+            .render(scene, &self.setup, request.deferred, clock, texture, picture)
             .map_err(|source| RenderError::Backend { backend: "gpu", source: Box::new(source) })
     }
 

@@ -95,7 +95,7 @@ mod tests {
                 up: [0.0, 1.0, 0.0].into(),
                 projection: Projection::Perspective { fov_y: 1.0 },
             };
-            let request = Request { camera: &camera, size, samples: 4, shadows, layers: 8, deferred: true };
+            let request = Request::new(&camera, size).samples(4).shadows(shadows).deferred(true);
             // What is seen is the sky, a gradient.
             let mut scene = Scene::new();
             let rgb = (0..64).map(|i| [i as f32 / 64.0, (i % 8) as f32 / 8.0, 0.5]).collect();

@@ -1,7 +1,7 @@
 //! A device that an application has opened for itself.
 
 use glam::Vec3;
-use rtrt_core::backend::{Backend, LAYERS, Picture, RenderError, Request, Shadows};
+use rtrt_core::backend::{Backend, Picture, RenderError, Request, Shadows};
 use rtrt_core::scene::{Camera, Projection, Scene};
 use rtrt_gpu::{Error, Gpu, Route, wgpu};
 use std::sync::Arc;
@@ -32,14 +32,7 @@ const CAMERA: Camera = Camera {
     projection: Projection::Perspective { fov_y: 1.0 },
 };
 
-const REQUEST: Request<'static> = Request {
-    camera: &CAMERA,
-    size: [64, 48],
-    samples: 1,
-    shadows: Shadows::Hard,
-    layers: LAYERS,
-    deferred: false,
-};
+const REQUEST: Request<'static> = Request::new(&CAMERA, [64, 48]).shadows(Shadows::Hard);
 
 fn texture(device: &Device, [width, height]: [u32; 2], format: TextureFormat) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
@@ -69,7 +62,7 @@ fn textures_that_do_not_fit_are_refused_in_words() {
     };
     assert!(fails([64, 47], TextureFormat::Rgba8Unorm, REQUEST).contains("the frame needs [64, 48, 1]"));
     assert!(fails([64, 48], TextureFormat::Bgra8Unorm, REQUEST).contains("the format Bgra8Unorm"));
-    let narrow = Request { size: [48, 48], ..REQUEST };
+    let narrow = REQUEST.size([48, 48]);
     assert!(fails([48, 48], TextureFormat::Rgba8Unorm, narrow).contains("needs COPY_DST"));
     let fits = texture(&device, [64, 48], TextureFormat::Rgba8UnormSrgb);
     gpu.render_into(&fits, &Scene::new(), &REQUEST).unwrap();
@@ -105,8 +98,8 @@ fn a_buffer_beyond_the_limits_of_the_device_is_an_error_with_numbers() {
     let mut gpu = Gpu::with_device(device, queue, Route::Auto).unwrap();
     let mut picture = Picture::default();
     // A band takes what there is; the pixels of a row of blocks have to fit.
-    gpu.render(&Scene::new(), &Request { size: [640, 480], ..REQUEST }, &mut picture).unwrap();
-    let long = Request { size: [16_384, 16], samples: 16, ..REQUEST };
+    gpu.render(&Scene::new(), &REQUEST.size([640, 480]), &mut picture).unwrap();
+    let long = REQUEST.size([16_384, 16]).samples(16);
     let error = said(gpu.render(&Scene::new(), &long, &mut picture).unwrap_err());
     assert!(error.contains("the device allows 1048576"), "{error}");
     gpu.render(&Scene::new(), &REQUEST, &mut picture).unwrap();

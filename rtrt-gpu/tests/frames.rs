@@ -121,7 +121,7 @@ fn agree(gpu: &mut Gpu, what: &str, scene: &Scene, request: &Request<'_>) -> Pic
 }
 
 fn request(size: [u32; 2], samples: u32) -> Request<'static> {
-    Request { camera: &CAMERA, size, samples, shadows: Shadows::Soft, layers: 8, deferred: true }
+    Request::new(&CAMERA, size).samples(samples).deferred(true)
 }
 
 #[test]
@@ -142,12 +142,12 @@ fn all_scenes(route: Route) {
     agree(&mut gpu, "sixteen samples", &heaps(2, 1), &request([37, 21], 16));
     agree(&mut gpu, "many heaps", &heaps(40, 3), &request([160, 90], 1));
     agree(&mut gpu, "many lights", &heaps(5, 35), &request([64, 36], 1));
-    let dark = Request { shadows: Shadows::Off, ..request([64, 36], 1) };
+    let dark = request([64, 36], 1).shadows(Shadows::Off);
     agree(&mut gpu, "no shadows", &heaps(5, 3), &dark);
     let flat = Camera { projection: Projection::Orthographic { height: 6.0 }, ..CAMERA };
-    agree(&mut gpu, "parallel", &heaps(5, 3), &Request { camera: &flat, ..request([64, 36], 1) });
+    agree(&mut gpu, "parallel", &heaps(5, 3), &request([64, 36], 1).camera(&flat));
     let inside = Camera { eye: Vec3::new(0.1, 0.1, 0.1), ..CAMERA };
-    agree(&mut gpu, "inside", &heaps(9, 3), &Request { camera: &inside, ..request([64, 36], 1) });
+    agree(&mut gpu, "inside", &heaps(9, 3), &request([64, 36], 1).camera(&inside));
 }
 
 #[test]
@@ -196,7 +196,7 @@ fn lists_longer_than_their_room_are_made_again() {
     agree(&mut gpu, "long lists", &scene, &long);
     agree(&mut gpu, "the same again", &scene, &long);
     let aside = Camera { eye: Vec3::new(-3.0, 2.5, 5.0), ..CAMERA };
-    agree(&mut gpu, "another camera", &scene, &Request { camera: &aside, ..long });
+    agree(&mut gpu, "another camera", &scene, &long.camera(&aside));
     let entries = rendered(&mut gpu, &scene, &long).deferred.unwrap().lists.len() / 2;
     assert!(entries > 1 << 16, "{entries} entries fit at once: the test shows nothing");
 }

@@ -1,7 +1,7 @@
 //! What a frame costs the host.
 
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, LAYERS, Picture, Request, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
 use rtrt_core::scene::{Bvh, Camera, Light, Mesh, Projection, Scene, Sequential, phong};
 use rtrt_gpu::{Gpu, Options};
@@ -65,8 +65,7 @@ fn cost(gpu: &mut Gpu, scene: &Scene) -> (f64, u64) {
         let projection = Projection::Perspective { fov_y: 0.9 };
         let camera = Camera { eye, look_at: Vec3::ZERO, up: Vec3::Y, projection };
         let shadows = Shadows::Hard;
-        let request =
-            Request { camera: &camera, size: [64, 36], samples: 1, shadows, layers: LAYERS, deferred: false };
+        let request = Request::new(&camera, [64, 36]).shadows(shadows);
         let before = ALLOCATIONS.load(Ordering::Relaxed);
         gpu.render(scene, &request, &mut picture).unwrap();
         (picture.host_ms.unwrap(), ALLOCATIONS.load(Ordering::Relaxed) - before)

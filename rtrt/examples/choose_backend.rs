@@ -12,7 +12,7 @@
 //! GPU or an error, and decides what then. The picture is the same, so nothing but time depends on the choice.
 
 use rtrt::choose::{Choice, Chosen, Options, choose};
-use rtrt_core::backend::{LAYERS, Picture, Request, Shadows};
+use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::scene::Sequential;
 use std::error::Error;
 
@@ -28,14 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let machine = chosen.backend.describe();
         println!("{}, {}, {} lanes: {}", machine.kind, machine.adapter, machine.lanes, chosen.why);
         let camera = &loaded.camera;
-        let request = Request {
-            camera,
-            size: [64, 36],
-            samples: 4,
-            shadows: Shadows::Hard,
-            layers: LAYERS,
-            deferred: false,
-        };
+        let request = Request::new(camera, [64, 36]).samples(4).shadows(Shadows::Hard);
         let mut picture = Picture::default();
         chosen.backend.render(&loaded.scene, &request, &mut picture)?;
         pictures.push(picture.pixels);

@@ -61,14 +61,7 @@ fn simulate(backend: &mut dyn Backend) -> Result<String, Box<dyn Error>> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.8 },
     };
-    let request = Request {
-        camera: &camera,
-        size: [48, 32],
-        samples: 1,
-        shadows: Shadows::Hard,
-        layers: 1,
-        deferred: false,
-    };
+    let request = Request::new(&camera, [48, 32]).shadows(Shadows::Hard).layers(1);
     let (mut picture, mut frames) = (Picture::default(), vec![]);
     for _ in 0..FRAMES {
         balls.iter_mut().for_each(advance);

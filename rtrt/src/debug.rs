@@ -121,7 +121,7 @@ fn inspected(
     picture: &Picture,
 ) -> Result<impl Iterator<Item = Inspection>, SetupError> {
     let mut setup = Setup::default();
-    setup.prepare(scene, request.camera, request.size, request.samples, request.shadows, request.layers)?;
+    setup.prepare(scene, request)?;
     let frame = setup.frame;
     let (grid, camera) = (frame.grid(), setup.views[Frame::CAMERA as usize]);
     let words = picture.deferred.as_ref().map_or(&[][..], |deferred| &deferred.lists);
@@ -195,7 +195,7 @@ fn pack(color: [f32; 3]) -> u32 {
 #[cfg(all(test, feature = "import"))]
 mod tests {
     use super::*;
-    use rtrt_core::backend::{Backend, Shadows};
+    use rtrt_core::backend::Backend;
     use rtrt_cpu::{Cpu, Options};
 
     #[test]
@@ -203,14 +203,7 @@ mod tests {
         let loaded = crate::demo::matchbox(&rtrt_core::scene::Sequential).unwrap();
         let mut cpu = Cpu::new(Options { lanes: None, threads: None }).unwrap();
         for samples in [1, 4] {
-            let request = Request {
-                camera: &loaded.camera,
-                size: [97, 55],
-                samples,
-                shadows: Shadows::Soft,
-                layers: rtrt_core::backend::LAYERS,
-                deferred: true,
-            };
+            let request = Request::new(&loaded.camera, [97, 55]).samples(samples).deferred(true);
             let mut picture = Picture::default();
             cpu.render(&loaded.scene, &request, &mut picture).unwrap();
             let layers = Layers::new(&loaded.scene, &picture, samples).unwrap();

@@ -13,12 +13,11 @@
 //!
 #![cfg_attr(feature = "import", doc = "```")]
 #![cfg_attr(not(feature = "import"), doc = "```ignore")]
-//! use rtrt_core::backend::{Picture, Request, Shadows};
+//! use rtrt_core::backend::{Picture, Request};
 //!
 //! let loaded = rtrt::demo::matchbox(&rtrt_core::scene::Sequential)?;
 //! let mut chosen = rtrt::choose::choose(&rtrt::choose::Options::default())?;
-//! let request =
-//!     Request { camera: &loaded.camera, size: [32, 18], samples: 1, shadows: Shadows::Soft, layers: 8, deferred: false };
+//! let request = Request::new(&loaded.camera, [32, 18]);
 //! let mut picture = Picture::default();
 //! chosen.backend.render(&loaded.scene, &request, &mut picture)?;
 //! assert_eq!(picture.pixels.len(), 32 * 18);

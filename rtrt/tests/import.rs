@@ -2,7 +2,7 @@
 //! repository; without them the tests that need them say that they are skipped.
 
 use rtrt::import::{ImportError, Loaded, framing, load};
-use rtrt_core::backend::Shadows;
+use rtrt_core::backend::{Request, Shadows};
 use rtrt_core::layout::{AlphaMode, Material};
 use rtrt_core::scene::{Camera, Light, MeshError, Projection, Sequential, Setup};
 use std::panic::catch_unwind;
@@ -432,7 +432,7 @@ fn levels_of_detail_are_chosen_by_what_they_cover() {
         let eye = glam::Vec3::new(2.0, 2.0, (away - radius) as f32);
         let camera = Camera { eye, look_at: eye - glam::Vec3::Z, ..loaded.camera };
         let mut setup = Setup::default();
-        setup.prepare(scene, &camera, [16, 9], 1, Shadows::Off, 1).unwrap();
+        setup.prepare(scene, &Request::new(&camera, [16, 9]).shadows(Shadows::Off).layers(1)).unwrap();
         let object = setup.instances(scene)[0];
         (object.high[0], object.material, object.triangles)
     };

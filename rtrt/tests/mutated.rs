@@ -5,7 +5,7 @@
 
 use rtrt::cache::Cache;
 use rtrt::import::{Loaded, framing, load, surround};
-use rtrt_core::backend::{Backend, LAYERS, Picture, Request, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
 use rtrt_core::scene::{Camera, Light, Mesh, Scene, Sequential, phong};
 use rtrt_cpu::{Cpu, Options};
@@ -167,8 +167,7 @@ fn guarded<T>(seed: u64, file: &Path, work: impl FnOnce() -> T) -> T {
 /// The smallest picture there is of a scene.
 fn draw(scene: &Scene, camera: &Camera) {
     let mut cpu = Cpu::new(Options { lanes: Some(1), threads: Some(1) }).unwrap();
-    let request =
-        Request { camera, size: [4, 4], samples: 1, shadows: Shadows::Hard, layers: LAYERS, deferred: false };
+    let request = Request::new(camera, [4, 4]).shadows(Shadows::Hard);
     // Lights and cameras of damaged files may be refused.
     _ = cpu.render(scene, &request, &mut Picture::default());
 }
@@ -291,14 +290,7 @@ fn damaged_trees_are_built_anew_or_lose_no_triangle() {
         });
         let mut cpu = Cpu::new(Options { lanes: Some(1), threads: Some(1) }).unwrap();
         let camera = framing(&scene, 1.0);
-        let request = Request {
-            camera: &camera,
-            size: [16, 16],
-            samples: 1,
-            shadows: Shadows::Hard,
-            layers: 1,
-            deferred: false,
-        };
+        let request = Request::new(&camera, [16, 16]).shadows(Shadows::Hard).layers(1);
         let mut picture = Picture::default();
         cpu.render(&scene, &request, &mut picture).unwrap();
         picture.pixels

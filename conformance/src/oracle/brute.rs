@@ -32,14 +32,7 @@ impl<'a> Brute<'a> {
     /// The request makes no picture.
     pub fn new(scene: &'a Scene, request: &Request<'_>) -> Result<Self, SetupError> {
         let mut setup = Setup::default();
-        setup.prepare(
-            scene,
-            request.camera,
-            request.size,
-            request.samples,
-            request.shadows,
-            request.layers,
-        )?;
+        setup.prepare(scene, request)?;
         Ok(Self { scene, setup })
     }
 

@@ -81,8 +81,7 @@ struct Candidate<'a> {
 /// The picture has no deferred buffers.
 pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usize) -> Result<Judged, String> {
     let mut setup = Setup::default();
-    let Request { camera, size, samples, shadows, layers, .. } = *request;
-    setup.prepare(scene, camera, size, samples, shadows, layers).expect("a frame that has been rendered");
+    setup.prepare(scene, request).expect("a frame that has been rendered");
     let instances = &setup.instances(scene)[..scene.instances().len()];
     let is_wide = !matches!(request.shadows, Shadows::Off | Shadows::Hard)
         && scene.lights().iter().any(|light| light.radius() > 0.0);

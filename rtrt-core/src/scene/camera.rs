@@ -1,43 +1,13 @@
-//! The camera.
+//! The view of the camera.
 
 use crate::grid::{BLOCK, Grid};
 use crate::layout::{View, ViewKind};
 use crate::num::flush;
+use crate::request::{Camera, Projection};
 use crate::scene::SetupError;
 use crate::scene::floor::floored;
 use bytemuck::Zeroable;
-use glam::{DVec3, Vec3};
-
-/// How the camera projects.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Projection {
-    /// Rays leave one point; `fov_y` is the angle between the top and the bottom of the
-    /// picture, radians, more than 0 and less than π.
-    Perspective {
-        /// Radians.
-        fov_y: f32,
-    },
-    /// Rays are parallel; `height` is what the picture shows from top to bottom, world
-    /// units, more than 0.
-    Orthographic {
-        /// World units.
-        height: f32,
-    },
-}
-
-/// Where the camera is, where it looks, and how it projects. Right-handed: looking along
-/// −z with y up, x is to the right.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Camera {
-    /// World space. Rays of an orthographic camera start in the plane through it.
-    pub eye: Vec3,
-    /// A point in the middle of the picture.
-    pub look_at: Vec3,
-    /// What is up in the picture; need not be at a right angle to the view.
-    pub up: Vec3,
-    /// How it projects.
-    pub projection: Projection,
-}
+use glam::DVec3;
 
 impl Camera {
     /// The camera's view for a frame of this size, computed in `f64`.

@@ -43,8 +43,8 @@ mod store;
 mod tangent;
 mod views;
 
+pub use crate::request::{Camera, Projection};
 pub use bvh::{Bvh, BvhError, Join, Sequential};
-pub use camera::{Camera, Projection};
 pub use choice::{Mip, Occluders, Structure};
 pub use cube::{Cube, CubeError};
 pub use environment::{Panorama, PanoramaError};

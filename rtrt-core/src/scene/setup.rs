@@ -1,14 +1,14 @@
 //! The numbers of one frame: views, grids, sizes.
 
-use crate::backend::Shadows;
 use crate::grid::{BLOCK_RAYS, Grid};
 use crate::layout::{AlphaMode, Backdrop, Frame, Instance, View};
+use crate::request::{Request, Shadows};
 use crate::scene::cut::BvhCut;
 use crate::scene::floor::floored;
 use crate::scene::levels::LodSelection;
 use crate::scene::light::is_color;
 use crate::scene::views::{Lights, light_views, mark};
-use crate::scene::{Camera, Mip, Occluders, Scene, Structure};
+use crate::scene::{Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
@@ -146,20 +146,12 @@ impl Setup {
         if self.lods.is_needed { self.lods.changes } else { 0 }
     }
 
-    /// Sets up a frame of `width` × `height` pixels with 1, 4 or 16 `samples` each, whose rays
-    /// look at up to `layers` surfaces.
+    /// Sets up the frame that a request asks for.
     ///
     /// # Errors
     /// Camera, lights or sizes are not usable; see [`SetupError`].
-    pub fn prepare(
-        &mut self,
-        scene: &Scene,
-        camera: &Camera,
-        [width, height]: [u32; 2],
-        samples: u32,
-        shadows: Shadows,
-        layers: u32,
-    ) -> Result<(), SetupError> {
+    pub fn prepare(&mut self, scene: &Scene, request: &Request<'_>) -> Result<(), SetupError> {
+        let Request { camera, size: [width, height], samples, shadows, layers, deferred: _ } = *request;
         let side = match samples {
             1 => 1,
             4 => 2,
@@ -256,7 +248,7 @@ impl Setup {
 mod tests {
     use super::*;
     use crate::layout::Texture;
-    use crate::scene::{Light, Projection, phong};
+    use crate::scene::{Camera, Light, Projection, phong};
 
     /// What is neither 0 nor a number that every device keeps.
     fn denormal<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Option<&'a f32> {
@@ -288,7 +280,8 @@ mod tests {
             projection: Projection::Orthographic { height: 1.0 },
         };
         let mut setup = Setup::default();
-        setup.prepare(&scene, &camera, [32, 16], 1, Shadows::Area { jitter: Some(1) }, 8).unwrap();
+        let request = Request::new(&camera, [32, 16]).shadows(Shadows::Area { jitter: Some(1) });
+        setup.prepare(&scene, &request).unwrap();
         for view in &setup.views {
             let vectors = [
                 view.center,
@@ -333,7 +326,7 @@ mod tests {
             scene.add_light(Light::Sun { direction: Vec3::Y, color, radius: 0.0 });
             scene.add_light(Light::Point { position, color, reach: None, inverse_square: true, radius: 0.0 });
             change(&mut scene);
-            Setup::default().prepare(&scene, &camera, [8, 8], 1, Shadows::Hard, 8)
+            Setup::default().prepare(&scene, &Request::new(&camera, [8, 8]).shadows(Shadows::Hard))
         };
         assert_eq!(prepare(&|_| ()), Ok(()));
         let limit = crate::layout::LIGHT_LIMIT;
@@ -374,10 +367,10 @@ mod tests {
             projection: Projection::Perspective { fov_y: 1.0 },
         };
         let mut setup = Setup::default();
-        let none = setup.prepare(&Scene::new(), &camera, [9, 9], 1, Shadows::Hard, 0);
+        let none = setup.prepare(&Scene::new(), &Request::new(&camera, [9, 9]).layers(0));
         assert_eq!(none, Err(SetupError::Layers { layers: 0 }));
         let mut prepare =
-            |size, samples| setup.prepare(&Scene::new(), &camera, size, samples, Shadows::Hard, 8);
+            |size, samples| setup.prepare(&Scene::new(), &Request::new(&camera, size).samples(samples));
         assert!(matches!(prepare([16_384, 16_384], 16), Err(SetupError::Rays { .. })));
         assert!(matches!(prepare([0, 9], 1), Err(SetupError::Size { .. })));
         assert!(matches!(prepare([9, 9], 2), Err(SetupError::Samples { samples: 2 })));

@@ -1,8 +1,8 @@
 //! The views of lights, and what is said in every view.
 
-use crate::backend::Shadows;
 use crate::kernel::area::hash;
 use crate::layout::{Frame, View, ViewKind};
+use crate::request::Shadows;
 use crate::scene::bvh::Bounds;
 use crate::scene::{Occluders, Scene, SetupError, Structure};
 use alloc::vec::Vec;

@@ -93,14 +93,10 @@ mod tests {
             up: Vec3::Y,
             projection: Projection::Perspective { fov_y: 1.0 },
         };
-        let request = Request {
-            camera: &camera,
-            size: [20, 9],
-            samples: 4,
-            shadows: rtrt_core::backend::Shadows::Hard,
-            layers: 8,
-            deferred: true,
-        };
+        let request = Request::new(&camera, [20, 9])
+            .samples(4)
+            .shadows(rtrt_core::backend::Shadows::Hard)
+            .deferred(true);
         let mut pictures = [(); 3].map(|()| Picture::default());
         for (picture, kind) in pictures.iter_mut().zip(["mortal", "cpu", "cpu"]) {
             backend.render(&Scene::new(), &request, picture).unwrap();
@@ -118,7 +114,7 @@ mod tests {
             [(); 3].map(|()| strict.render(&Scene::new(), &request, &mut Picture::default()).is_ok());
         assert_eq!((results, strict.describe().kind.as_str()), ([true, false, false], "mortal"));
         // What no backend can render is no failure of this one.
-        let wrong = Request { samples: 3, ..request };
+        let wrong = request.samples(3);
         let error = backend.render(&Scene::new(), &wrong, &mut pictures[0]).unwrap_err();
         assert!(matches!(error, RenderError::Setup(_)));
     }

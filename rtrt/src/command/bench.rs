@@ -7,7 +7,7 @@ use super::options::Bench;
 use super::output;
 use super::report::{Machine, PerStage};
 use rtrt::hash;
-use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, STAGES, Shadows};
 use rtrt_core::scene::Structure;
 use std::fmt;
 use std::time::Instant;
@@ -146,7 +146,7 @@ fn shadow_rays(job: &Job, backend: &mut dyn Backend) -> Result<u64, Error> {
         return Ok(0);
     }
     let mut picture = Picture::default();
-    job.render(backend, &Request { shadows: Shadows::Off, ..job.request(true) }, &mut picture)?;
+    job.render(backend, &job.request(true).shadows(Shadows::Off), &mut picture)?;
     let masks = picture.deferred.map(|deferred| deferred.masks).unwrap_or_default();
     Ok(masks.iter().map(|word| u64::from(word.count_ones())).sum())
 }

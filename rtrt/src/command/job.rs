@@ -149,14 +149,11 @@ impl Job {
 
     /// The request for a frame.
     pub fn request(&self, deferred: bool) -> Request<'_> {
-        Request {
-            camera: &self.camera,
-            size: self.size,
-            samples: self.samples,
-            shadows: self.shadows,
-            layers: self.layers,
-            deferred,
-        }
+        Request::new(&self.camera, self.size)
+            .samples(self.samples)
+            .shadows(self.shadows)
+            .layers(self.layers)
+            .deferred(deferred)
     }
 
     /// Renders a frame as `request` says.

@@ -1,7 +1,7 @@
 //! The deferred buffers as layers of an EXR file.
 
 use crate::folder::{Folder, stdout};
-use rtrt_core::backend::{Picture, Request, Shadows};
+use rtrt_core::backend::{Picture, Request};
 use rtrt_core::grid::Grid;
 use rtrt_core::layout::NONE;
 use rtrt_core::scene::InstanceIndex;
@@ -33,14 +33,7 @@ fn layers_are_the_deferred_buffers() {
         assert_eq!(folder.files().len(), 2);
         let [all, color] = ["all.exr", "color.exr"]
             .map(|name| exr::prelude::read_all_flat_layers_from_file(folder.0.join(name)).unwrap());
-        let request = Request {
-            camera: &camera,
-            size: [37, 21],
-            samples,
-            shadows: Shadows::Soft,
-            layers: rtrt_core::backend::LAYERS,
-            deferred: true,
-        };
+        let request = Request::new(&camera, [37, 21]).samples(samples).deferred(true);
         let mut picture = Picture::default();
         rtrt_core::backend::Backend::render(&mut backend, &scene, &request, &mut picture).unwrap();
         let deferred = picture.deferred.unwrap();

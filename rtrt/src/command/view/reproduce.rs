@@ -226,14 +226,8 @@ mod tests {
                 Projection::Perspective { fov_y: number.min(3.1) }
             };
             let camera = Camera { eye, look_at: -eye, up: eye + 1.0, projection };
-            let request = Request {
-                camera: &camera,
-                size: [123, 45],
-                samples: 16,
-                shadows: Shadows::Off,
-                layers: 3,
-                deferred: true,
-            };
+            let request =
+                Request::new(&camera, [123, 45]).samples(16).shadows(Shadows::Off).layers(3).deferred(true);
             let debug = Some(View::Heat);
             let shot = Shot {
                 common: &common,

@@ -1,0 +1,132 @@
+//! What is asked of a backend: plain data, read by scenes and by backends.
+
+use glam::Vec3;
+
+/// How the camera projects.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// Rays leave one point; `fov_y` is the angle between the top and the bottom of the
+    /// picture, radians, more than 0 and less than π.
+    Perspective {
+        /// Radians.
+        fov_y: f32,
+    },
+    /// Rays are parallel; `height` is what the picture shows from top to bottom, world
+    /// units, more than 0.
+    Orthographic {
+        /// World units.
+        height: f32,
+    },
+}
+
+/// Where the camera is, where it looks, and how it projects. Right-handed: looking along
+/// −z with y up, x is to the right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// World space. Rays of an orthographic camera start in the plane through it.
+    pub eye: Vec3,
+    /// A point in the middle of the picture.
+    pub look_at: Vec3,
+    /// What is up in the picture; need not be at a right angle to the view.
+    pub up: Vec3,
+    /// How it projects.
+    pub projection: Projection,
+}
+
+/// How lights cast shadows. Without a radius, a light casts the same hard shadow under the last three.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shadows {
+    /// No shadows: a surface that faces a light is lit.
+    Off,
+    /// Hard shadows: each light is a point in its middle.
+    Hard,
+    /// Analytic soft shadows: hard shadows, blurred on the screen by the radius of their penumbra.
+    #[default]
+    Soft,
+    /// Sampled soft shadows: each sub-ray of a pixel asks for another point of the light (see
+    /// [`area`](crate::kernel::area)).
+    Area {
+        /// The seed of the jitter that gives each pixel other points of the light. Without one, all
+        /// pixels take the same points.
+        jitter: Option<u32>,
+    },
+}
+
+/// The usual number of transparent layers: that of a [`Request`] that names none.
+pub const LAYERS: u32 = 8;
+
+/// What to render: a camera and a size, and how well. Fields can be read; setters change them, so that
+/// a request that names what it needs keeps compiling when there are more of them.
+///
+/// ```
+/// use rtrt_core::backend::{Request, Shadows};
+/// # use rtrt_core::scene::{Camera, Projection};
+/// # let camera = Camera {
+/// #     eye: [0.0, 0.0, 4.0].into(),
+/// #     look_at: [0.0; 3].into(),
+/// #     up: [0.0, 1.0, 0.0].into(),
+/// #     projection: Projection::Perspective { fov_y: 1.0 },
+/// # };
+/// let request = Request::new(&camera, [640, 360]).samples(4).shadows(Shadows::Hard);
+/// assert_eq!((request.size, request.samples, request.deferred), ([640, 360], 4, false));
+/// ```
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Request<'a> {
+    /// Where the picture is taken from.
+    pub camera: &'a Camera,
+    /// Pixels in a row, and rows: 1 to 16,384 each.
+    pub size: [u32; 2],
+    /// Sub-rays a pixel: 1, 4 or 16. One unless set.
+    pub samples: u32,
+    /// How lights cast shadows. Soft unless set.
+    pub shadows: Shadows,
+    /// The most layers of surfaces that a ray looks at, 1 ..= [`crate::scene::Setup::MAX_LAYERS`].
+    /// The last of them counts as opaque. [`LAYERS`] unless set.
+    pub layers: u32,
+    /// Whether the picture comes with the deferred buffers. It does not unless set.
+    pub deferred: bool,
+}
+
+impl<'a> Request<'a> {
+    /// One sample a pixel, soft shadows, [`LAYERS`] layers, no deferred buffers.
+    pub const fn new(camera: &'a Camera, size: [u32; 2]) -> Self {
+        Self { camera, size, samples: 1, shadows: Shadows::Soft, layers: LAYERS, deferred: false }
+    }
+
+    /// The request from another camera.
+    #[must_use]
+    pub const fn camera(self, camera: &'a Camera) -> Self {
+        Self { camera, ..self }
+    }
+
+    /// The request for a picture of another size.
+    #[must_use]
+    pub const fn size(self, size: [u32; 2]) -> Self {
+        Self { size, ..self }
+    }
+
+    /// The request with so many sub-rays a pixel.
+    #[must_use]
+    pub const fn samples(self, samples: u32) -> Self {
+        Self { samples, ..self }
+    }
+
+    /// The request with such shadows.
+    #[must_use]
+    pub const fn shadows(self, shadows: Shadows) -> Self {
+        Self { shadows, ..self }
+    }
+
+    /// The request whose rays look at so many layers of surfaces.
+    #[must_use]
+    pub const fn layers(self, layers: u32) -> Self {
+        Self { layers, ..self }
+    }
+
+    /// The request with or without the deferred buffers.
+    #[must_use]
+    pub const fn deferred(self, deferred: bool) -> Self {
+        Self { deferred, ..self }
+    }
+}
