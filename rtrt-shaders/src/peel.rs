@@ -14,7 +14,7 @@ use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
 /// Makes the rays that nothing shines through any more look for nothing.
-#[spirv(compute(threads(64), entry_point_name = "end"))]
+#[spirv(compute(threads(64), entry_point_name = "end_covered"))]
 pub fn end_covered(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
@@ -29,7 +29,7 @@ pub fn end_covered(
 
 /// The closest surface behind the last one; the closest of all where the hits are zero, and only
 /// there if surfaces were drawn.
-#[spirv(compute(threads(64), entry_point_name = "layer"))]
+#[spirv(compute(threads(64), entry_point_name = "peel"))]
 pub fn peel(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,

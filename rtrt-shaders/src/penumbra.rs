@@ -15,7 +15,7 @@ use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
 /// What is left of each light, and how wide the penumbras are: one invocation a ray and light.
-#[spirv(compute(threads(64), entry_point_name = "near"))]
+#[spirv(compute(threads(64), entry_point_name = "blocker_search"))]
 pub fn blocker_search(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
@@ -52,7 +52,7 @@ pub fn blocker_search(
 }
 
 /// What the shadows of each block have in common: one invocation a block and light.
-#[spirv(compute(threads(64), entry_point_name = "edges"))]
+#[spirv(compute(threads(64), entry_point_name = "summarize_penumbras"))]
 pub fn summarize_penumbras(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
@@ -66,7 +66,7 @@ pub fn summarize_penumbras(
 }
 
 /// Whether the shadows of each block are blurred: one invocation a block and light.
-#[spirv(compute(threads(64), entry_point_name = "choose"))]
+#[spirv(compute(threads(64), entry_point_name = "select_filter_blocks"))]
 pub fn select_filter_blocks(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
@@ -80,7 +80,7 @@ pub fn select_filter_blocks(
 }
 
 /// What is left of each light, blurred as far as the penumbras reach: one invocation a ray and light.
-#[spirv(compute(threads(64), entry_point_name = "soften"))]
+#[spirv(compute(threads(64), entry_point_name = "filter_penumbra"))]
 pub fn filter_penumbra(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,

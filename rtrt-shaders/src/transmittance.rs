@@ -22,7 +22,7 @@ pub(crate) fn start_at(frame: &Frame, ray: u32) -> usize {
 
 /// Where each ray's shadow rays start, and whether they are to be asked for: one invocation a
 /// ray and light.
-#[spirv(compute(threads(64), entry_point_name = "ask"))]
+#[spirv(compute(threads(64), entry_point_name = "potentially_lit"))]
 pub fn potentially_lit(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
@@ -46,7 +46,7 @@ pub fn potentially_lit(
 }
 
 /// What is left of each light: one invocation a ray and light.
-#[spirv(compute(threads(64), entry_point_name = "tint"))]
+#[spirv(compute(threads(64), entry_point_name = "transmittance"))]
 pub fn transmittance(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
@@ -81,7 +81,7 @@ pub fn transmittance(
 }
 
 /// The shadow masks that follow from the transmittance: one invocation a ray.
-#[spirv(compute(threads(64), entry_point_name = "fold"))]
+#[spirv(compute(threads(64), entry_point_name = "mask"))]
 pub fn mask(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
