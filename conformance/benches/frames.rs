@@ -3,11 +3,11 @@
 //!
 //! `cargo bench -p conformance --bench frames`
 
-use conformance::shape::{Build, Random, Shape, bulb};
+use conformance::shape::{Build, Random, Shape};
 use divan::Bencher;
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::scene::{Bvh, Camera, Projection, Scene, Sequential};
+use rtrt_core::scene::{Bvh, Camera, Light, Projection, Scene, Sequential};
 use rtrt_cpu::{Cpu, Options, Parallel};
 
 const CAMERA: Camera = Camera {
@@ -59,7 +59,7 @@ fn thousand_balls(bencher: Bencher<'_, '_>, lanes: u32) {
         let place = Mat4::from_translation(random.vector(5.0)) * Mat4::from_scale(Vec3::splat(0.2));
         build.instance(ball, place);
     }
-    let scene = build.light(bulb([0.0, 9.0, 3.0])).scene;
+    let scene = build.light(Light::point([0.0, 9.0, 3.0])).scene;
     frames(bencher, &scene, &CAMERA, lanes);
 }
 

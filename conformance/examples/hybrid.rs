@@ -95,13 +95,7 @@ fn scenes() -> Result<Vec<(&'static str, Loaded)>, Box<dyn std::error::Error>> {
         loaded.camera.look_at = look_at.into();
         loaded.camera.up = Vec3::Y;
         loaded.camera.projection = Projection::Perspective { fov_y: f32::to_radians(fov_y) };
-        *loaded.scene.lights_mut() = vec![Light::Point {
-            position: light.into(),
-            color: Vec3::ONE,
-            reach: None,
-            inverse_square: false,
-            radius: 0.0,
-        }];
+        *loaded.scene.lights_mut() = vec![Light::point(light)];
         let name = file.split(['/', '.']).nth(1).unwrap_or(file);
         scenes.push((name, loaded));
     }

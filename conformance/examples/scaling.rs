@@ -4,11 +4,11 @@
 //!
 //! `cargo run --release -p conformance --example scaling -- docs`
 
-use conformance::shape::{Build, Random, Shape, lamp, sun};
+use conformance::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
 use plotters::prelude::*;
 use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
-use rtrt_core::scene::{Camera, Projection, Scene};
+use rtrt_core::scene::{Camera, Light, Projection, Scene};
 use rtrt_cpu::{Cpu, Options};
 use std::error::Error;
 use std::path::Path;
@@ -70,10 +70,10 @@ fn balls(count: u32, lights: u32) -> Scene {
     }
     let mut build = build.shape(Shape::floor(40.0, -9.0));
     if lights == 0 {
-        return build.light(sun([0.3, -1.0, -0.4])).scene;
+        return build.light(Light::sun([0.3, -1.0, -0.4])).scene;
     }
     for _ in 0..lights {
-        build = build.light(lamp(random.vector(9.0).to_array(), 3.0));
+        build = build.light(Light::point(random.vector(9.0).to_array()).reach(3.0));
     }
     build.scene
 }

@@ -12,7 +12,7 @@ use rtrt::import::Loaded;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::grid::Grid;
 use rtrt_core::num::srgb_encode;
-use rtrt_core::scene::{Camera, Light};
+use rtrt_core::scene::{Camera, Light, LightKind};
 use rtrt_core::stage::resolve::average;
 use rtrt_cpu::{Cpu, Options, Parallel};
 use std::fs::File;
@@ -34,21 +34,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut loaded = rtrt::import::load(&cornell, &Parallel)?;
         loaded.camera.eye = Vec3::new(0.0, 1.0, 3.2);
         loaded.camera.look_at = Vec3::new(0.0, 0.95, 0.0);
-        *loaded.scene.lights_mut() = vec![Light::Point {
-            position: Vec3::new(0.0, 1.7, 0.0),
-            color: Vec3::ONE,
-            reach: None,
-            inverse_square: false,
-            radius: 0.15,
-        }];
+        *loaded.scene.lights_mut() = vec![Light::point(Vec3::new(0.0, 1.7, 0.0)).radius(0.15)];
         scenes.push(("cornell", loaded));
     }
     let mut glass = rtrt::demo::glass(&Parallel)?;
     for light in glass.scene.lights_mut() {
-        match light {
-            Light::Sun { radius, .. } => *radius = 0.02,
-            Light::Point { radius, .. } | Light::Spot { radius, .. } => *radius = 0.2,
-        }
+        light.radius = if light.kind == LightKind::Sun { 0.02 } else { 0.2 };
     }
     scenes.push(("demo:glass", glass));
 

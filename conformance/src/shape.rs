@@ -239,55 +239,6 @@ impl Build {
     }
 }
 
-/// A white light that does not fade.
-pub fn bulb(position: [f32; 3]) -> Light {
-    Light::Point {
-        position: position.into(),
-        color: Vec3::ONE,
-        reach: None,
-        inverse_square: false,
-        radius: 0.0,
-    }
-}
-
-/// A white light that fades linearly toward its reach.
-pub fn lamp(position: [f32; 3], reach: f32) -> Light {
-    Light::Point {
-        position: position.into(),
-        color: Vec3::ONE,
-        reach: Some(reach),
-        inverse_square: false,
-        radius: 0.0,
-    }
-}
-
-/// A white spot light that does not fade with distance, and fades from the middle of its
-/// cone on; the angle is in radians.
-pub fn spot(position: [f32; 3], direction: [f32; 3], outer: f32) -> Light {
-    Light::Spot {
-        position: position.into(),
-        direction: direction.into(),
-        inner: 0.0,
-        outer,
-        color: Vec3::ONE,
-        reach: None,
-        inverse_square: false,
-        radius: 0.0,
-    }
-}
-
-/// White light that goes in this direction.
-pub fn sun(direction: [f32; 3]) -> Light {
-    Light::Sun { direction: direction.into(), color: Vec3::ONE, radius: 0.0 }
-}
-
-/// The light with another radius: world units, or, of a sun, radians.
-pub fn sized(mut light: Light, size: f32) -> Light {
-    let (Light::Point { radius, .. } | Light::Spot { radius, .. } | Light::Sun { radius, .. }) = &mut light;
-    *radius = size;
-    light
-}
-
 /// A floor up to the horizon with a texture of this side, which repeats: near and far, all of its
 /// levels are looked up.
 pub fn paved(side: u32) -> Scene {
@@ -297,5 +248,8 @@ pub fn paved(side: u32) -> Scene {
     let texture =
         build.scene.add_texture(&Image { width: side, height: side, rgba }, [Wrap::Repeat; 2]).expect("room");
     let floor = Shape::floor(500.0, -2.0).textured([40.0, 40.0], [0.0; 2]);
-    build.shape_of(floor, phong([0.9; 3], 0.0, 0.5, texture, [0.0; 3])).light(sun([0.3, -1.0, -0.4])).scene
+    build
+        .shape_of(floor, phong([0.9; 3], 0.0, 0.5, texture, [0.0; 3]))
+        .light(Light::sun([0.3, -1.0, -0.4]))
+        .scene
 }

@@ -1,10 +1,10 @@
 //! Memory: the CPU's frames take none once their buffers have grown.
 
-use conformance::shape::{Build, PLAIN, Shape, bulb, sized};
+use conformance::shape::{Build, PLAIN, Shape};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::{AlphaMode, Material};
-use rtrt_core::scene::{Camera, Projection, Scene, phong};
+use rtrt_core::scene::{Camera, Light, Projection, Scene, phong};
 use rtrt_cpu::{Cpu, Options};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -38,7 +38,7 @@ const FRAMES: u32 = 20;
 fn scene(sheet: Material) -> Scene {
     let quad = Shape::quad([-0.5, 0.5, 0.5], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]);
     let build = Build::default().shape(Shape::floor(3.0, 0.0)).shape_of(quad, sheet);
-    build.light(sized(bulb([0.3, 2.0, 0.0]), 0.4)).light(bulb([-0.7, 1.5, 0.2])).scene
+    build.light(Light::point([0.3, 2.0, 0.0]).radius(0.4)).light(Light::point([-0.7, 1.5, 0.2])).scene
 }
 
 /// How often memory is asked for in frames after the first three.

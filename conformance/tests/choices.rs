@@ -1,11 +1,11 @@
 //! What is chosen for a frame: levels of detail, levels of textures, and the structure.
 
-use conformance::shape::{Build, PLAIN, Random, Shape, bulb, sun};
+use conformance::shape::{Build, PLAIN, Random, Shape};
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{cases, compare, reference};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::scene::{Camera, Mip, Occluders, Projection, Scene, Structure, phong};
+use rtrt_core::scene::{Camera, Light, Mip, Occluders, Projection, Scene, Structure, phong};
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 3.0, 6.0),
@@ -49,7 +49,7 @@ fn balls(eye: Option<Vec3>) -> (Scene, [u32; 3]) {
             }
         }
     }
-    (build.light(bulb([2.0, 6.0, 3.0])).light(sun([0.3, -1.0, 0.2])).scene, counts)
+    (build.light(Light::point([2.0, 6.0, 3.0])).light(Light::sun([0.3, -1.0, 0.2])).scene, counts)
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn no_picture_depends_on_the_structure() {
 fn parts_follow_what_they_are_parts_of() {
     let mut variants = present(all(), requires_gpu());
     assert_eq!(variants.failed, 0);
-    let mut build = Build::default().shape(Shape::floor(8.0, -1.0)).light(bulb([2.0, 6.0, 3.0]));
+    let mut build = Build::default().shape(Shape::floor(8.0, -1.0)).light(Light::point([2.0, 6.0, 3.0]));
     let ball = build.mesh(Shape::ball(8));
     let balls =
         [-1.4, 0.0, 1.4].map(|x| build.instance(ball, Mat4::from_translation(Vec3::new(x, 0.0, 1.0))));
@@ -178,7 +178,7 @@ fn shadows_that_are_not_seen_take_no_room_in_lists_and_far_ones_are_missing() {
 #[test]
 fn footprints_grow_by_one_over_the_cosine() {
     let floor = Shape::floor(60.0, -1.0).textured([90.0, 90.0], [0.0, 0.0]);
-    let mut scene = Build::default().shape(floor).light(bulb([1.0, 3.0, 0.0])).scene;
+    let mut scene = Build::default().shape(floor).light(Light::point([1.0, 3.0, 0.0])).scene;
     let mut reference = reference();
     let (mut distance, mut angle) = (Picture::default(), Picture::default());
     reference.render(&scene, &request(&CAMERA), &mut distance).unwrap();

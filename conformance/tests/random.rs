@@ -54,7 +54,7 @@ fn light(random: &mut Random) -> Light {
     let color = (random.vector(0.5) + 0.5) * 0.5;
     let radius = if random.below(3) == 0 { any_size(random, -2.0, -0.2) } else { 0.0 };
     if random.below(3) == 0 {
-        return Light::Sun { direction: random.vector(1.0) + Vec3::splat(1e-3), color, radius };
+        return Light::sun(random.vector(1.0) + Vec3::splat(1e-3)).color(color).radius(radius);
     }
     let reach = (random.below(2) == 0).then(|| any_size(random, -0.5, 1.5));
     let (position, inverse_square) = (random.vector(4.0), random.below(2) == 0);
@@ -62,9 +62,14 @@ fn light(random: &mut Random) -> Light {
         let outer = random.within(0.05, 1.55);
         let inner = outer * random.within(0.0, 1.0);
         let direction = -position + random.vector(1.0);
-        return Light::Spot { position, direction, inner, outer, color, reach, inverse_square, radius };
+        return Light::spot(position, direction, outer)
+            .color(color)
+            .reach(reach)
+            .inverse_square(inverse_square)
+            .inner(inner)
+            .radius(radius);
     }
-    Light::Point { position, color, reach, inverse_square, radius }
+    Light::point(position).color(color).reach(reach).inverse_square(inverse_square).radius(radius)
 }
 
 fn shadows(random: &mut Random) -> Shadows {

@@ -1,11 +1,11 @@
 //! What the camera sees of instances that are not double-sided, and what light does.
 
 use conformance::reference;
-use conformance::shape::{Build, PLAIN, Shape, sun};
+use conformance::shape::{Build, PLAIN, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
 use rtrt_core::layout::{AlphaMode, Material, NONE};
-use rtrt_core::scene::{Camera, Projection, Scene, phong};
+use rtrt_core::scene::{Camera, Light, Projection, Scene, phong};
 
 /// A material that is seen from one side.
 fn one_sided() -> Material {
@@ -75,7 +75,8 @@ fn light_meets_both_sides() {
     // The sun is above the front of a floor, or below its back; another floor is beyond.
     for (sun_goes, screen) in [(-1.0, 1.0), (1.0, -1.0)] {
         let lit = |screens: bool| {
-            let floor = Build::default().shape(Shape::floor(3.0, 0.0)).light(sun([0.1, sun_goes, 0.1]));
+            let floor =
+                Build::default().shape(Shape::floor(3.0, 0.0)).light(Light::sun([0.1, sun_goes, 0.1]));
             let screened = |build: Build| build.shape_of(Shape::floor(3.0, screen), one_sided());
             let scene = if screens { screened(floor) } else { floor }.scene;
             let deferred = seen(&scene, Vec3::new(0.0, 0.5 * screen, 0.01));

@@ -1,7 +1,7 @@
 //! Lights with a radius: what their shadows look like.
 
 use conformance::reference;
-use conformance::shape::{Build, PLAIN, Shape, bulb, sized};
+use conformance::shape::{Build, PLAIN, Shape};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
 use rtrt_core::grid::Grid;
@@ -57,7 +57,7 @@ fn segment(x: f64) -> f64 {
 
 /// A light above the edge of the sheet, whose penumbra there is as wide as `radius` says.
 fn over_the_edge(height: f32, penumbra: f32) -> Light {
-    sized(bulb([0.0, 4.0, 0.0]), penumbra * (4.0 - height) / height)
+    Light::point([0.0, 4.0, 0.0]).radius(penumbra * (4.0 - height) / height)
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn sixteen_points_fade_as_the_light_behind_them_appears() {
 #[test]
 fn shadows_do_not_leak_over_edges() {
     // The edge's shadow ends at 0.67; seen from above, the sheet hides all that is left of 0.
-    let scene = sheet(1.0, None, sized(bulb([-2.0, 4.0, 0.0]), 0.3));
+    let scene = sheet(1.0, None, Light::point([-2.0, 4.0, 0.0]).radius(0.3));
     let (_, deferred) = render(&scene, &above(3.0), 1, Shadows::Soft);
     let mut counts = [0; 2];
     for (x, share) in profile(&deferred) {
@@ -121,7 +121,7 @@ fn shadows_do_not_leak_around_corners() {
     let sheet = Shape::quad([-9.0, 0.3, 9.0], [9.0, 0.0, 0.0], [0.0, 0.0, -18.0]);
     let wall = Shape::quad([0.0, 0.0, 9.0], [0.0, 0.0, -18.0], [0.0, 9.0, 0.0]);
     let build = Build::default().shape(Shape::floor(9.0, 0.0)).shape(sheet).shape(wall);
-    let scene = build.light(sized(bulb([-3.0, 1.5, 0.0]), 0.3)).scene;
+    let scene = build.light(Light::point([-3.0, 1.5, 0.0]).radius(0.3)).scene;
     let camera = Camera {
         eye: Vec3::new(-0.5, 0.2, 0.0),
         look_at: Vec3::new(0.0, 0.0, 0.0),
@@ -147,7 +147,7 @@ fn shadows_do_not_leak_under_thin_walls() {
     let wall = Shape::quad([0.0, 0.0, 9.0], [0.0, 0.0, -18.0], [0.0, 3.0, 0.0]);
     let roof = Shape::quad([0.0, 1.0, 9.0], [9.0, 0.0, 0.0], [0.0, 0.0, -18.0]);
     let build = Build::default().shape(Shape::floor(9.0, 0.0)).shape(wall).shape(roof);
-    let scene = build.light(sized(bulb([-1.5, 1.5, 0.0]), 0.3)).scene;
+    let scene = build.light(Light::point([-1.5, 1.5, 0.0]).radius(0.3)).scene;
     let (_, deferred) = render(&scene, &above(0.9), 1, Shadows::Soft);
     for (x, share) in profile(&deferred) {
         let expected = if x < 0.0 { 1.0 } else { 0.0 };
@@ -186,7 +186,7 @@ fn thin_shadows_have_their_penumbras_at_any_angle() {
 
 #[test]
 fn a_light_without_a_radius_casts_hard_shadows() {
-    let scene = |radius| sheet(1.0, None, sized(bulb([0.3, 4.0, 0.0]), radius));
+    let scene = |radius| sheet(1.0, None, Light::point([0.3, 4.0, 0.0]).radius(radius));
     let all = [Shadows::Soft, Shadows::Area { jitter: None }, Shadows::Area { jitter: Some(9) }];
     for samples in [1, 4] {
         let (hard, buffers) = render(&scene(0.5), &above(0.5), samples, Shadows::Hard);
@@ -204,9 +204,9 @@ fn a_light_without_a_radius_casts_hard_shadows() {
 
 #[test]
 fn a_light_without_a_radius_casts_hard_shadows_beside_one_with_a_radius() {
-    let mut scene = sheet(1.0, None, bulb([0.3, 4.0, 0.0]));
+    let mut scene = sheet(1.0, None, Light::point([0.3, 4.0, 0.0]));
     let (_, hard) = render(&scene, &above(0.5), 1, Shadows::Hard);
-    scene.add_light(sized(bulb([-0.3, 4.0, 0.0]), 0.4));
+    scene.add_light(Light::point([-0.3, 4.0, 0.0]).radius(0.4));
     let (_, soft) = render(&scene, &above(0.5), 1, Shadows::Soft);
     for (ray, mask) in hard.masks.iter().enumerate() {
         assert_eq!(soft.transmittance[2 * ray], mask * WHITE);

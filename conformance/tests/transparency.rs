@@ -1,11 +1,11 @@
 //! What layers and colored shadows come to, in numbers.
 
 use conformance::reference;
-use conformance::shape::{Build, PLAIN, Shape, sun};
+use conformance::shape::{Build, PLAIN, Shape};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, STAGES};
 use rtrt_core::layout::{AlphaMode, Backdrop, Material, NONE, Wrap};
-use rtrt_core::scene::{Camera, Image, Panorama, Projection, Scene, phong};
+use rtrt_core::scene::{Camera, Image, Light, Panorama, Projection, Scene, phong};
 
 /// A material that blends and shows its color whatever the light.
 fn glass(base: [f32; 3], alpha: f32) -> Material {
@@ -103,7 +103,7 @@ fn a_pane_that_covers_nothing_is_not_seen_and_colors_nothing() {
 
 #[test]
 fn an_opaque_scene_has_no_layers_and_no_colored_shadows() {
-    let scene = Build::default().shape(square(0.0)).light(sun([0.0, 0.0, -1.0])).scene;
+    let scene = Build::default().shape(square(0.0)).light(Light::sun([0.0, 0.0, -1.0])).scene;
     let (_, deferred) = render(&scene, Vec3::Z * 4.0, Vec3::ZERO, 8);
     assert!(deferred.layers.is_empty() && deferred.transmittance.is_empty());
 }
@@ -111,7 +111,7 @@ fn an_opaque_scene_has_no_layers_and_no_colored_shadows() {
 /// What the sun leaves of itself on a floor under panes, of which each has a color, an alpha
 /// and a height.
 fn transmittance(panes: &[([f32; 3], f32, f32)]) -> Vec<u32> {
-    let mut build = Build::default().shape(Shape::floor(4.0, 0.0)).light(sun([0.0, -1.0, 0.0]));
+    let mut build = Build::default().shape(Shape::floor(4.0, 0.0)).light(Light::sun([0.0, -1.0, 0.0]));
     for &(base, alpha, y) in panes {
         build = build.shape_of(Shape::floor(4.0, y), glass(base, alpha));
     }

@@ -89,13 +89,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
         scene.add_instance(mesh, material, Mat4::IDENTITY)?;
     }
     let position = Vec3::new(2.0, 4.0, 2.0);
-    scene.add_light(Light::Point {
-        position,
-        color: Vec3::ONE,
-        reach: None,
-        inverse_square: false,
-        radius: 0.0,
-    });
+    scene.add_light(Light::point(position));
     Ok(scene)
 }
 

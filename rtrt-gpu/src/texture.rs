@@ -100,8 +100,8 @@ mod tests {
             let mut scene = Scene::new();
             let rgb = (0..64).map(|i| [i as f32 / 64.0, (i % 8) as f32 / 8.0, 0.5]).collect();
             scene.set_environment(&Panorama { width: 8, height: 8, rgb }).unwrap();
-            let direction = [1.0, -1.0, 0.5].into();
-            scene.add_light(Light::Sun { direction, color: [1.0; 3].into(), radius: 0.02 });
+            let direction = [1.0, -1.0, 0.5];
+            scene.add_light(Light::sun(direction).radius(0.02));
             let mut picture = Picture::default();
             gpu.render(&scene, &request, &mut picture).unwrap();
             let texture = gpu.renderer.device.device.create_texture(&wgpu::TextureDescriptor {

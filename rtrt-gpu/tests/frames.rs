@@ -82,11 +82,11 @@ fn heaps(instances: usize, lights: usize) -> Scene {
         let [x, y, z] = [next(), next(), next()];
         let color = Vec3::new(0.5, 0.4, 0.3) + Vec3::new(z, x, y) * 0.3;
         scene.add_light(if number % 3 == 2 {
-            Light::Sun { direction: Vec3::new(x - 0.5, -1.0, z - 0.5), color, radius: 0.0 }
+            Light::sun(Vec3::new(x - 0.5, -1.0, z - 0.5)).color(color)
         } else {
             let position = Vec3::new(x * 8.0 - 4.0, y * 3.0 + 2.0, z * 8.0 - 4.0);
             let reach = (number % 2 == 0).then_some(9.0);
-            Light::Point { position, color, reach, inverse_square: number % 4 == 1, radius: 0.0 }
+            Light::point(position).color(color).reach(reach).inverse_square(number % 4 == 1)
         });
     }
     scene
@@ -163,7 +163,7 @@ fn light_too_faint_to_count_is_nothing_everywhere() {
     for (color, distance) in [(1.0, 1e2), (1e-3, 1e4), (1e-15, 3.0), (1e-30, 3.0), (1e-40, 3.0)] {
         let position = Vec3::new(distance, 3.0, distance);
         let color = Vec3::splat(color);
-        scene.add_light(Light::Point { position, color, reach: None, inverse_square: true, radius: 0.0 });
+        scene.add_light(Light::point(position).color(color).inverse_square(true));
         let picture = agree(&mut gpu, "faint", &scene, &request([128, 72], 1));
         let deferred = picture.deferred.unwrap();
         let numbers: [&[f32]; 2] =
@@ -207,8 +207,7 @@ fn no_pixel_depends_on_bands() {
     agree(&mut gpu, "bands", &heaps(6, 2), &request([131, 77], 4));
     let mut scene = heaps(6, 2);
     for light in scene.lights_mut() {
-        let (Light::Point { radius, .. } | Light::Spot { radius, .. } | Light::Sun { radius, .. }) = light;
-        *radius = 0.2;
+        light.radius = 0.2;
     }
     agree(&mut gpu, "bands with soft shadows", &scene, &request([131, 177], 4));
 }

@@ -42,16 +42,10 @@ fn scene(instances: u32) -> Scene {
     for instance in 0..instances {
         scene.add_instance(mesh, paint, Mat4::from_translation(place(instance))).unwrap();
     }
-    scene.add_light(Light::Sun { direction: Vec3::new(0.3, -1.0, -0.4), color: Vec3::ONE, radius: 0.0 });
+    scene.add_light(Light::sun(Vec3::new(0.3, -1.0, -0.4)));
     for lamp in 0..3 {
         let (position, color) = (place(lamp * 7), Vec3::splat(0.3));
-        scene.add_light(Light::Point {
-            position,
-            color,
-            reach: Some(9.0),
-            inverse_square: false,
-            radius: 0.0,
-        });
+        scene.add_light(Light::point(position).color(color).reach(9.0));
     }
     scene
 }

@@ -113,13 +113,7 @@ fn start() -> Result<(Scene, Vec<Ball>), Box<dyn Error>> {
         balls.push(Ball { object: scene.add_instance(ball, blue, placed(at))?, at, step });
     }
     let position = Vec3::new(1.0, 4.0, 2.0);
-    scene.add_light(Light::Point {
-        position,
-        color: Vec3::ONE,
-        reach: None,
-        inverse_square: false,
-        radius: 0.0,
-    });
+    scene.add_light(Light::point(position));
     Ok((scene, balls))
 }
 

@@ -50,19 +50,9 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.17, 0.175, 0.19);
     scene.background = vec3(0.60, 0.76, 0.95);
-    scene.add_light(Light::Sun {
-        direction: vec3(1.0, -0.31, 0.08),
-        color: vec3(1.6, 1.4, 1.08),
-        radius: 0.0,
-    });
+    scene.add_light(Light::sun(vec3(1.0, -0.31, 0.08)).color(vec3(1.6, 1.4, 1.08)));
     let below = BULB - Vec3::Y * 0.12;
-    let point = |position, color, reach| Light::Point {
-        position,
-        color,
-        reach: Some(reach),
-        inverse_square: false,
-        radius: 0.0,
-    };
+    let point = |position, color, reach| Light::point(position).color(color).reach(reach);
     scene.add_light(point(below, vec3(0.95, 0.66, 0.36), 6.5));
     scene.add_light(point(vec3(-1.6, 2.4, 4.0), vec3(0.36, 0.40, 0.48), 9.0));
     let camera = Camera {

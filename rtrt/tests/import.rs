@@ -4,7 +4,7 @@
 use rtrt::import::{ImportError, Loaded, framing, load};
 use rtrt_core::backend::{Request, Shadows};
 use rtrt_core::layout::{AlphaMode, Material};
-use rtrt_core::scene::{Camera, Light, MeshError, Projection, Sequential, Setup};
+use rtrt_core::scene::{Camera, LightKind, MeshError, Projection, Sequential, Setup};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -384,11 +384,8 @@ fn materials_say_which_sides_are_seen() {
 fn spot_lights_have_their_cones() {
     let Some(folder) = scenes() else { return };
     let scene = load(&folder.join("lights/Lights.glb"), &Sequential).unwrap().scene;
-    let cones = scene.lights().iter().filter_map(|light| match light {
-        Light::Spot { inner, outer, .. } => Some((*inner, *outer)),
-        _ => None,
-    });
-    let cones: Vec<_> = cones.collect();
+    let spots = scene.lights().iter().filter(|light| light.kind == LightKind::Spot);
+    let cones: Vec<_> = spots.map(|light| (light.inner, light.outer)).collect();
     assert!(
         cones.len() == 2 && cones.iter().all(|(inner, outer)| inner <= outer && *outer < 1.6),
         "{cones:?}"

@@ -283,11 +283,7 @@ fn damaged_trees_are_built_anew_or_lose_no_triangle() {
         let material = scene.add_material(phong([0.7; 3], 0.0, 0.5, Texture::NONE, [0.0; 3])).unwrap();
         let index = scene.add_mesh(&mesh, &tree).unwrap();
         scene.add_instance(index, material, glam::Mat4::IDENTITY).unwrap();
-        scene.add_light(Light::Sun {
-            direction: glam::Vec3::new(-1.0, -2.0, -3.0),
-            color: glam::Vec3::ONE,
-            radius: 0.0,
-        });
+        scene.add_light(Light::sun(glam::Vec3::new(-1.0, -2.0, -3.0)).color(glam::Vec3::ONE));
         let mut cpu = Cpu::new(Options { lanes: Some(1), threads: Some(1) }).unwrap();
         let camera = framing(&scene, 1.0);
         let request = Request::new(&camera, [16, 16]).shadows(Shadows::Hard).layers(1);

@@ -3,9 +3,10 @@
 use crate::case::{Case, look};
 use crate::cases::shadow::room;
 use crate::cases::transparency::panes;
-use crate::shape::{Build, Shape, bulb, lamp, sized, spot, sun};
+use crate::shape::{Build, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
+use rtrt_core::scene::Light;
 
 const JITTERED: Case = Case {
     camera: look([0.5, 2.5, 4.0], [0.0, -0.5, 0.0]),
@@ -17,7 +18,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "area/four_points",
         claim: "Four sub-rays ask for four points of a bulb, the same ones in every pixel.",
-        scene: || room(sized(bulb([1.5, 2.0, 1.0]), 0.4)).scene,
+        scene: || room(Light::point([1.5, 2.0, 1.0]).radius(0.4)).scene,
         samples: 4,
         shadows: Shadows::Area { jitter: None },
         ..JITTERED
@@ -25,41 +26,45 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "area/sixteen_points_jittered",
         claim: "Sixteen sub-rays ask for points of a bulb that differ from pixel to pixel.",
-        scene: || room(sized(bulb([1.5, 2.0, 1.0]), 0.4)).scene,
+        scene: || room(Light::point([1.5, 2.0, 1.0]).radius(0.4)).scene,
         samples: 16,
         ..JITTERED
     },
     Case {
         name: "area/one_point_jittered",
         claim: "One ray a pixel asks for one point, which differs from pixel to pixel.",
-        scene: || room(sized(bulb([1.5, 2.0, 1.0]), 0.4)).light(sized(bulb([-1.0, 1.0, 1.0]), 0.1)).scene,
+        scene: || {
+            room(Light::point([1.5, 2.0, 1.0]).radius(0.4))
+                .light(Light::point([-1.0, 1.0, 1.0]).radius(0.1))
+                .scene
+        },
         ..JITTERED
     },
     Case {
         name: "area/sun",
         claim: "A sun's points are directions, and its lists hold what stands in any of them.",
-        scene: || room(sized(sun([-0.6, -1.0, -0.3]), 0.2)).scene,
+        scene: || room(Light::sun([-0.6, -1.0, -0.3]).radius(0.2)).scene,
         samples: 4,
         ..JITTERED
     },
     Case {
         name: "area/spot",
         claim: "A spot light's cone moves with its points, into faces that its middle does not reach.",
-        scene: || room(sized(spot([0.3, 0.6, 0.9], [-0.1, -1.0, -0.4], 0.7), 0.5)).scene,
+        scene: || room(Light::spot([0.3, 0.6, 0.9], [-0.1, -1.0, -0.4], 0.7).radius(0.5)).scene,
         samples: 4,
         ..JITTERED
     },
     Case {
         name: "area/light_around_an_object",
         claim: "Objects within a light, and surfaces within it, are decided alike.",
-        scene: || room(sized(bulb([0.2, -0.2, 0.1]), 0.9)).scene,
+        scene: || room(Light::point([0.2, -0.2, 0.1]).radius(0.9)).scene,
         samples: 4,
         ..JITTERED
     },
     Case {
         name: "area/beyond_the_reach",
         claim: "Reach is counted from each point.",
-        scene: || room(sized(lamp([0.9, 0.6, 0.6], 1.5), 0.3)).scene,
+        scene: || room(Light::point([0.9, 0.6, 0.6]).reach(1.5).radius(0.3)).scene,
         samples: 4,
         ..JITTERED
     },
@@ -74,7 +79,10 @@ pub(super) const CASES: &[Case] = &[
                 let at = Mat4::from_translation(Vec3::new(x - 1.7, y * 0.4 - 0.9, z - 1.7));
                 build.instance(cube, at * Mat4::from_scale(Vec3::splat(0.02)));
             }
-            build.light(sized(bulb([0.1, -0.3, 0.2]), 0.15)).light(sized(sun([0.3, -1.0, 0.2]), 0.1)).scene
+            build
+                .light(Light::point([0.1, -0.3, 0.2]).radius(0.15))
+                .light(Light::sun([0.3, -1.0, 0.2]).radius(0.1))
+                .scene
         },
         samples: 4,
         ..JITTERED
@@ -84,7 +92,7 @@ pub(super) const CASES: &[Case] = &[
         claim: "Rays to different points of a light cross different panes, and take their colors.",
         scene: || {
             let mut scene = panes(&[0, 1, 2]);
-            scene.lights_mut()[0] = sized(scene.lights()[0], 0.2);
+            scene.lights_mut()[0] = scene.lights()[0].radius(0.2);
             scene
         },
         samples: 4,

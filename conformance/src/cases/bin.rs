@@ -1,9 +1,9 @@
 //! The lists of blocks: many instances, and instances where blocks end.
 
 use crate::case::{Case, look, parallel};
-use crate::shape::{Build, Random, Shape, bulb, lamp, sun};
+use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3, Vec3Swizzles};
-use rtrt_core::scene::{Occluders, Scene, Structure};
+use rtrt_core::scene::{Light, Occluders, Scene, Structure};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -163,7 +163,7 @@ fn crowd() -> Scene {
         let turn = Mat4::from_rotation_y(random.within(-3.0, 3.0));
         build.instance(mesh, Mat4::from_translation(random.vector(12.0)) * turn);
     }
-    build.light(sun([0.2, -0.5, -1.0])).scene
+    build.light(Light::sun([0.2, -0.5, -1.0])).scene
 }
 
 fn spread() -> Scene {
@@ -175,7 +175,7 @@ fn spread() -> Scene {
         let place = Mat4::from_translation(at) * Mat4::from_rotation_x(random.within(0.0, 6.0));
         build.instance(if i % 2 == 0 { cube } else { ball }, place * Mat4::from_scale(Vec3::splat(0.12)));
     }
-    build.light(lamp([2.0, 3.0, 1.0], 9.0)).light(sun([0.5, -1.0, 0.2])).scene
+    build.light(Light::point([2.0, 3.0, 1.0]).reach(9.0)).light(Light::sun([0.5, -1.0, 0.2])).scene
 }
 
 /// Cubes and balls all around the camera, over a floor, under three suns.
@@ -193,7 +193,11 @@ fn scattered(occluders: Occluders) -> Scene {
         }
     }
     build.scene.occluders = occluders;
-    build.light(sun([0.9, -1.0, -0.3])).light(sun([-0.2, -0.4, 1.0])).light(sun([0.0, -1.0, 0.0])).scene
+    build
+        .light(Light::sun([0.9, -1.0, -0.3]))
+        .light(Light::sun([-0.2, -0.4, 1.0]))
+        .light(Light::sun([0.0, -1.0, 0.0]))
+        .scene
 }
 
 /// Squares whose sides lie on the edges of blocks: a unit is a pixel.
@@ -204,7 +208,7 @@ fn edges_of_blocks() -> Scene {
     {
         build = build.shape(Shape::quad([x, y, 0.0], [size, 0.0, 0.0], [0.0, size, 0.0]));
     }
-    build.light(bulb([0.0, 3.0, 9.0])).scene
+    build.light(Light::point([0.0, 3.0, 9.0])).scene
 }
 
 /// A unit is a pixel, and the lower left corner of a block is at `(0, -8)`.
@@ -226,14 +230,14 @@ fn needles(add: fn(&mut Build, Vec3, Vec3, Vec3)) -> Scene {
         let along = Vec3::new(x, y, 0.0) * 140.0;
         add(&mut build, tip - along, along, Vec3::Z.cross(along) / 1000.0);
     }
-    build.light(bulb([0.0, 3.0, 9.0])).scene
+    build.light(Light::point([0.0, 3.0, 9.0])).scene
 }
 
 /// A light's blocks on this side are a quarter high and wide at `x` = 1. The wall is where
 /// their shadows are seen.
 fn beside_a_light() -> Build {
     let wall = Shape::quad([4.0, -4.0, -4.0], [0.0, 0.0, 8.0], [0.0, 8.0, 0.0]);
-    Build::default().shape(wall).light(bulb([0.0; 3]))
+    Build::default().shape(wall).light(Light::point([0.0; 3]))
 }
 
 /// How far something reaches over an edge: half of 1/64 of a block.
@@ -257,7 +261,7 @@ fn rows_of_walls() -> Scene {
         let x = -1.5 + 0.07 * i as f32;
         build = build.shape(Shape::quad([x, -1.0, z], [0.4, 0.0, 0.02], [0.0, 2.0, 0.01]));
     }
-    build.light(bulb([0.0, 3.0, 9.0])).scene
+    build.light(Light::point([0.0, 3.0, 9.0])).scene
 }
 
 /// Walls that cross in the middle of the picture at an angle of a few millionths.
@@ -267,7 +271,7 @@ fn grazing_walls() -> Scene {
     walls
         .into_iter()
         .fold(Build::default(), |build, z| build.shape(wall(z)))
-        .light(bulb([0.5, 0.5, 3.0]))
+        .light(Light::point([0.5, 0.5, 3.0]))
         .scene
 }
 
@@ -279,7 +283,7 @@ fn all_around() -> Scene {
         let at = random.vector(1.0).normalize_or(Vec3::X) * random.within(0.8, 5.0);
         build.instance(cube, Mat4::from_translation(at) * Mat4::from_scale(Vec3::splat(0.3)));
     }
-    build.light(bulb([0.1, 0.2, 0.1])).scene
+    build.light(Light::point([0.1, 0.2, 0.1])).scene
 }
 
 fn light_in_a_cage() -> Scene {
@@ -290,7 +294,7 @@ fn light_in_a_cage() -> Scene {
             build.instance(cube, Mat4::from_translation(at) * Mat4::from_scale(Vec3::splat(0.25)));
         }
     }
-    build.light(bulb([0.05, -0.03, 0.02])).scene
+    build.light(Light::point([0.05, -0.03, 0.02])).scene
 }
 
 fn nothing_and_a_cube() -> Scene {
@@ -299,5 +303,5 @@ fn nothing_and_a_cube() -> Scene {
     for i in 0..3 {
         build.instance(nothing, Mat4::from_translation(Vec3::new(i as f32, 0.0, 1.0)));
     }
-    build.shape(Shape::cube()).light(bulb([0.0, 3.0, 9.0])).scene
+    build.shape(Shape::cube()).light(Light::point([0.0, 3.0, 9.0])).scene
 }

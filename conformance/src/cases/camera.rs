@@ -1,9 +1,9 @@
 //! Sizes, samples and cameras.
 
 use crate::case::{Case, look, parallel, zoom};
-use crate::shape::{Build, Random, Shape, bulb, lamp, sun};
+use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
-use rtrt_core::scene::{Camera, Scene};
+use rtrt_core::scene::{Camera, Light, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -166,27 +166,27 @@ fn shapes(center: [f32; 3], scale: f32) -> Shape {
 fn still_life() -> Scene {
     Build::default()
         .shape(shapes([0.0; 3], 1.0))
-        .light(bulb([1.0, 3.0, 2.0]))
-        .light(sun([-0.4, -1.0, 0.3]))
+        .light(Light::point([1.0, 3.0, 2.0]))
+        .light(Light::sun([-0.4, -1.0, 0.3]))
         .scene
 }
 
 fn far_from_the_origin() -> Scene {
     let center = [1e6, -5e5, 2e6];
-    Build::default().shape(shapes(center, 1.0)).light(bulb([1e6 + 1.0, 3.0 - 5e5, 2e6 + 2.0])).scene
+    Build::default().shape(shapes(center, 1.0)).light(Light::point([1e6 + 1.0, 3.0 - 5e5, 2e6 + 2.0])).scene
 }
 
 fn large() -> Scene {
-    Build::default().shape(shapes([0.0; 3], 1e6)).light(lamp([1e6, 3e6, 2e6], 1e7)).scene
+    Build::default().shape(shapes([0.0; 3], 1e6)).light(Light::point([1e6, 3e6, 2e6]).reach(1e7)).scene
 }
 
 fn small() -> Scene {
-    Build::default().shape(shapes([0.0; 3], 1e-6)).light(bulb([1e-6, 3e-6, 2e-6])).scene
+    Build::default().shape(shapes([0.0; 3], 1e-6)).light(Light::point([1e-6, 3e-6, 2e-6])).scene
 }
 
 fn moved_far() -> Scene {
     let mut build = Build::default();
     let mesh = build.mesh(shapes([0.0; 3], 1.0));
     build.instance(mesh, Mat4::from_translation(Vec3::new(1e4, 0.0, -1e4)));
-    build.light(bulb([1e4 + 1.0, 3.0, 2.0 - 1e4])).scene
+    build.light(Light::point([1e4 + 1.0, 3.0, 2.0 - 1e4])).scene
 }

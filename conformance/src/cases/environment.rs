@@ -1,10 +1,10 @@
 //! Environments: behind everything, mirrored, and as light.
 
 use crate::case::{Case, look, parallel};
-use crate::shape::{Build, PLAIN, Random, Shape, bulb};
+use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::Vec3;
 use rtrt_core::layout::{Material, Wrap};
-use rtrt_core::scene::{Cube, Image, Panorama, Scene, phong};
+use rtrt_core::scene::{Cube, Image, Light, Panorama, Scene, phong};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -35,7 +35,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let rough = phong([0.8; 3], 0.0, 1.0, PLAIN, [0.0; 3]);
             let build = Build::default().shape_of(Shape::ball(8), rough).shape(Shape::floor(3.0, -1.2));
-            around(build.light(bulb([2.0, 1.0, 2.0])), 64, 32)
+            around(build.light(Light::point([2.0, 1.0, 2.0])), 64, 32)
         },
         ..Case::USUAL
     },

@@ -1,7 +1,7 @@
 //! What arrives from lights: how they fade, how many there are, how surfaces answer.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Random, Shape, bulb, lamp, spot, sun};
+use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{COLOR_LIMIT, LIGHT_LIMIT};
@@ -22,7 +22,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "light/linear",
         claim: "Light that fades linearly is 0 at its reach.",
-        scene: || lit([lamp([0.6, 0.3, 0.4], 2.0)]),
+        scene: || lit([Light::point([0.6, 0.3, 0.4]).reach(2.0)]),
         ..FROM_ABOVE
     },
     Case {
@@ -30,7 +30,11 @@ pub(super) const CASES: &[Case] = &[
         claim: "The last hundredth of a light's reach is lit, and what stands there casts a shadow.",
         scene: || {
             let stone = Shape::quad([0.0005, -0.993, 0.0015], [0.002, 0.0, 0.0], [0.0, 0.0, -0.003]);
-            Build::default().shape(Shape::floor(0.02, -1.0)).shape(stone).light(lamp([0.0; 3], 1.005)).scene
+            Build::default()
+                .shape(Shape::floor(0.02, -1.0))
+                .shape(stone)
+                .light(Light::point([0.0; 3]).reach(1.005))
+                .scene
         },
         // From between the two.
         camera: look([0.0, -0.996, 0.003], [0.0, -1.0, 0.0]),
@@ -46,15 +50,13 @@ pub(super) const CASES: &[Case] = &[
             let dull = phong([1.0, 0.5, 0.0], 0.0, 1.0, PLAIN, [0.0; 3]);
             build = build.shape_of(Shape::ball(6).at([0.5, 0.0, 0.0], 0.4), dull);
             for (x, height) in [(-0.4, 0.0), (-0.2, 1e-9), (0.0, 1e-6), (0.2, 1e-3), (0.4, 1.0)] {
-                build = build.light(Light::Point {
-                    position: Vec3::new(x, height - 0.5, 0.3),
-                    color: Vec3::new(LIGHT_LIMIT, 1e-3, -LIGHT_LIMIT),
-                    reach: None,
-                    inverse_square: true,
-                    radius: 0.0,
-                });
+                build = build.light(
+                    Light::point(Vec3::new(x, height - 0.5, 0.3))
+                        .color(Vec3::new(LIGHT_LIMIT, 1e-3, -LIGHT_LIMIT))
+                        .inverse_square(true),
+                );
             }
-            build.light(sun([0.2, -1.0, -0.3])).scene
+            build.light(Light::sun([0.2, -1.0, -0.3])).scene
         },
         ..FROM_ABOVE
     },
@@ -73,41 +75,27 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "light/without_reach",
         claim: "Light may not fade at all.",
-        scene: || lit([bulb([-0.6, 0.3, 0.4])]),
+        scene: || lit([Light::point([-0.6, 0.3, 0.4])]),
         ..FROM_ABOVE
     },
     Case {
         name: "light/very_near",
         claim: "A light a millionth of a unit above a surface is as bright everywhere.",
-        scene: || lit([square([0.3, -1.0 + 1e-6, 0.9], None), bulb([-0.6, -1.0 + 1e-3, 0.4])]),
+        scene: || lit([square([0.3, -1.0 + 1e-6, 0.9], None), Light::point([-0.6, -1.0 + 1e-3, 0.4])]),
         ..FROM_ABOVE
     },
     Case {
         name: "light/spot",
         claim: "A spot light casts shadows within its cone, and ends at its edge.",
-        scene: || lit([spot([1.0, 1.5, 0.5], [-1.0, -2.0, -0.5], 0.5)]),
+        scene: || lit([Light::spot([1.0, 1.5, 0.5], [-1.0, -2.0, -0.5], 0.5)]),
         ..FROM_ABOVE
     },
     Case {
         name: "light/spot_with_a_hard_edge",
         claim: "The inner angle of a cone may be the outer one.",
         scene: || {
-            let Light::Spot { position, direction, outer, color, .. } =
-                spot([0.2, 0.9, 0.1], [0.1, -1.0, 0.1], 0.7)
-            else {
-                unreachable!()
-            };
-            let (inner, reach) = (outer, Some(2.3));
-            lit([Light::Spot {
-                position,
-                direction,
-                inner,
-                outer,
-                color,
-                reach,
-                inverse_square: true,
-                radius: 0.0,
-            }])
+            let light = Light::spot([0.2, 0.9, 0.1], [0.1, -1.0, 0.1], 0.7);
+            lit([light.inner(light.outer).reach(2.3).inverse_square(true)])
         },
         ..FROM_ABOVE
     },
@@ -116,9 +104,9 @@ pub(super) const CASES: &[Case] = &[
         claim: "A cone may cross edges and corners of the cube around its light, or be half of space.",
         scene: || {
             lit([
-                spot([0.0, 0.6, 0.0], [1.0, -1.0, 0.0], 0.3),
-                spot([0.0, 0.6, 0.0], [-1.0, -1.0, 1.0], 0.2),
-                spot([0.0, 0.6, 0.0], [-1.0, 0.01, -1.0], core::f32::consts::FRAC_PI_2),
+                Light::spot([0.0, 0.6, 0.0], [1.0, -1.0, 0.0], 0.3),
+                Light::spot([0.0, 0.6, 0.0], [-1.0, -1.0, 1.0], 0.2),
+                Light::spot([0.0, 0.6, 0.0], [-1.0, 0.01, -1.0], core::f32::consts::FRAC_PI_2),
             ])
         },
         ..FROM_ABOVE
@@ -126,7 +114,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "light/spot_through_the_last_face",
         claim: "A spot light's cone may miss the first face of its cube.",
-        scene: || lit([spot([0.2, -0.4, 3.0], [0.0, 0.0, -1.0], 0.2)]),
+        scene: || lit([Light::spot([0.2, -0.4, 3.0], [0.0, 0.0, -1.0], 0.2)]),
         ..FROM_ABOVE
     },
     Case {
@@ -166,7 +154,8 @@ pub(super) const CASES: &[Case] = &[
         name: "light/highlights",
         claim: "Highlights, from dull to sharp, metal or not, are the same bits.",
         scene: || {
-            let mut build = Build::default().light(bulb([1.0, 2.0, 4.0])).light(sun([1.0, -1.0, -1.0]));
+            let mut build =
+                Build::default().light(Light::point([1.0, 2.0, 4.0])).light(Light::sun([1.0, -1.0, -1.0]));
             for (i, roughness) in (0..).zip([0.0, 0.15, 0.4, 1.0]) {
                 let at = [0.8 * i as f32 - 1.2, 0.0, 0.0];
                 let metallic = f32::from(i % 2 == 1);
@@ -183,13 +172,7 @@ pub(super) const CASES: &[Case] = &[
         claim: "Light beyond white, and of its own, ends at white alike.",
         scene: || {
             let color = Vec3::new(30.0, 2.0, 0.5);
-            let strong = Light::Point {
-                position: Vec3::new(1.0, 2.0, 2.0),
-                color,
-                reach: None,
-                inverse_square: false,
-                radius: 0.0,
-            };
+            let strong = Light::point(Vec3::new(1.0, 2.0, 2.0)).color(color);
             let glowing = phong([0.2; 3], 0.0, 0.5, PLAIN, [0.1, 5.0, 0.3]);
             Build::default()
                 .shape_of(Shape::ball(5).at([1.0, 0.0, 0.0], 0.7), glowing)
@@ -203,27 +186,15 @@ pub(super) const CASES: &[Case] = &[
         name: "light/black_and_negative",
         claim: "Lights without color add nothing; one that takes light away does so alike.",
         scene: || {
-            let dark = |x: f32, color: f32| Light::Point {
-                position: Vec3::new(x, 1.0, 1.0),
-                color: Vec3::splat(color),
-                reach: None,
-                inverse_square: false,
-                radius: 0.0,
-            };
-            lit([dark(1.0, 0.0), dark(-1.0, -0.5), bulb([0.0, 2.0, 1.0])])
+            let dark = |x: f32, color: f32| Light::point(Vec3::new(x, 1.0, 1.0)).color(Vec3::splat(color));
+            lit([dark(1.0, 0.0), dark(-1.0, -0.5), Light::point([0.0, 2.0, 1.0])])
         },
         ..FROM_ABOVE
     },
 ];
 
 fn square(position: [f32; 3], reach: Option<f32>) -> Light {
-    Light::Point {
-        position: position.into(),
-        color: Vec3::new(1.0, 0.9, 0.7),
-        reach,
-        inverse_square: true,
-        radius: 0.0,
-    }
+    Light::point(position).color(Vec3::new(1.0, 0.9, 0.7)).reach(reach).inverse_square(true)
 }
 
 /// A ball on a floor.
@@ -242,8 +213,8 @@ fn many(count: u32) -> Scene {
         let color = (random.vector(0.5) + 0.5) / 10.0;
         let reach = (i % 3 == 0).then_some(2.5);
         build = build.light(match i % 5 {
-            4 => Light::Sun { direction: position - Vec3::Y * 4.0, color, radius: 0.0 },
-            _ => Light::Point { position, color, reach, inverse_square: i % 2 == 0, radius: 0.0 },
+            4 => Light::sun(position - Vec3::Y * 4.0).color(color),
+            _ => Light::point(position).color(color).reach(reach).inverse_square(i % 2 == 0),
         });
     }
     build.scene
@@ -259,7 +230,7 @@ fn meadow_of_lights() -> Scene {
     }
     let light = |i: u32| {
         let position = Vec3::new(2.0 + 0.01 * i as f32, -0.94, 0.03 * i as f32);
-        Light::Point { position, color: Vec3::splat(0.05), reach: None, inverse_square: false, radius: 0.0 }
+        Light::point(position).color(Vec3::splat(0.05))
     };
     (0..32).map(light).fold(build, Build::light).scene
 }

@@ -2,10 +2,10 @@
 //! emission, and where on a surface each of them lies.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Random, Shape, bulb, sun};
+use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::layout::{Material, Texture, Wrap};
-use rtrt_core::scene::{Content, Image, MaterialIndex, Mesh, Scene, phong};
+use rtrt_core::scene::{Content, Image, Light, MaterialIndex, Mesh, Scene, phong};
 
 const NEAR: Case = Case { camera: look([0.3, 0.8, 3.4], [0.0; 3]), ..Case::USUAL };
 
@@ -57,7 +57,7 @@ pub(super) const CASES: &[Case] = &[
             let mut build = Build::default();
             let map = numbers(&mut build, 9, bump_texel);
             let material = with(painted([0.7, 0.7, 0.6]), Material::NORMAL, map);
-            build.shape_of(Shape::ball(6), material).light(bulb([2.0, 2.0, 3.0])).scene
+            build.shape_of(Shape::ball(6), material).light(Light::point([2.0, 2.0, 3.0])).scene
         },
         ..NEAR
     },
@@ -70,7 +70,7 @@ pub(super) const CASES: &[Case] = &[
             let rough = Material { metallic: 1.0, roughness: 0.9, ..painted([0.9, 0.6, 0.3]) };
             let scene = build.shape_of(Shape::ball(8), with(rough, Material::ROUGHNESS, map));
             let plain = Shape::quad([1.0, -1.0, 0.3], [1.0, 0.0, 0.0], [0.0, 1.6, 0.0]);
-            scene.shape(plain).light(bulb([2.0, 2.0, 3.0])).light(sun([1.0, -1.0, -1.0])).scene
+            scene.shape(plain).light(Light::point([2.0, 2.0, 3.0])).light(Light::sun([1.0, -1.0, -1.0])).scene
         },
         samples: 4,
         ..NEAR
@@ -84,7 +84,7 @@ pub(super) const CASES: &[Case] = &[
             let map = numbers(&mut build, 8, |random| [random.bits() as u8, 255, 255, 255]);
             let dim = Material { occlusion: 0.7, ..painted([0.8; 3]) };
             let scene = build.shape_of(Shape::ball(6), with(dim, Material::OCCLUSION, map));
-            scene.light(bulb([3.0, 0.5, 1.0])).scene
+            scene.light(Light::point([3.0, 0.5, 1.0])).scene
         },
         ..NEAR
     },
@@ -107,7 +107,7 @@ pub(super) const CASES: &[Case] = &[
             let unlit = Material { unlit: 1, emission: [1.0; 3], ..painted([0.8, 0.3, 0.1]) };
             let ball = Shape::ball(5).painted(&mut Random(3)).at([-0.7, 0.0, 0.0], 0.6);
             let lit = Shape::ball(5).at([0.7, 0.0, 0.0], 0.6);
-            Build::default().shape_of(ball, unlit).shape(lit).light(bulb([0.0, 2.0, 1.0])).scene
+            Build::default().shape_of(ball, unlit).shape(lit).light(Light::point([0.0, 2.0, 1.0])).scene
         },
         ..NEAR
     },
@@ -131,7 +131,7 @@ pub(super) const CASES: &[Case] = &[
                 ..map
             };
             let material = with(painted([1.0; 3]), Material::COLOR, map);
-            build.shape_of(Shape::floor(9.0, -0.6), material).light(bulb([1.0, 2.0, 2.0])).scene
+            build.shape_of(Shape::floor(9.0, -0.6), material).light(Light::point([1.0, 2.0, 2.0])).scene
         },
         ..NEAR
     },
@@ -188,7 +188,7 @@ fn relief(scale: f32, places: &[Mat4]) -> Scene {
             build.scene.add_instance(mesh, material, place).expect("a case's instance");
         }
     }
-    build.light(bulb([2.0, 2.0, 3.0])).light(sun([0.4, -1.0, 0.2])).scene
+    build.light(Light::point([2.0, 2.0, 3.0])).light(Light::sun([0.4, -1.0, 0.2])).scene
 }
 
 /// Color from the first set of coordinates, emission and normal map from the second.
@@ -213,7 +213,7 @@ fn second_set() -> Scene {
     // A mesh without a second set, of the same material.
     let other = build.mesh(Shape::ball(4).at([1.2, 0.4, 0.8], 0.4));
     build.scene.add_instance(other, material, Mat4::IDENTITY).expect("a case's instance");
-    build.light(bulb([1.0, 2.0, 3.0])).scene
+    build.light(Light::point([1.0, 2.0, 3.0])).scene
 }
 
 /// Small tiles, each of a material of its own, some of them without this or that map.
@@ -242,5 +242,5 @@ fn many() -> Scene {
         let at = Vec3::new((i % 10) as f32 * 0.22 - 1.1, (i / 10) as f32 * 0.22 - 1.1, 0.0);
         build.scene.add_instance(tile, material, Mat4::from_translation(at)).expect("a case's instance");
     }
-    build.light(bulb([2.0, 2.0, 3.0])).scene
+    build.light(Light::point([2.0, 2.0, 3.0])).scene
 }

@@ -1,9 +1,9 @@
 //! Scenes whose instances have moved, are hidden, or have another shape than at first.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, Shape, bulb};
+use crate::shape::{Build, Shape};
 use glam::{Mat4, Vec3};
-use rtrt_core::scene::{InstanceIndex, Motion, Scene};
+use rtrt_core::scene::{InstanceIndex, Light, Motion, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -22,7 +22,7 @@ pub(super) const CASES: &[Case] = &[
                 (*instance, motion.at(start, 1.25))
             });
             build.scene.set_transforms(moved).expect("within range");
-            build.light(bulb([2.0, 3.0, 3.0])).scene
+            build.light(Light::point([2.0, 3.0, 3.0])).scene
         },
         camera: look([0.0, 1.0, 4.0], [0.0; 3]),
         ..Case::USUAL
@@ -37,7 +37,7 @@ pub(super) const CASES: &[Case] = &[
                 build.instance(ball, Mat4::from_translation(Vec3::new(x, 0.0, 0.0)));
             }
             build.scene.hide(InstanceIndex(2)).expect("it is there");
-            build.light(bulb([2.0, 3.0, 3.0])).scene
+            build.light(Light::point([2.0, 3.0, 3.0])).scene
         },
         ..Case::USUAL
     },
@@ -61,7 +61,7 @@ pub(super) const CASES: &[Case] = &[
                 [p[0] * cos - p[2] * sin + 0.5 * sin, 1.3 * p[1], 0.2 * p[0] * sin + p[2] * cos]
             };
             build.scene.reshape(ball, &Shape::ball(9).bent(twist).mesh()).expect("within range");
-            build.shape(Shape::floor(5.0, -1.5)).light(bulb([2.0, 3.0, 3.0])).scene
+            build.shape(Shape::floor(5.0, -1.5)).light(Light::point([2.0, 3.0, 3.0])).scene
         },
         ..Case::USUAL
     },
@@ -81,5 +81,5 @@ fn levels() -> Scene {
         build.scene.set_transform(ball, place((i / 5) as f32 * 1.3)).expect("within range");
     }
     build.scene.hide(InstanceIndex(7)).expect("it is there");
-    build.light(bulb([2.0, 5.0, 0.0])).scene
+    build.light(Light::point([2.0, 5.0, 0.0])).scene
 }

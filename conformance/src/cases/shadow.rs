@@ -1,7 +1,7 @@
 //! Shadows: which lights reach a surface.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, Random, Shape, bulb, lamp, sun};
+use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::scene::Light;
@@ -12,32 +12,32 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "shadow/point",
         claim: "Objects cast shadows in the light of a bulb.",
-        scene: || room(bulb([1.5, 2.0, 1.0])).scene,
+        scene: || room(Light::point([1.5, 2.0, 1.0])).scene,
         ..FROM_ABOVE
     },
     Case {
         name: "shadow/four_samples",
         claim: "Each sub-ray has its own shadow rays.",
-        scene: || room(bulb([-1.5, 2.0, 1.0])).scene,
+        scene: || room(Light::point([-1.5, 2.0, 1.0])).scene,
         samples: 4,
         ..FROM_ABOVE
     },
     Case {
         name: "shadow/sun",
         claim: "Objects cast shadows in parallel light.",
-        scene: || room(sun([-0.6, -1.0, -0.3])).scene,
+        scene: || room(Light::sun([-0.6, -1.0, -0.3])).scene,
         ..FROM_ABOVE
     },
     Case {
         name: "shadow/sun_along_an_axis",
         claim: "Directions with zeros, and faces along the light, are decided alike.",
-        scene: || room(sun([0.0, -1.0, 0.0])).scene,
+        scene: || room(Light::sun([0.0, -1.0, 0.0])).scene,
         ..FROM_ABOVE
     },
     Case {
         name: "shadow/off",
         claim: "Without shadows everything that faces a light is lit.",
-        scene: || room(bulb([1.5, 2.0, 1.0])).scene,
+        scene: || room(Light::point([1.5, 2.0, 1.0])).scene,
         shadows: Shadows::Off,
         ..FROM_ABOVE
     },
@@ -49,8 +49,8 @@ pub(super) const CASES: &[Case] = &[
             Build::default()
                 .shape(Shape::floor(3.0, -1.0))
                 .shape(ball)
-                .light(bulb([0.1, 0.3, 0.1]))
-                .light(sun([1.0, -1.0, 0.0]))
+                .light(Light::point([0.1, 0.3, 0.1]))
+                .light(Light::sun([1.0, -1.0, 0.0]))
                 .scene
         },
         ..FROM_ABOVE
@@ -58,7 +58,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "shadow/light_in_a_surface",
         claim: "A light exactly in a surface, and in a corner, is decided alike.",
-        scene: || room(bulb([0.0, -1.0, 0.0])).light(bulb([0.4, 0.0, 0.4])).scene,
+        scene: || room(Light::point([0.0, -1.0, 0.0])).light(Light::point([0.4, 0.0, 0.4])).scene,
         ..FROM_ABOVE
     },
     Case {
@@ -66,7 +66,7 @@ pub(super) const CASES: &[Case] = &[
         claim: "What is beyond the light casts no shadow on this side.",
         scene: || {
             let ceiling = Shape::floor(3.0, 1.0);
-            room(bulb([0.0, 0.8, 0.9])).shape(ceiling).scene
+            room(Light::point([0.0, 0.8, 0.9])).shape(ceiling).scene
         },
         camera: look([0.5, 0.5, 4.0], [0.0, -0.5, 0.0]),
         ..Case::USUAL
@@ -81,14 +81,14 @@ pub(super) const CASES: &[Case] = &[
                 let at = Mat4::from_translation(Vec3::new(x * 0.5, -0.5, z * 0.5));
                 build.instance(cube, at * Mat4::from_scale(Vec3::splat(0.08)));
             }
-            build.light(bulb([0.0; 3])).scene
+            build.light(Light::point([0.0; 3])).scene
         },
         ..FROM_ABOVE
     },
     Case {
         name: "shadow/beyond_the_reach",
         claim: "A light lights nothing beyond its reach, and its lists hold nothing there.",
-        scene: || room(lamp([0.9, 0.6, 0.6], 1.5)).scene,
+        scene: || room(Light::point([0.9, 0.6, 0.6]).reach(1.5)).scene,
         ..FROM_ABOVE
     },
     Case {
@@ -97,8 +97,8 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             Build::default()
                 .shape(Shape::ball(4))
-                .light(bulb([6.0, 1.0, 1.0]))
-                .light(sun([0.0, 1.0, -0.1]))
+                .light(Light::point([6.0, 1.0, 1.0]))
+                .light(Light::sun([0.0, 1.0, -0.1]))
                 .scene
         },
         ..Case::USUAL
@@ -113,8 +113,8 @@ pub(super) const CASES: &[Case] = &[
                 .shape(floor.clone().and(cube.clone()))
                 .shape(floor)
                 .shape(cube)
-                .light(bulb([2.0, 1.0, 1.0]))
-                .light(sun([1.0, -0.5, 0.2]))
+                .light(Light::point([2.0, 1.0, 1.0]))
+                .light(Light::sun([1.0, -0.5, 0.2]))
                 .scene
         },
         ..FROM_ABOVE
@@ -122,7 +122,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "shadow/from_far_away",
         claim: "A bulb at a distance of 100,000 still finds what stands before it.",
-        scene: || room(bulb([3e4, 8e4, 5e4])).scene,
+        scene: || room(Light::point([3e4, 8e4, 5e4])).scene,
         ..FROM_ABOVE
     },
     Case {
@@ -133,8 +133,8 @@ pub(super) const CASES: &[Case] = &[
             Build::default()
                 .shape(Shape::floor(3.0, -1.0))
                 .shape(leaves)
-                .light(sun([0.2, -1.0, 0.1]))
-                .light(bulb([0.0, 0.6, 0.0]))
+                .light(Light::sun([0.2, -1.0, 0.1]))
+                .light(Light::point([0.0, 0.6, 0.0]))
                 .scene
         },
         ..FROM_ABOVE

@@ -3,8 +3,8 @@
 use crate::case::{Case, look, zoom};
 use crate::cases::shadow::room;
 use crate::cases::transparency::panes;
-use crate::shape::{Build, Random, Shape, bulb, lamp, sized, spot, sun};
-use rtrt_core::scene::Scene;
+use crate::shape::{Build, Random, Shape};
+use rtrt_core::scene::{Light, Scene};
 
 const FROM_ABOVE: Case =
     Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.5, 0.0]), size: [75, 43], ..Case::USUAL };
@@ -13,20 +13,20 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "soft/bulb",
         claim: "Shadows of a bulb with a radius have penumbras.",
-        scene: || room(sized(bulb([1.5, 2.0, 1.0]), 0.3)).scene,
+        scene: || room(Light::point([1.5, 2.0, 1.0]).radius(0.3)).scene,
         ..FROM_ABOVE
     },
     Case {
         name: "soft/four_samples",
         claim: "Sub-rays are neighbors as pixels are.",
-        scene: || room(sized(bulb([-1.5, 2.0, 1.0]), 0.3)).scene,
+        scene: || room(Light::point([-1.5, 2.0, 1.0]).radius(0.3)).scene,
         samples: 4,
         ..FROM_ABOVE
     },
     Case {
         name: "soft/sixteen_samples",
         claim: "The window and its lattices grow with the sub-rays.",
-        scene: || room(sized(bulb([-1.5, 2.0, 1.0]), 0.3)).scene,
+        scene: || room(Light::point([-1.5, 2.0, 1.0]).radius(0.3)).scene,
         size: [37, 21],
         samples: 16,
         ..FROM_ABOVE
@@ -34,29 +34,29 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "soft/sun",
         claim: "A sun's penumbras grow with the occluder's distance alone.",
-        scene: || room(sized(sun([-0.6, -1.0, -0.3]), 0.15)).scene,
+        scene: || room(Light::sun([-0.6, -1.0, -0.3]).radius(0.15)).scene,
         ..FROM_ABOVE
     },
     Case {
         name: "soft/beside_hard_ones",
         claim: "Lights without a radius keep their hard shadows beside those with one.",
         scene: || {
-            let build = room(sized(bulb([1.5, 2.0, 1.0]), 0.3)).light(bulb([-1.5, 2.0, 1.0]));
-            build.light(sized(spot([0.0, 2.0, 1.0], [0.1, -1.0, -0.4], 0.6), 0.2)).scene
+            let build = room(Light::point([1.5, 2.0, 1.0]).radius(0.3)).light(Light::point([-1.5, 2.0, 1.0]));
+            build.light(Light::spot([0.0, 2.0, 1.0], [0.1, -1.0, -0.4], 0.6).radius(0.2)).scene
         },
         ..FROM_ABOVE
     },
     Case {
         name: "soft/wider_than_the_window",
         claim: "Penumbras that are wider than the window end there.",
-        scene: || room(sized(bulb([0.5, 1.0, 0.5]), 0.9)).scene,
+        scene: || room(Light::point([0.5, 1.0, 0.5]).radius(0.9)).scene,
         camera: zoom(0.3, look([0.5, 2.5, 4.0], [0.0, -1.0, 0.0])),
         ..FROM_ABOVE
     },
     Case {
         name: "soft/far_from_any_penumbra",
         claim: "Blocks that no penumbra reaches, and those that are as dark all over, are as if they were blurred.",
-        scene: || room(sized(bulb([0.2, 2.0, 0.3]), 0.1)).scene,
+        scene: || room(Light::point([0.2, 2.0, 0.3]).radius(0.1)).scene,
         camera: look([0.5, 2.5, 4.0], [0.6, -0.5, 0.0]),
         size: [240, 135],
         ..FROM_ABOVE
@@ -64,7 +64,11 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "soft/light_around_an_object",
         claim: "Occluders within a light, and at its middle, cast penumbras of some size.",
-        scene: || room(sized(bulb([0.0, 0.0, 0.0]), 0.9)).light(sized(lamp([0.9, 0.6, 0.6], 1.5), 0.3)).scene,
+        scene: || {
+            room(Light::point([0.0, 0.0, 0.0]).radius(0.9))
+                .light(Light::point([0.9, 0.6, 0.6]).reach(1.5).radius(0.3))
+                .scene
+        },
         ..FROM_ABOVE
     },
     Case {
@@ -73,7 +77,10 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let leaves = Shape::soup(&mut Random(10), 1500, 0.08).at([0.0, 0.6, 0.0], 1.0);
             let build = Build::default().shape(Shape::floor(3.0, -1.0)).shape(leaves);
-            build.light(sized(sun([0.2, -1.0, 0.1]), 0.05)).light(sized(bulb([0.0, 0.6, 0.0]), 0.02)).scene
+            build
+                .light(Light::sun([0.2, -1.0, 0.1]).radius(0.05))
+                .light(Light::point([0.0, 0.6, 0.0]).radius(0.02))
+                .scene
         },
         ..FROM_ABOVE
     },
@@ -96,11 +103,11 @@ pub(super) const CASES: &[Case] = &[
         claim: "More lights than a word of the mask has bits have their penumbras each.",
         scene: || {
             let mut random = Random(4);
-            let build = room(sun([0.0, 1.0, 0.0]));
+            let build = room(Light::sun([0.0, 1.0, 0.0]));
             (0..32)
                 .fold(build, |build, _| {
                     let at = random.vector(2.0);
-                    build.light(sized(bulb([at.x, 1.5 + at.y * 0.2, at.z]), 0.1))
+                    build.light(Light::point([at.x, 1.5 + at.y * 0.2, at.z]).radius(0.1))
                 })
                 .scene
         },
@@ -113,7 +120,7 @@ pub(super) const CASES: &[Case] = &[
 fn colored(order: &[usize]) -> Scene {
     let mut scene = panes(order);
     for (light, radius) in scene.lights_mut().iter_mut().zip([0.1, 0.2]) {
-        *light = sized(*light, radius);
+        *light = light.radius(radius);
     }
     scene
 }

@@ -1,11 +1,11 @@
 //! Spheres: as an eye, light and layers meet them.
 
 use crate::case::{Case, look, parallel, zoom};
-use crate::shape::{Build, PLAIN, Random, Shape, bulb, sized, spot, sun};
+use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::{Mat4, Quat, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{AlphaMode, Material, Wrap};
-use rtrt_core::scene::{Image, MaterialIndex, phong};
+use rtrt_core::scene::{Image, Light, MaterialIndex, phong};
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.4, 0.0]), ..Case::USUAL };
 
@@ -16,7 +16,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
             add(&mut build, ball([0.0; 3], 1.0));
-            build.light(bulb([1.5, 3.0, 2.0])).light(sun([-1.0, -1.0, -0.2])).scene
+            build.light(Light::point([1.5, 3.0, 2.0])).light(Light::sun([-1.0, -1.0, -0.2])).scene
         },
         samples: 4,
         ..FROM_ABOVE
@@ -27,7 +27,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default();
             add(&mut build, Mat4::IDENTITY);
-            build.light(bulb([1.0, 1.0, 3.0])).scene
+            build.light(Light::point([1.0, 1.0, 3.0])).scene
         },
         ..Case::USUAL
     },
@@ -42,7 +42,7 @@ pub(super) const CASES: &[Case] = &[
                 let turn = Quat::from_axis_angle(random.vector(1.0).normalize(), random.within(0.0, 6.0));
                 add(&mut build, Mat4::from_scale_rotation_translation(size, turn, random.vector(1.6)));
             }
-            build.light(bulb([1.0, 3.0, 2.0])).light(sun([0.3, -1.0, -0.4])).scene
+            build.light(Light::point([1.0, 3.0, 2.0])).light(Light::sun([0.3, -1.0, -0.4])).scene
         },
         size: [61, 47],
         ..Case::USUAL
@@ -56,7 +56,10 @@ pub(super) const CASES: &[Case] = &[
             add(&mut build, ball([0.0, 0.0, 0.2], 0.7));
             let mut build = build.shape(Shape::soup(&mut Random(3), 80, 0.3));
             add(&mut build, ball([-0.9, 0.1, -0.3], 0.6));
-            build.light(bulb([0.2, 3.0, 2.0])).light(spot([-2.0, 3.0, 0.0], [1.0, -1.5, 0.0], 0.5)).scene
+            build
+                .light(Light::point([0.2, 3.0, 2.0]))
+                .light(Light::spot([-2.0, 3.0, 0.0], [1.0, -1.5, 0.0], 0.5))
+                .scene
         },
         size: [61, 47],
         ..FROM_ABOVE
@@ -68,7 +71,7 @@ pub(super) const CASES: &[Case] = &[
             let mut build = Build::default();
             add(&mut build, ball([0.2, 0.0, 0.0], 2.0));
             add(&mut build, ball([0.4, 0.0, -1.0], 0.3));
-            build.light(bulb([-0.4, 0.9, 0.4])).scene
+            build.light(Light::point([-0.4, 0.9, 0.4])).scene
         },
         camera: look([0.3, 0.0, 0.4], [0.0, 0.2, -1.0]),
         ..Case::USUAL
@@ -85,7 +88,7 @@ pub(super) const CASES: &[Case] = &[
                     .expect("a case's material");
                 build.scene.add_sphere(material, ball([0.1, 0.0, 0.0], 0.9)).expect("a case's sphere");
             }
-            build.light(sun([-0.3, -0.4, -1.0])).scene
+            build.light(Light::sun([-0.3, -0.4, -1.0])).scene
         },
         ..Case::USUAL
     },
@@ -97,7 +100,7 @@ pub(super) const CASES: &[Case] = &[
             for i in 0..6 {
                 add(&mut build, ball([i as f32 * 0.25 - 0.75, 0.0, 0.0], 0.125));
             }
-            build.light(sun([0.0, -0.1, -1.0])).scene
+            build.light(Light::sun([0.0, -0.1, -1.0])).scene
         },
         // A ray goes through every odd multiple of 1/32, and so through every edge.
         camera: parallel(2.0, look([0.0, 0.0, 4.0], [0.0; 3])),
@@ -110,7 +113,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default();
             add(&mut build, ball([0.0; 3], 1.0));
-            build.light(bulb([3.0, 2.0, 4.0])).scene
+            build.light(Light::point([3.0, 2.0, 4.0])).scene
         },
         camera: zoom(3e-4, look([3000.0, 2000.0, 6000.0], [0.0; 3])),
         ..Case::USUAL
@@ -122,7 +125,7 @@ pub(super) const CASES: &[Case] = &[
             let mut build = Build::default();
             add(&mut build, ball([0.0, -1e5, 0.0], 1e5));
             add(&mut build, ball([0.3, 1.0, -1.0], 1.0));
-            build.light(bulb([3.0, 5.0, 2.0])).scene
+            build.light(Light::point([3.0, 5.0, 2.0])).scene
         },
         camera: look([0.0, 2.0, 6.0], [0.0, 0.5, 0.0]),
         ..Case::USUAL
@@ -135,7 +138,7 @@ pub(super) const CASES: &[Case] = &[
             for i in 0..9 {
                 add(&mut build, ball([(i % 3) as f32 * 0.9 - 0.9, (i / 3) as f32 * 0.7 - 0.7, 0.0], 0.33));
             }
-            build.light(sun([-1.0, -0.02, 0.05])).light(sun([0.01, -1.0, 0.02])).scene
+            build.light(Light::sun([-1.0, -0.02, 0.05])).light(Light::sun([0.01, -1.0, 0.02])).scene
         },
         samples: 4,
         ..Case::USUAL
@@ -152,7 +155,7 @@ pub(super) const CASES: &[Case] = &[
                 * Mat4::from_scale(Vec3::new(0.8, 0.5, 0.6));
             build.scene.add_sphere(map, tilted).expect("a case's sphere");
             build.scene.add_sphere(map, ball([0.2, 0.9, -2.0], 0.2)).expect("a case's sphere");
-            build.light(bulb([1.0, 1.0, 3.0])).scene
+            build.light(Light::point([1.0, 1.0, 3.0])).scene
         },
         size: [61, 41],
         ..Case::USUAL
@@ -167,7 +170,7 @@ pub(super) const CASES: &[Case] = &[
                 build.scene.add_sphere(glass, ball(place, 0.8)).expect("a case's sphere");
             }
             add(&mut build, ball([0.0, -0.3, -0.2], 0.3));
-            build.light(bulb([0.6, 3.0, 1.0])).light(sun([0.4, -1.0, -0.3])).scene
+            build.light(Light::point([0.6, 3.0, 1.0])).light(Light::sun([0.4, -1.0, -0.3])).scene
         },
         samples: 4,
         ..FROM_ABOVE
@@ -183,7 +186,7 @@ pub(super) const CASES: &[Case] = &[
                 build.scene.add_sphere(one_sided, place).expect("a case's sphere");
             }
             add(&mut build, ball([0.8, -0.2, 0.0], 0.6));
-            build.light(bulb([2.0, 2.0, 6.0])).light(sun([-0.4, -1.0, -0.6])).scene
+            build.light(Light::point([2.0, 2.0, 6.0])).light(Light::sun([-0.4, -1.0, -0.6])).scene
         },
         samples: 4,
         ..Case::USUAL
@@ -195,7 +198,7 @@ pub(super) const CASES: &[Case] = &[
             let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
             let mask = textured(&mut build, 0.6);
             build.scene.add_sphere(mask, ball([0.0; 3], 1.0)).expect("a case's sphere");
-            build.light(bulb([0.6, 3.0, 2.0])).scene
+            build.light(Light::point([0.6, 3.0, 2.0])).scene
         },
         ..FROM_ABOVE
     },
@@ -215,7 +218,7 @@ pub(super) const CASES: &[Case] = &[
             build.scene.set_transform(all[0], ball([-0.6, 0.0, 0.0], 0.5)).expect("a place");
             build.scene.set_transform(all[2], ball([0.6, 0.0, 0.0], 0.7)).expect("a place");
             build.scene.hide(all[1]).expect("a sphere");
-            build.light(bulb([1.0, 3.0, 2.0])).scene
+            build.light(Light::point([1.0, 3.0, 2.0])).scene
         },
         ..FROM_ABOVE
     },
@@ -225,10 +228,12 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
             add(&mut build, ball([0.0, -0.5, 0.0], 0.5));
-            for light in
-                [bulb([-0.9, 0.4, 0.3]), bulb([0.8, 0.9, 0.0]), spot([0.0, 1.2, 0.9], [0.0, -1.0, -0.4], 0.7)]
-            {
-                build = build.light(sized(light, 0.2));
+            for light in [
+                Light::point([-0.9, 0.4, 0.3]),
+                Light::point([0.8, 0.9, 0.0]),
+                Light::spot([0.0, 1.2, 0.9], [0.0, -1.0, -0.4], 0.7),
+            ] {
+                build = build.light(light.radius(0.2));
             }
             for light in [0, 1, 2, 1] {
                 build.scene.show_light(light).expect("it is there").expect("it has a radius");
@@ -246,8 +251,9 @@ pub(super) const CASES: &[Case] = &[
             let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
             let glass = build.scene.add_material(glass([0.9, 0.3, 0.1], 0.4)).expect("a case's material");
             build.scene.add_sphere(glass, ball([0.0, -0.4, 0.0], 0.5)).expect("a case's sphere");
-            let mut build =
-                build.light(sized(bulb([-0.7, 0.6, 0.3]), 0.2)).light(sized(bulb([0.8, 0.9, 0.0]), 0.1));
+            let mut build = build
+                .light(Light::point([-0.7, 0.6, 0.3]).radius(0.2))
+                .light(Light::point([0.8, 0.9, 0.0]).radius(0.1));
             for light in 0..2 {
                 build.scene.show_light(light).expect("it is there").expect("it has a radius");
             }
@@ -266,7 +272,7 @@ pub(super) const CASES: &[Case] = &[
                 let (at, radius) = (random.vector(1.4).to_array(), random.within(0.01, 0.06));
                 add(&mut build, ball(at, radius));
             }
-            build.light(bulb([1.0, 3.0, 2.0])).scene
+            build.light(Light::point([1.0, 3.0, 2.0])).scene
         },
         size: [61, 45],
         ..Case::USUAL

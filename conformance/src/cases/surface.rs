@@ -1,16 +1,16 @@
 //! Normals and vertex colors at a hit.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Random, Shape, bulb, sun};
+use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::layout::Material;
-use rtrt_core::scene::phong;
+use rtrt_core::scene::{Light, phong};
 
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "surface/smooth_normals",
         claim: "Normals are interpolated alike.",
-        scene: || Build::default().shape(Shape::ball(5)).light(bulb([2.0, 2.0, 3.0])).scene,
+        scene: || Build::default().shape(Shape::ball(5)).light(Light::point([2.0, 2.0, 3.0])).scene,
         ..Case::USUAL
     },
     Case {
@@ -20,7 +20,7 @@ pub(super) const CASES: &[Case] = &[
             let opposed = Shape::triangle([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]);
             let ball = Shape::ball(4).shaded(|_| [0.0; 3]).at([1.5, 0.0, 0.0], 0.7);
             let tiny = Shape::ball(4).shaded(|n| n.map(|c| c * 1e-20)).at([-1.5, 0.0, 0.0], 0.7);
-            Build::default().shape(opposed.and(ball).and(tiny)).light(bulb([2.0, 2.0, 3.0])).scene
+            Build::default().shape(opposed.and(ball).and(tiny)).light(Light::point([2.0, 2.0, 3.0])).scene
         },
         ..Case::USUAL
     },
@@ -30,14 +30,19 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let long = Shape::ball(5).shaded(|n| n.map(|c| c * 1e10)).at([-0.9, 0.0, 0.0], 0.9);
             let short = Shape::ball(5).shaded(|n| n.map(|c| c * 1e-10)).at([0.9, 0.0, 0.0], 0.9);
-            Build::default().shape(long.and(short)).light(bulb([2.0, 2.0, 3.0])).scene
+            Build::default().shape(long.and(short)).light(Light::point([2.0, 2.0, 3.0])).scene
         },
         ..Case::USUAL
     },
     Case {
         name: "surface/from_within",
         claim: "Surfaces have two sides; normals face the viewer.",
-        scene: || Build::default().shape(Shape::ball(7).at([0.0; 3], 2.0)).light(bulb([0.5, 0.8, 0.2])).scene,
+        scene: || {
+            Build::default()
+                .shape(Shape::ball(7).at([0.0; 3], 2.0))
+                .light(Light::point([0.5, 0.8, 0.2]))
+                .scene
+        },
         camera: look([0.3, 0.0, 0.4], [0.0, 0.5, -1.0]),
         ..Case::USUAL
     },
@@ -62,7 +67,7 @@ pub(super) const CASES: &[Case] = &[
             ] {
                 build.scene.add_instance(mesh, one_sided, to_world).expect("a case's transform");
             }
-            build.light(bulb([2.0, 2.0, 3.0])).light(sun([-0.4, -1.0, -0.6])).scene
+            build.light(Light::point([2.0, 2.0, 3.0])).light(Light::sun([-0.4, -1.0, -0.6])).scene
         },
         samples: 4,
         ..Case::USUAL
@@ -84,7 +89,7 @@ pub(super) const CASES: &[Case] = &[
                     Mat4::from_translation(Vec3::new(x, 0.0, 0.0)) * turn * Mat4::from_scale(scale),
                 );
             }
-            build.light(bulb([2.0, 2.0, 3.0])).scene
+            build.light(Light::point([2.0, 2.0, 3.0])).scene
         },
         ..Case::USUAL
     },
@@ -93,7 +98,7 @@ pub(super) const CASES: &[Case] = &[
         claim: "Vertex colors are interpolated, and rounded to bytes, alike.",
         scene: || {
             let painted = Shape::ball(4).painted(&mut Random(9));
-            Build::default().shape(painted).light(bulb([2.0, 2.0, 3.0])).scene
+            Build::default().shape(painted).light(Light::point([2.0, 2.0, 3.0])).scene
         },
         samples: 4,
         ..Case::USUAL

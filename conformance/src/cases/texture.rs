@@ -1,9 +1,9 @@
 //! Textures: sizes, wrap modes, and mip levels.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Random, Shape, bulb};
+use crate::shape::{Build, PLAIN, Random, Shape};
 use rtrt_core::layout::Wrap;
-use rtrt_core::scene::{Image, Mip, Scene, phong};
+use rtrt_core::scene::{Image, Light, Mip, Scene, phong};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -103,7 +103,7 @@ fn textured(shape: Shape, size: [u32; 2], wrap: [Wrap; 2]) -> Scene {
         .shape_of(shape, material)
         .shape_of(small, phong([1.0; 3], 0.5, 0.3, second, [0.1, 0.0, 0.0]))
         .shape_of(plain, phong([0.2, 0.5, 1.0], 0.0, 0.9, PLAIN, [0.0; 3]))
-        .light(bulb([1.0, 2.0, 5.0]))
+        .light(Light::point([1.0, 2.0, 5.0]))
         .scene
 }
 

@@ -1,11 +1,11 @@
 //! Surfaces that are not opaque everywhere: layers, masks, the colors of their shadows.
 
 use crate::case::{Case, look, parallel};
-use crate::shape::{Build, PLAIN, Random, Shape, bulb, sun};
+use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{AlphaMode, Backdrop, Material, Texture, Wrap};
-use rtrt_core::scene::{Image, Panorama, Scene, phong};
+use rtrt_core::scene::{Image, Light, Panorama, Scene, phong};
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.4, 0.0]), ..Case::USUAL };
 
@@ -22,7 +22,7 @@ pub(super) const CASES: &[Case] = &[
             let round = build.scene.add_material(one([0.2, 0.3, 0.9], 0.5)).expect("a case's material");
             let place = Mat4::from_translation(Vec3::new(0.2, 0.0, 0.9)) * Mat4::from_scale(Vec3::splat(0.4));
             build.scene.add_sphere(round, place).expect("a case's sphere");
-            build.light(bulb([0.5, 3.0, 1.5])).light(sun([0.4, -1.0, -0.3])).scene
+            build.light(Light::point([0.5, 3.0, 1.5])).light(Light::sun([0.4, -1.0, -0.3])).scene
         },
         samples: 4,
         ..FROM_ABOVE
@@ -36,7 +36,7 @@ pub(super) const CASES: &[Case] = &[
                 .shape_of(pane(0.5, 1.2), glass([0.9, 0.1, 0.1], 0.4))
                 .shape(wall)
                 .shape_of(pane(-0.5, 1.6), glass([0.1, 0.1, 0.9], 0.5))
-                .light(bulb([1.0, 2.0, 3.0]))
+                .light(Light::point([1.0, 2.0, 3.0]))
                 .scene
         },
         ..Case::USUAL
@@ -98,7 +98,7 @@ pub(super) const CASES: &[Case] = &[
             let veil = build.scene.add_material(glass([1.0; 3], 0.05)).expect("a case's material");
             let mesh = build.mesh(soup);
             build.scene.add_instance(mesh, veil, Mat4::IDENTITY).expect("a case's instance");
-            build.light(bulb([1.0, 2.0, 3.0])).scene
+            build.light(Light::point([1.0, 2.0, 3.0])).scene
         },
         layers: 64,
         size: [19, 17],
@@ -114,7 +114,7 @@ pub(super) const CASES: &[Case] = &[
                 .shape_of(pane(0.0, 0.6), glass([0.0, 0.0, 1.0], 0.5))
                 .shape(pane(0.0, 0.3))
                 .shape(Shape::floor(3.0, -1.0))
-                .light(sun([0.3, -1.0, -0.8]))
+                .light(Light::sun([0.3, -1.0, -0.8]))
                 .scene
         },
         ..Case::USUAL
@@ -135,7 +135,7 @@ pub(super) const CASES: &[Case] = &[
             let map = noise(&mut build, 9);
             let material = with_color(glass([0.9, 0.8, 0.7], 0.8), map);
             let quad = pane(0.3, 1.0).painted_through(&mut Random(4)).textured([2.0, 1.5], [0.2, 0.1]);
-            build.shape_of(quad, material).shape(Shape::ball(5)).light(bulb([1.0, 2.0, 3.0])).scene
+            build.shape_of(quad, material).shape(Shape::ball(5)).light(Light::point([1.0, 2.0, 3.0])).scene
         },
         samples: 4,
         ..Case::USUAL
@@ -176,7 +176,11 @@ pub(super) const CASES: &[Case] = &[
             };
             let (there, exactly) = quad(-0.4, 0.25);
             let (not, below) = quad(0.4, f32::from_bits(0.25_f32.to_bits() - 1));
-            Build::default().shape_of(there, exactly).shape_of(not, below).light(bulb([1.0, 1.0, 3.0])).scene
+            Build::default()
+                .shape_of(there, exactly)
+                .shape_of(not, below)
+                .light(Light::point([1.0, 1.0, 3.0]))
+                .scene
         },
         ..Case::USUAL
     },
@@ -209,7 +213,7 @@ pub(super) const CASES: &[Case] = &[
                 let (shape, material) = above(y, 0.25);
                 build = build.shape_of(shape, material);
             }
-            build.light(sun([0.05, -1.0, 0.1])).light(bulb([1.4, 1.6, 0.2])).scene
+            build.light(Light::sun([0.05, -1.0, 0.1])).light(Light::point([1.4, 1.6, 0.2])).scene
         },
         ..FROM_ABOVE
     },
@@ -220,7 +224,7 @@ pub(super) const CASES: &[Case] = &[
             let mut random = Random(12);
             let mut scene = panes(&[0, 1, 2]);
             for _ in 0..38 {
-                scene.add_light(bulb((random.vector(1.5) + Vec3::Y * 2.0).to_array()));
+                scene.add_light(Light::point((random.vector(1.5) + Vec3::Y * 2.0).to_array()));
             }
             scene
         },
@@ -242,7 +246,7 @@ pub(super) const CASES: &[Case] = &[
                 .shape_of(Shape::ball(6).at([0.0; 3], 2.0), glass([0.2, 0.9, 0.4], 0.3))
                 .shape(Shape::floor(5.0, -1.5))
                 .shape_of(Shape::ball(4).at([0.0, 0.0, -1.0], 0.5), glass([0.9, 0.2, 0.4], 0.6))
-                .light(bulb([0.0, 3.0, 1.0]))
+                .light(Light::point([0.0, 3.0, 1.0]))
                 .scene
         },
         camera: look([0.0, 0.2, 1.0], [0.0, 0.0, -1.0]),
@@ -277,8 +281,8 @@ fn stack(count: u32, alpha: f32) -> Scene {
     let mut build = Build::default()
         .shape(Shape::floor(3.0, -1.0))
         .shape(Shape::ball(5).at([0.0, 0.0, -1.2], 0.8))
-        .light(bulb([0.6, 2.0, 3.0]))
-        .light(sun([0.2, -0.6, -1.0]));
+        .light(Light::point([0.6, 2.0, 3.0]))
+        .light(Light::sun([0.2, -0.6, -1.0]));
     let mut random = Random(u64::from(count));
     for i in 0..count {
         let color = random.vector(0.5) + 0.5;
@@ -294,7 +298,7 @@ fn in_the_open(backdrop: Backdrop) -> Scene {
         .shape_of(pane(0.5, 1.2), glass([0.2, 0.9, 0.3], 0.4))
         .shape_of(pane(0.2, 1.0), glass([0.3, 0.2, 0.9], 0.3))
         .shape_of(Shape::ball(6).at([0.9, 0.2, 0.0], 0.5), phong([0.9; 3], 1.0, 0.1, PLAIN, [0.0; 3]))
-        .light(bulb([1.0, 2.0, 3.0]));
+        .light(Light::point([1.0, 2.0, 3.0]));
     let mut scene = build.scene;
     (scene.backdrop, scene.background) = (backdrop, Vec3::new(0.9, 0.2, 0.1));
     let rgb = (0..16 * 8).map(|i| [i as f32 / 128.0, 0.4, 0.6]).collect();
@@ -314,7 +318,7 @@ fn overlapping() -> Scene {
     let blue = build.scene.add_material(glass([0.2, 0.3, 0.9], 0.3)).expect("a case's material");
     let place = Mat4::from_rotation_y(0.7) * Mat4::from_scale(Vec3::new(1.3, 0.4, 0.5));
     build.scene.add_instance(turned, blue, place).expect("a case's instance");
-    build.light(bulb([1.0, 2.0, 3.0])).light(sun([-1.0, -1.0, -0.4])).scene
+    build.light(Light::point([1.0, 2.0, 3.0])).light(Light::sun([-1.0, -1.0, -0.4])).scene
 }
 
 /// A masked square over a floor, and a masked ball of the second set of coordinates.
@@ -332,8 +336,8 @@ fn masked(cutoff: f32) -> Scene {
     build
         .shape_of(Shape::floor(1.0, 0.2), flat)
         .shape(Shape::floor(3.0, -1.0))
-        .light(sun([0.3, -1.0, -0.2]))
-        .light(bulb([0.0, 1.5, 1.0]))
+        .light(Light::sun([0.3, -1.0, -0.2]))
+        .light(Light::point([0.0, 1.5, 1.0]))
         .scene
 }
 
@@ -354,7 +358,11 @@ fn leaves() -> Scene {
         let material = if i % 6 == 0 { veil } else { leaf };
         build.scene.add_instance(square, material, at * turn * size).expect("a case's instance");
     }
-    build.shape(Shape::floor(3.0, -1.2)).light(sun([0.3, -1.0, -0.2])).light(bulb([0.0, 2.0, 1.0])).scene
+    build
+        .shape(Shape::floor(3.0, -1.2))
+        .light(Light::sun([0.3, -1.0, -0.2]))
+        .light(Light::point([0.0, 2.0, 1.0]))
+        .scene
 }
 
 /// Three panes above one another over a floor, those of these numbers from the top.
@@ -373,5 +381,9 @@ pub(super) fn panes(order: &[usize]) -> Scene {
         let shape = Shape::quad([shift - 0.7, y, 0.6], [1.4, 0.0, 0.0], [0.0, 0.0, -1.2]);
         build = build.shape_of(shape, panes[number]);
     }
-    build.shape(Shape::floor(3.0, -1.0)).light(sun([0.0, -1.0, -0.2])).light(bulb([0.6, 2.5, 0.4])).scene
+    build
+        .shape(Shape::floor(3.0, -1.0))
+        .light(Light::sun([0.0, -1.0, -0.2]))
+        .light(Light::point([0.6, 2.5, 0.4]))
+        .scene
 }

@@ -1,9 +1,9 @@
 //! The closest hit: ties, edges, and triangles that are hard to meet.
 
 use crate::case::{Case, Known, look, parallel};
-use crate::shape::{Build, Random, Shape, bulb, sun};
+use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Quat, Vec3};
-use rtrt_core::scene::Scene;
+use rtrt_core::scene::{Light, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -151,17 +151,21 @@ fn empty() -> Scene {
 fn behind() -> Scene {
     let mut build = Build::default().shape(Shape::cube().at([0.0, 0.0, 9.0], 1.0));
     build.scene.background = Vec3::new(0.1, 0.7, 0.2);
-    build.light(bulb([0.0, 3.0, 2.0])).scene
+    build.light(Light::point([0.0, 3.0, 2.0])).scene
 }
 
 fn one_triangle() -> Scene {
     let triangle = Shape::triangle([[-1.0, -0.8, 0.0], [1.2, -0.5, 0.3], [0.1, 0.9, -0.4]]);
-    Build::default().shape(triangle).light(bulb([1.0, 2.0, 3.0])).scene
+    Build::default().shape(triangle).light(Light::point([1.0, 2.0, 3.0])).scene
 }
 
 fn inside() -> Scene {
     let soup = Shape::soup(&mut Random(5), 60, 0.3).at([0.0; 3], 2.0);
-    Build::default().shape(Shape::ball(8).at([0.0; 3], 3.0)).shape(soup).light(bulb([0.3, 0.5, 0.1])).scene
+    Build::default()
+        .shape(Shape::ball(8).at([0.0; 3], 3.0))
+        .shape(soup)
+        .light(Light::point([0.3, 0.5, 0.1]))
+        .scene
 }
 
 fn across() -> Scene {
@@ -172,7 +176,7 @@ fn across() -> Scene {
         let bar = Mat4::from_scale(Vec3::new(0.1, 0.15, 6.0));
         build.instance(cube, Mat4::from_translation(Vec3::new(x, -0.4, 1.0)) * turn * bar);
     }
-    build.light(sun([0.3, -1.0, -0.2])).light(bulb([0.0, 0.4, 2.5])).scene
+    build.light(Light::sun([0.3, -1.0, -0.2])).light(Light::point([0.0, 0.4, 2.5])).scene
 }
 
 fn wall(z: f32) -> Shape {
@@ -184,12 +188,12 @@ fn coplanar_objects() -> Scene {
     for shift in [0.5, -0.5, 0.0, 0.0] {
         build = build.shape(wall(0.0).at([shift, 0.2 * shift, 0.0], 1.0));
     }
-    build.light(bulb([0.0, 0.0, 3.0])).scene
+    build.light(Light::point([0.0, 0.0, 3.0])).scene
 }
 
 fn coplanar_triangles() -> Scene {
     let twice = wall(0.0).and(wall(0.0)).and(wall(0.0).at([0.4, 0.3, 0.0], 0.7));
-    Build::default().shape(twice.clone().and(twice)).light(bulb([0.0, 0.0, 3.0])).scene
+    Build::default().shape(twice.clone().and(twice)).light(Light::point([0.0, 0.0, 3.0])).scene
 }
 
 fn coplanar_instances() -> Scene {
@@ -199,7 +203,7 @@ fn coplanar_instances() -> Scene {
     for _ in 0..5 {
         build.instance(mesh, place);
     }
-    build.light(bulb([0.0, 0.0, 3.0])).scene
+    build.light(Light::point([0.0, 0.0, 3.0])).scene
 }
 
 fn fan() -> Scene {
@@ -211,7 +215,7 @@ fn fan() -> Scene {
     }
     let cubes =
         Shape::cube().at([1.0625, 0.0625, 0.0], 0.25).and(Shape::cube().at([1.5625, 0.0625, 0.0], 0.25));
-    Build::default().shape(fan).shape(cubes).light(bulb([0.0, 0.0, 3.0])).scene
+    Build::default().shape(fan).shape(cubes).light(Light::point([0.0, 0.0, 3.0])).scene
 }
 
 fn no_area() -> Scene {
@@ -224,7 +228,7 @@ fn no_area() -> Scene {
     let mut build = Build::default().shape(nothing.clone()).shape(nothing.and(wall(0.0)));
     let flat = build.mesh(Shape::triangle([a, a, b]));
     build.instance(flat, Mat4::from_rotation_y(1.0));
-    build.light(bulb([0.0, 0.0, 3.0])).scene
+    build.light(Light::point([0.0, 0.0, 3.0])).scene
 }
 
 fn huge() -> Scene {
@@ -232,8 +236,8 @@ fn huge() -> Scene {
         .shape(Shape::triangle([[-4e6, 0.0, 5e6], [5e6, 0.0, 4e6], [1e5, 0.1, -6e6]]))
         .shape(Shape::triangle([[-4e6, -3e6, -50.0], [5e6, -3e6, -40.0], [1e5, 7e6, -60.0]]))
         .shape(Shape::cube().at([0.0, 0.6, 0.0], 0.4))
-        .light(bulb([1.0, 3.0, 2.0]))
-        .light(sun([0.1, -1.0, -0.3]))
+        .light(Light::point([1.0, 3.0, 2.0]))
+        .light(Light::sun([0.1, -1.0, -0.3]))
         .scene
 }
 
@@ -248,13 +252,13 @@ fn needles() -> Scene {
     }
     // Seen almost from its edge.
     shape = shape.and(Shape::floor(1.5, 0.0099));
-    Build::default().shape(shape).light(bulb([0.0, 1.0, 3.0])).scene
+    Build::default().shape(shape).light(Light::point([0.0, 1.0, 3.0])).scene
 }
 
 fn edge_on() -> Scene {
     let leaves = |x: f32| Shape::quad([x, -0.6, -1.0], [0.0, 0.0, 2.0], [0.0, 1.2, 0.0]);
     let both = leaves(0.0).and(leaves(0.0625)).and(leaves(-0.1875).shaded(|_| [0.0; 3]));
-    Build::default().shape(both).shape(wall(-1.5)).light(bulb([1.0, 0.0, 3.0])).scene
+    Build::default().shape(both).shape(wall(-1.5)).light(Light::point([1.0, 0.0, 3.0])).scene
 }
 
 fn instances() -> Scene {
@@ -276,7 +280,7 @@ fn instances() -> Scene {
         0.3, 0.0, 0.0, 0.0, 0.2, 0.3, 0.0, 0.0, 0.0, -0.1, 0.3, 0.0, -0.9, 0.9, 0.0, 1.0,
     ]);
     build.instance(soup, sheared);
-    build.light(bulb([1.0, 3.0, 2.0])).light(sun([0.5, -0.5, -1.0])).scene
+    build.light(Light::point([1.0, 3.0, 2.0])).light(Light::sun([0.5, -0.5, -1.0])).scene
 }
 
 fn flattened() -> Scene {
@@ -287,12 +291,12 @@ fn flattened() -> Scene {
     {
         build.instance(mesh, Mat4::from_rotation_y(turn) * Mat4::from_scale(scale));
     }
-    build.light(bulb([1.0, 3.0, 2.0])).scene
+    build.light(Light::point([1.0, 3.0, 2.0])).scene
 }
 
 fn dense() -> Scene {
     let soup = Shape::soup(&mut Random(8), 3000, 0.06).at([0.0; 3], 1.3);
-    Build::default().shape(soup).light(sun([0.3, -0.6, -1.0])).scene
+    Build::default().shape(soup).light(Light::sun([0.3, -0.6, -1.0])).scene
 }
 
 fn same_center() -> Scene {
@@ -307,7 +311,7 @@ fn same_center() -> Scene {
             [0.0, 2.0 * size, -2.0 * tilt],
         ));
     }
-    Build::default().shape(shape).light(bulb([0.5, 0.4, 3.0])).scene
+    Build::default().shape(shape).light(Light::point([0.5, 0.4, 3.0])).scene
 }
 
 /// Slivers along the diagonal of the same square: every ray enters all of their boxes, and
@@ -317,5 +321,5 @@ fn thicket() -> Scene {
     let mut corners =
         || [-1.5, 1.5, 1.49].map(|side| (random.vector(0.05) + Vec3::new(side, side, 0.0)).to_array());
     let shape = (0..60_000).fold(Shape::default(), |all, _| all.and(Shape::triangle(corners())));
-    Build::default().shape(shape).light(bulb([0.5, 0.4, 3.0])).scene
+    Build::default().shape(shape).light(Light::point([0.5, 0.4, 3.0])).scene
 }

@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3, dvec2};
 use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::{Grid, RayIndex};
 use rtrt_core::layout::{Hit, Instance, Kind, Lit, NONE, Surface};
-use rtrt_core::scene::{Light, Occluders, Projection, Scene, Setup};
+use rtrt_core::scene::{Light, LightKind, Occluders, Projection, Scene, Setup};
 
 /// How many rays and shadow rays could be judged, of how many. All of them were right.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -84,7 +84,7 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
     setup.prepare(scene, request).expect("a frame that has been rendered");
     let instances = &setup.instances(scene)[..scene.instances().len()];
     let is_wide = !matches!(request.shadows, Shadows::Off | Shadows::Hard)
-        && scene.lights().iter().any(|light| light.radius() > 0.0);
+        && scene.lights().iter().any(|light| light.radius > 0.0);
     let is_short = matches!(scene.occluders, Occluders::Near(_));
     if is_wide || is_short || instances.iter().any(|instance| instance.transparency != 0) {
         return Ok(Judged::default());
@@ -336,30 +336,21 @@ fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Re
     let normal = DVec3::from(surface.normal.map(f64::from));
     let (mut sum, mut doubt) = (DVec3::ZERO, DVec3::splat(1e-9));
     for (light, _) in scene.lights().iter().zip(0..).filter(|(_, which)| reaches(masks, *which)) {
-        let (way, color) = match *light {
-            Light::Sun { direction, color, .. } => (-direction.as_dvec3(), color),
-            Light::Point { position, color, .. } | Light::Spot { position, color, .. } => {
-                (position.as_dvec3() - place, color)
-            }
-        };
+        let is_far = light.kind == LightKind::Sun;
+        let way = if is_far { -light.direction.as_dvec3() } else { light.position.as_dvec3() - place };
         let distance = way.length();
         // Of a difference of two coordinates little is left where they are almost equal.
         if distance < 1e-3 * (place.abs().max_element() + distance) {
             return Ok(());
         }
-        let (full, share) = match *light {
-            Light::Point { reach, inverse_square: true, .. }
-            | Light::Spot { reach, inverse_square: true, .. } => {
-                let spent = reach.map_or(0.0, |reach| distance / f64::from(reach));
-                (distance.powi(-2), (1.0 - spent * spent).powi(2))
-            }
-            Light::Point { reach: Some(reach), .. } | Light::Spot { reach: Some(reach), .. } => {
-                (1.0, 1.0 - distance / f64::from(reach))
-            }
-            _ => (1.0, 1.0),
+        let spent = light.reach.map_or(0.0, |reach| distance / f64::from(reach));
+        let (full, share) = match light.inverse_square {
+            _ if is_far => (1.0, 1.0),
+            true => (distance.powi(-2), (1.0 - spent * spent).powi(2)),
+            false => (1.0, 1.0 - spent),
         };
         let (cone, steepness) = cone(light, way);
-        let color = color.as_dvec3() * full;
+        let color = light.color.as_dvec3() * full;
         sum += color * share * cone * (normal.dot(way) / distance).max(0.0);
         doubt += color.abs() * 1e-5 * steepness;
     }
@@ -373,10 +364,12 @@ fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Re
 /// The share of a light that its cone lets through on the way to it, and how much the cone
 /// magnifies errors.
 fn cone(light: &Light, way: DVec3) -> (f64, f64) {
-    let Light::Spot { direction, inner, outer, .. } = *light else { return (1.0, 1.0) };
-    let [inner, outer] = [inner, outer].map(|angle| f64::from(angle).cos());
+    if light.kind != LightKind::Spot {
+        return (1.0, 1.0);
+    }
+    let [inner, outer] = [light.inner, light.outer].map(|angle| f64::from(angle).cos());
     let steepness = 1.0 / (inner - outer).max(1e-3);
-    let cosine = direction.as_dvec3().normalize().dot(-way.normalize());
+    let cosine = light.direction.as_dvec3().normalize().dot(-way.normalize());
     (((cosine - outer) * steepness).clamp(0.0, 1.0).powi(2), 1.0 + steepness)
 }
 
@@ -394,17 +387,14 @@ fn is_lit(
     normal: DVec3,
     own: &Triangle,
 ) -> Option<bool> {
-    let (way, is_far, reach) = match *light {
-        Light::Sun { direction, .. } => (-direction.as_dvec3().normalize(), true, None),
-        Light::Point { position, reach, .. } | Light::Spot { position, reach, .. } => {
-            (position.as_dvec3() - place, false, reach)
-        }
-    };
+    let is_far = light.kind == LightKind::Sun;
+    let way =
+        if is_far { -light.direction.as_dvec3().normalize() } else { light.position.as_dvec3() - place };
     let cosine = |n: DVec3| n.dot(way) / (n.length() * way.length());
     let flat = if own.sphere.is_some() { normal } else { own.ab.cross(own.ac) };
     let flat = if flat.dot(camera.direction) > 0.0 { -flat } else { flat };
     let closeness = if is_far { 0.0 } else { doubt / way.length() };
-    if let Some(reach) = reach {
+    if let Some(reach) = light.reach.filter(|_| !is_far) {
         let share = way.length() / f64::from(reach);
         if share > 1.0 + MARGIN {
             return Some(false);
@@ -413,8 +403,8 @@ fn is_lit(
             return None;
         }
     }
-    if let Light::Spot { direction, outer, .. } = *light {
-        let off = direction.as_dvec3().angle_between(-way) - f64::from(outer);
+    if light.kind == LightKind::Spot {
+        let off = light.direction.as_dvec3().angle_between(-way) - f64::from(light.outer);
         if off > 1e-2 + closeness {
             return Some(false);
         }

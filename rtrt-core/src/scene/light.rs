@@ -9,53 +9,51 @@ use crate::scene::floor::floored;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
-/// A light.
+/// Where a light shines from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightKind {
+    /// From a point in all directions.
+    Point,
+    /// From a point within a cone.
+    Spot,
+    /// From infinitely far away.
+    Sun,
+}
+
+/// A light. A constructor for each kind asks for what the kind cannot do without; setters change the
+/// rest, which is otherwise a white light that does not fade and casts hard shadows. Each field names
+/// the kinds that read it.
+///
+/// ```
+/// use rtrt_core::scene::Light;
+///
+/// let lamp = Light::point([0.0, 2.0, 0.0]).color([1.0, 0.9, 0.7]).reach(9.0).radius(0.1);
+/// assert_eq!((lamp.reach, lamp.inverse_square), (Some(9.0), false));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Light {
-    /// Shines from a point in all directions.
-    Point {
-        /// World space, within ± [`Light::FARTHEST`].
-        position: Vec3,
-        /// Linear RGB, within ± [`LIGHT_LIMIT`]. At distance 0, or at 1 world unit where it fades by the square.
-        color: Vec3,
-        /// World units; beyond it the light is 0. `None` for no limit.
-        reach: Option<f32>,
-        /// Whether it fades with the square of the distance; else linearly toward
-        /// `reach`, or not at all without one.
-        inverse_square: bool,
-        /// World units, 0 or more. Only shadows show it.
-        radius: f32,
-    },
-    /// Shines from a point within a cone.
-    Spot {
-        /// World space, within ± [`Light::FARTHEST`].
-        position: Vec3,
-        /// Where the middle of the cone goes; any length but 0.
-        direction: Vec3,
-        /// The angle off the middle at which the light begins to fade, radians.
-        inner: f32,
-        /// The angle off the middle at which it is 0: more than 0, not less than `inner`, at
-        /// most π/2, radians.
-        outer: f32,
-        /// Linear RGB, as that of a point light.
-        color: Vec3,
-        /// As that of a point light.
-        reach: Option<f32>,
-        /// As that of a point light.
-        inverse_square: bool,
-        /// As that of a point light.
-        radius: f32,
-    },
-    /// Shines from infinitely far away.
-    Sun {
-        /// Where the light goes; any length but 0.
-        direction: Vec3,
-        /// Linear RGB, within ± [`LIGHT_LIMIT`].
-        color: Vec3,
-        /// The angle between its middle and its edge, radians, 0 or more and below π/4. Only
-        /// shadows show it. That of the sun is 0.0047.
-        radius: f32,
-    },
+#[non_exhaustive]
+pub struct Light {
+    /// Where it shines from.
+    pub kind: LightKind,
+    /// Points and spots: world space, within ± [`Light::FARTHEST`].
+    pub position: Vec3,
+    /// Spots and suns: where the light goes, for a spot in the middle of its cone; any length but 0.
+    pub direction: Vec3,
+    /// Linear RGB, within ± [`LIGHT_LIMIT`]. At distance 0, or at 1 world unit with `inverse_square`.
+    pub color: Vec3,
+    /// Points and spots: world units, more than 0; beyond it the light is 0. `None` for no limit.
+    pub reach: Option<f32>,
+    /// Points and spots: whether the light fades with the square of the distance. Otherwise it fades
+    /// linearly toward `reach`, or not at all without one.
+    pub inverse_square: bool,
+    /// Spots: the angle off the middle at which the light begins to fade, radians, 0 or more.
+    pub inner: f32,
+    /// Spots: the angle off the middle at which the light is 0, radians: more than 0, not less than
+    /// `inner`, at most π/2.
+    pub outer: f32,
+    /// Size of the light, 0 or more; only shadows show it. World units, or, for a sun, the angle
+    /// between its middle and its edge, radians, below π/4. The radius of the sun in the sky is 0.0047.
+    pub radius: f32,
 }
 
 /// A light reaches at least this far (2⁻⁴⁵): whether a surface is within the square of it is
@@ -67,10 +65,60 @@ impl Light {
     /// that single precision can tell.
     pub const FARTHEST: f32 = 1_099_511_627_776.0;
 
-    /// Its radius: world units, or, of a sun, radians.
-    pub fn radius(&self) -> f32 {
-        let (Self::Point { radius, .. } | Self::Spot { radius, .. } | Self::Sun { radius, .. }) = *self;
-        radius
+    /// A light that shines from `position` in all directions.
+    pub fn point(position: impl Into<Vec3>) -> Self {
+        Self {
+            kind: LightKind::Point,
+            position: position.into(),
+            direction: Vec3::ZERO,
+            color: Vec3::ONE,
+            reach: None,
+            inverse_square: false,
+            inner: 0.0,
+            outer: 0.0,
+            radius: 0.0,
+        }
+    }
+
+    /// A light that shines from `position` within a cone around `direction`. It fades from the middle
+    /// of the cone to its edge, `outer` radians off.
+    pub fn spot(position: impl Into<Vec3>, direction: impl Into<Vec3>, outer: f32) -> Self {
+        Self { kind: LightKind::Spot, direction: direction.into(), outer, ..Self::point(position) }
+    }
+
+    /// A light from infinitely far away that goes in `direction`.
+    pub fn sun(direction: impl Into<Vec3>) -> Self {
+        Self { kind: LightKind::Sun, direction: direction.into(), ..Self::point(Vec3::ZERO) }
+    }
+
+    /// The light in another color, linear RGB.
+    #[must_use]
+    pub fn color(self, color: impl Into<Vec3>) -> Self {
+        Self { color: color.into(), ..self }
+    }
+
+    /// The light with an end, world units, or, for `None`, without one.
+    #[must_use]
+    pub fn reach(self, reach: impl Into<Option<f32>>) -> Self {
+        Self { reach: reach.into(), ..self }
+    }
+
+    /// The light that fades with the square of the distance, or does not.
+    #[must_use]
+    pub fn inverse_square(self, inverse_square: bool) -> Self {
+        Self { inverse_square, ..self }
+    }
+
+    /// The light that is full up to `inner` radians off the middle of its cone.
+    #[must_use]
+    pub fn inner(self, inner: f32) -> Self {
+        Self { inner, ..self }
+    }
+
+    /// The light with a radius: world units, or, for a sun, radians.
+    #[must_use]
+    pub fn radius(self, radius: f32) -> Self {
+        Self { radius, ..self }
     }
 
     /// The views of the light: six faces of a cube around a point (those that a spot light
@@ -84,71 +132,101 @@ impl Light {
         first_block: u32,
         jitter: Option<u32>,
     ) -> Result<[View; Frame::VIEWS_PER_LIGHT as usize], SetupError> {
-        match *self {
-            Self::Point { position, color, reach, inverse_square, radius } => {
-                let light = bulb(position, color, reach, inverse_square)?;
-                Ok(cube(&with_radius(light, radius, 1.0, jitter)?, cells, first_block))
-            }
-            Self::Spot { position, direction, inner, outer, color, reach, inverse_square, radius } => {
-                let light = bulb(position, color, reach, inverse_square)?;
-                let (axis, light) = with_cone(light, direction, inner, outer)?;
-                let light = with_radius(light, radius, 1.0, jitter)?;
-                let mut faces = cube(&light, cells, first_block);
-                for (face, view) in faces.iter_mut().enumerate() {
-                    // Cones that start beside the middle reach into other faces.
-                    if light.disc == 0.0 && libm::acos(axis.dot(forward(face))) > f64::from(outer) + FACE {
-                        view.kind = ViewKind::Off as u32;
-                    }
-                }
-                Ok(faces)
-            }
-            Self::Sun { direction, color, radius } => {
-                let direction =
-                    unit(direction.as_dvec3()).filter(|_| is_color(color)).ok_or(SetupError::Light {
-                        why: "the direction must not be zero, and the color within ±2^48",
-                    })?;
-                let mut views = [View::zeroed(); Frame::VIEWS_PER_LIGHT as usize];
-                let sun = parallel(direction, color, bounds, cells, first_block);
-                if radius >= core::f32::consts::FRAC_PI_4 {
-                    return Err(SetupError::Light { why: "a sun's radius must be below 45 degrees" });
-                }
-                // From any surface of the scene to what casts a shadow on it.
-                let size = DVec3::from(bounds.high.map(f64::from)) - DVec3::from(bounds.low.map(f64::from));
-                let farthest = Some(libm::sqrt(size.length_squared())).filter(|size| size.is_finite());
-                let tangent = libm::tan(f64::from(radius)) as f32;
-                views[0] = with_radius(sun, tangent, farthest.unwrap_or(0.0), jitter)?;
-                Ok(views)
+        if self.kind == LightKind::Sun {
+            return self.sun_views(bounds, cells, first_block, jitter);
+        }
+        let mut light = self.bulb()?;
+        let cone = if self.kind == LightKind::Spot { Some(self.cone()?) } else { None };
+        if let Some(cone) = &cone {
+            (light.axis, light.cone_scale, light.cone_offset) = (single(cone.axis), cone.scale, cone.offset);
+        }
+        let light = with_radius(light, self.radius, 1.0, jitter)?;
+        let mut faces = cube(&light, cells, first_block);
+        for (face, view) in faces.iter_mut().enumerate() {
+            // Cones that start beside the middle reach into other faces.
+            let is_beside =
+                |cone: &Cone| libm::acos(cone.axis.dot(forward(face))) > f64::from(self.outer) + FACE;
+            if light.disc == 0.0 && cone.as_ref().is_some_and(is_beside) {
+                view.kind = ViewKind::Off as u32;
             }
         }
+        Ok(faces)
     }
+
+    /// The views of a sun.
+    fn sun_views(
+        &self,
+        bounds: &Bounds,
+        cells: u32,
+        first_block: u32,
+        jitter: Option<u32>,
+    ) -> Result<[View; Frame::VIEWS_PER_LIGHT as usize], SetupError> {
+        let direction =
+            unit(self.direction.as_dvec3()).filter(|_| is_color(self.color)).ok_or(SetupError::Light {
+                why: "the direction must not be zero, and the color within ±2^48",
+            })?;
+        let mut views = [View::zeroed(); Frame::VIEWS_PER_LIGHT as usize];
+        let sun = parallel(direction, self.color, bounds, cells, first_block);
+        if self.radius >= core::f32::consts::FRAC_PI_4 {
+            return Err(SetupError::Light { why: "a sun's radius must be below 45 degrees" });
+        }
+        // From any surface of the scene to what casts a shadow on it.
+        let size = DVec3::from(bounds.high.map(f64::from)) - DVec3::from(bounds.low.map(f64::from));
+        let farthest = Some(libm::sqrt(size.length_squared())).filter(|size| size.is_finite());
+        let tangent = libm::tan(f64::from(self.radius)) as f32;
+        views[0] = with_radius(sun, tangent, farthest.unwrap_or(0.0), jitter)?;
+        Ok(views)
+    }
+
+    /// What the faces around a point light have in common.
+    fn bulb(&self) -> Result<View, SetupError> {
+        let reach = self.reach.unwrap_or(f32::INFINITY);
+        let is_near = self.position.abs().cmple(Vec3::splat(Self::FARTHEST)).all();
+        if !is_near || !is_color(self.color) || reach.is_nan() || reach <= 0.0 {
+            return Err(SetupError::Light {
+                why: "the position must be within ±2^40, the color within ±2^48, and the reach positive",
+            });
+        }
+        let reach = reach.max(LEAST_REACH);
+        let wider = reach * (1.0 + 1.0 / 65536.0);
+        let squared = wider * wider;
+        Ok(View {
+            center: self.position.map(floored).to_array(),
+            kind: ViewKind::Point as u32,
+            inv_reach: flush(1.0 / reach),
+            inverse_square: f32::from(u8::from(self.inverse_square)),
+            color: self.color.map(floored).to_array(),
+            reach_squared: if squared.is_finite() { squared } else { f32::MAX },
+            ..View::zeroed()
+        })
+    }
+
+    /// The cone of a spot light.
+    fn cone(&self) -> Result<Cone, SetupError> {
+        let Self { inner, outer, .. } = *self;
+        let axis = unit(self.direction.as_dvec3())
+            .ok_or(SetupError::Light { why: "the direction of a spot light must not be zero" })?;
+        if !(outer > 0.0 && outer <= core::f32::consts::FRAC_PI_2 && inner >= 0.0 && inner <= outer) {
+            return Err(SetupError::Light {
+                why: "a spot light's angles must be within 0 and 90 degrees, the inner one not above the outer",
+            });
+        }
+        let [inner, outer] = [inner, outer].map(|angle| libm::cos(f64::from(angle)));
+        let scale = 1.0 / (inner - outer).max(1e-3);
+        Ok(Cone { axis, scale: scale as f32, offset: flush((-outer * scale) as f32) })
+    }
+}
+
+/// The cone of a spot light; see [`crate::kernel::cone::cone`].
+struct Cone {
+    axis: DVec3,
+    scale: f32,
+    offset: f32,
 }
 
 /// Whether a light may have this color.
 pub(super) fn is_color(color: Vec3) -> bool {
     color.abs().cmple(Vec3::splat(LIGHT_LIMIT)).all()
-}
-
-/// What the faces around a point light have in common.
-fn bulb(position: Vec3, color: Vec3, reach: Option<f32>, inverse_square: bool) -> Result<View, SetupError> {
-    let reach = reach.unwrap_or(f32::INFINITY);
-    let is_near = position.abs().cmple(Vec3::splat(Light::FARTHEST)).all();
-    if !is_near || !is_color(color) || reach.is_nan() || reach <= 0.0 {
-        return Err(SetupError::Light {
-            why: "the position must be within ±2^40, the color within ±2^48, and the reach positive",
-        });
-    }
-    let reach = reach.max(LEAST_REACH);
-    let wider = reach * (1.0 + 1.0 / 65536.0);
-    let squared = wider * wider;
-    Ok(View {
-        center: position.map(floored).to_array(),
-        kind: ViewKind::Point as u32,
-        inv_reach: flush(1.0 / reach),
-        inverse_square: f32::from(u8::from(inverse_square)),
-        color: color.map(floored).to_array(),
-        reach_squared: if squared.is_finite() { squared } else { f32::MAX },
-        ..View::zeroed()
-    })
 }
 
 /// The light with a radius. Where its sub-rays spread over it, they are off the ray to its
@@ -162,21 +240,6 @@ fn with_radius(light: View, radius: f32, lever: f64, jitter: Option<u32>) -> Res
     let Some(jitter) = jitter else { return Ok(light) };
     let margin = (f64::from(radius) * lever * (1.0 + 1.0 / 1024.0)) as f32;
     Ok(View { disc: radius, margin, jitter, ..light })
-}
-
-/// The light with a cone, whose axis comes first; see [`crate::kernel::cone::cone`].
-fn with_cone(light: View, direction: Vec3, inner: f32, outer: f32) -> Result<(DVec3, View), SetupError> {
-    let axis = unit(direction.as_dvec3())
-        .ok_or(SetupError::Light { why: "the direction of a spot light must not be zero" })?;
-    if !(outer > 0.0 && outer <= core::f32::consts::FRAC_PI_2 && inner >= 0.0 && inner <= outer) {
-        return Err(SetupError::Light {
-            why: "a spot light's angles must be within 0 and 90 degrees, the inner one not above the outer",
-        });
-    }
-    let [inner, outer] = [inner, outer].map(|angle| libm::cos(f64::from(angle)));
-    let scale = 1.0 / (inner - outer).max(1e-3);
-    let cone_offset = flush((-outer * scale) as f32);
-    Ok((axis, View { axis: single(axis), cone_scale: scale as f32, cone_offset, ..light }))
 }
 
 /// How far the directions of a face are off its middle, at most: at the corners, where the

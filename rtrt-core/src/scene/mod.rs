@@ -14,7 +14,7 @@
 //! for x in [-2.0, 0.0, 2.0] {
 //!     scene.add_instance(mesh, red, glam::Mat4::from_translation([x, 0.0, 0.0].into()))?;
 //! }
-//! scene.add_light(Light::Sun { direction: [0.0, -1.0, -1.0].into(), color: [1.0; 3].into(), radius: 0.0 });
+//! scene.add_light(Light::sun([0.0, -1.0, -1.0]));
 //! assert_eq!((scene.triangles(), scene.drawn_triangles()), (1, 3));
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
@@ -49,7 +49,7 @@ pub use choice::{Mip, Occluders, Structure};
 pub use cube::{Cube, CubeError};
 pub use environment::{Panorama, PanoramaError};
 pub use image::{Content, Image, ImageError};
-pub use light::Light;
+pub use light::{Light, LightKind};
 pub use list_cache::{ListCacheKey, ReusableLists};
 pub use material::phong;
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};

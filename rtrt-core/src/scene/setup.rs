@@ -202,7 +202,7 @@ impl Setup {
         let centers = self.views.iter().flat_map(|view| view.center.map(|c| c.abs() + view.disc));
         let corners = bounds.low.into_iter().chain(bounds.high);
         let magnitude = centers.chain(corners).fold(0.0_f32, |most, c| most.max(c.abs()));
-        let is_soft = shadows == Shadows::Soft && lights.iter().any(|light| light.radius() > 0.0);
+        let is_soft = shadows == Shadows::Soft && lights.iter().any(|light| light.radius > 0.0);
         let background = if scene.backdrop == Backdrop::Nothing { Vec3::ZERO } else { scene.background };
         let ([ambient_r, ambient_g, ambient_b], [background_r, background_g, background_b]) =
             (scene.ambient.map(floored).to_array(), background.map(floored).to_array());
@@ -261,15 +261,9 @@ mod tests {
         let mut scene = Scene::new();
         (scene.ambient, scene.background) = (small, small);
         for reach in [None, Some(1e-40), Some(1e-30), Some(3e38)] {
-            scene.add_light(Light::Point {
-                position: small,
-                color: small,
-                reach,
-                inverse_square: true,
-                radius: 1e-40,
-            });
+            scene.add_light(Light::point(small).color(small).reach(reach).inverse_square(true).radius(1e-40));
         }
-        scene.add_light(Light::Sun { direction: Vec3::Y + small, color: small, radius: 1e-40 });
+        scene.add_light(Light::sun(Vec3::Y + small).color(small).radius(1e-40));
         let mut material = phong([1e-40; 3], 0.0, 0.5, Texture::zeroed(), small.to_array());
         material.shininess = 1e-40;
         scene.add_material(material).unwrap();
@@ -322,9 +316,8 @@ mod tests {
         };
         let prepare = |change: &dyn Fn(&mut Scene)| {
             let mut scene = Scene::new();
-            let (color, position) = (Vec3::ONE, Vec3::ZERO);
-            scene.add_light(Light::Sun { direction: Vec3::Y, color, radius: 0.0 });
-            scene.add_light(Light::Point { position, color, reach: None, inverse_square: true, radius: 0.0 });
+            scene.add_light(Light::sun(Vec3::Y));
+            scene.add_light(Light::point(Vec3::ZERO).inverse_square(true));
             change(&mut scene);
             Setup::default().prepare(&scene, &Request::new(&camera, [8, 8]).shadows(Shadows::Hard))
         };
@@ -332,21 +325,10 @@ mod tests {
         let limit = crate::layout::LIGHT_LIMIT;
         for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e38, -3e38, limit * 2.0] {
             let bad = Vec3::new(0.0, bad, 0.0);
-            let color = |number: usize, to: Vec3| {
-                prepare(&|scene| match &mut scene.lights_mut()[number] {
-                    Light::Sun { color, .. } | Light::Point { color, .. } | Light::Spot { color, .. } => {
-                        *color = to
-                    }
-                })
-            };
-            for refused in [
-                color(0, bad),
-                color(1, bad),
-                prepare(&|scene| match &mut scene.lights_mut()[1] {
-                    Light::Point { position, .. } => *position = bad,
-                    _ => unreachable!("the second is a point light"),
-                }),
-            ] {
+            let color = |number: usize, to: Vec3| prepare(&|scene| scene.lights_mut()[number].color = to);
+            for refused in
+                [color(0, bad), color(1, bad), prepare(&|scene| scene.lights_mut()[1].position = bad)]
+            {
                 assert!(matches!(refused, Err(SetupError::Light { .. })), "{bad} {refused:?}");
             }
             for refused in [prepare(&|scene| scene.ambient = bad), prepare(&|scene| scene.background = bad)] {

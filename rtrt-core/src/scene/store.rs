@@ -13,7 +13,8 @@ use crate::scene::levels::LodLevel;
 use crate::scene::material::checked;
 use crate::scene::place::{InstanceMaterial, Stored, place};
 use crate::scene::{
-    Bvh, CubeError, ImageError, Light, Mesh, Mip, Occluders, PanoramaError, Sequential, Structure, phong,
+    Bvh, CubeError, ImageError, Light, LightKind, Mesh, Mip, Occluders, PanoramaError, Sequential, Structure,
+    phong,
 };
 use alloc::collections::BTreeMap;
 use alloc::vec;
@@ -272,13 +273,8 @@ impl Scene {
         let number = light as u32;
         let shown = self.shown.get(&number).copied().map(InstanceIndex);
         let missing = SceneError::Index { what: "light", index: number };
-        let (position, color, radius) = match *self.lights.get(light).ok_or(missing)? {
-            Light::Point { position, color, radius, .. } | Light::Spot { position, color, radius, .. } => {
-                (position, color, radius)
-            }
-            Light::Sun { color, .. } => (Vec3::ZERO, color, 0.0),
-        };
-        if radius <= 0.0 {
+        let Light { kind, position, color, radius, .. } = *self.lights.get(light).ok_or(missing)?;
+        if kind == LightKind::Sun || radius <= 0.0 {
             shown.map_or(Ok(()), |sphere| self.hide(sphere))?;
             return Ok(None);
         }

@@ -10,7 +10,7 @@ use rtrt::debug::{Shown, View, show};
 use rtrt::demo;
 use rtrt::import::{self, Animation, ImportError, Loaded, NamedCamera};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::scene::{Camera, Light, Projection, Scene};
+use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
 #[cfg(feature = "viewer")]
 use std::path::PathBuf;
@@ -85,8 +85,8 @@ impl Job {
         }
         if let Some(size) = common.light_radius {
             for light in scene.lights_mut() {
-                if let Light::Point { radius, .. } | Light::Spot { radius, .. } = light {
-                    *radius = size;
+                if light.kind != LightKind::Sun {
+                    light.radius = size;
                 }
             }
         }

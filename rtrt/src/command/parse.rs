@@ -7,7 +7,7 @@ use rtrt::choose::Choice;
 use rtrt::debug;
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::LIGHT_LIMIT;
-use rtrt_core::scene::{Light, Mip, Occluders, Setup, Structure};
+use rtrt_core::scene::{Light, LightKind, Mip, Occluders, Setup, Structure};
 use std::path::{Path, PathBuf};
 
 /// One of a few numbers.
@@ -164,21 +164,20 @@ pub fn light(text: &str) -> Result<Light, String> {
 
 /// The light with another property.
 fn with(mut light: Light, key: &str, value: &str) -> Result<Light, String> {
-    match (key, &mut light) {
-        ("color", Light::Point { color, .. } | Light::Spot { color, .. } | Light::Sun { color, .. }) => {
-            *color = tone(value)?;
-        }
-        ("reach", Light::Point { reach, .. } | Light::Spot { reach, .. }) => *reach = Some(height(value)?),
-        ("fade", Light::Point { inverse_square, .. } | Light::Spot { inverse_square, .. }) => {
-            *inverse_square = match value {
+    let is_sun = light.kind == LightKind::Sun;
+    match key {
+        "color" => light.color = tone(value)?,
+        "reach" if !is_sun => light.reach = Some(height(value)?),
+        "fade" if !is_sun => {
+            light.inverse_square = match value {
                 "square" => true,
                 _ => return Err("a light fades by its square (fade=square), or as far as it reaches".into()),
             }
         }
-        ("inner", Light::Spot { inner, outer, .. }) => {
+        "inner" if light.kind == LightKind::Spot => {
             let angle = value.parse().map(|degrees: f64| degrees.to_radians() as f32);
-            let angle = angle.ok().filter(|angle| (0.0..=*outer).contains(angle));
-            *inner = angle.ok_or("the inner angle is not within 0 and the other one")?;
+            let angle = angle.ok().filter(|angle| (0.0..=light.outer).contains(angle));
+            light.inner = angle.ok_or("the inner angle is not within 0 and the other one")?;
         }
         _ => return Err(format!("such a light has no {key}; color, reach, fade and inner are known")),
     }
@@ -195,7 +194,7 @@ fn place(text: &str) -> Result<Vec3, String> {
 /// Position and radius of a point light.
 pub fn point(position: &str, size: &str) -> Result<Light, String> {
     let (position, radius) = (place(position)?, radius(size)?);
-    Ok(Light::Point { position, color: Vec3::ONE, reach: None, inverse_square: false, radius })
+    Ok(Light::point(position).radius(radius))
 }
 
 /// Where the sun stands, and its radius in degrees.
@@ -207,7 +206,7 @@ pub fn sun(place: &str, size: &str) -> Result<Light, String> {
     if radius >= core::f32::consts::FRAC_PI_4 {
         return Err("the sun's radius is not below 45".into());
     }
-    Ok(Light::Sun { direction: -place, color: Vec3::ONE, radius })
+    Ok(Light::sun(-place).radius(radius))
 }
 
 /// Position, direction, outer angle and radius of a spot light. It fades from the middle on, as
@@ -221,16 +220,7 @@ pub fn spot(position: &str, direction: &str, outer: &str, size: &str) -> Result<
     if outer > core::f32::consts::FRAC_PI_2 {
         return Err("the spot light's angle is above 90".into());
     }
-    Ok(Light::Spot {
-        position,
-        direction,
-        inner: 0.0,
-        outer,
-        color: Vec3::ONE,
-        reach: None,
-        inverse_square: false,
-        radius,
-    })
+    Ok(Light::spot(position, direction, outer).radius(radius))
 }
 
 /// The path of a PNG or EXR file, or `-`.
@@ -293,14 +283,13 @@ mod tests {
 
     #[test]
     fn the_sun_shines_from_where_it_stands() {
-        let Ok(Light::Sun { direction, .. }) = light("sun:1,2,2") else { panic!("no sun") };
-        assert_eq!(direction, Vec3::new(-1.0, -2.0, -2.0));
+        assert_eq!(light("sun:1,2,2").map(|light| light.direction), Ok(Vec3::new(-1.0, -2.0, -2.0)));
         assert!(light("spot:0,1,0:0,-1,0:90").is_ok());
         for bad in ["spot:0,1,0", "spot:0,1,0:0,0,0:30", "spot:0,1,0:0,-1,0:91", "spot:0,1,0:0,-1,0:30:1:1"] {
             assert!(light(bad).is_err(), "{bad}");
         }
-        assert_eq!(light("point:1,2,3:0.5").map(|light| light.radius()), Ok(0.5));
-        assert_eq!(light("sun:1,2,3:0.27").map(|light| light.radius()), Ok(0.27_f64.to_radians() as f32));
+        assert_eq!(light("point:1,2,3:0.5").map(|light| light.radius), Ok(0.5));
+        assert_eq!(light("sun:1,2,3:0.27").map(|light| light.radius), Ok(0.27_f64.to_radians() as f32));
         for bad in [
             "sun:0,0,0",
             "sun:0,-0,1e-38",
@@ -317,16 +306,11 @@ mod tests {
 
     #[test]
     fn lights_have_colors_and_ends() {
-        let Ok(Light::Point { color, reach, inverse_square, radius, .. }) =
-            light("point:1,2,3:0.5:color=1,0.5,0:reach=9:fade=square")
-        else {
-            panic!("no point light")
-        };
-        assert_eq!((color, reach, inverse_square, radius), (Vec3::new(1.0, 0.5, 0.0), Some(9.0), true, 0.5));
-        let Ok(Light::Spot { inner, outer, .. }) = light("spot:0,1,0:0,-1,0:30:inner=20") else {
-            panic!("no spot light")
-        };
-        assert_eq!((inner, outer), (20.0_f64.to_radians() as f32, 30.0_f64.to_radians() as f32));
+        let lamp = Light::point([1.0, 2.0, 3.0]).color([1.0, 0.5, 0.0]).reach(9.0).inverse_square(true);
+        assert_eq!(light("point:1,2,3:0.5:color=1,0.5,0:reach=9:fade=square"), Ok(lamp.radius(0.5)));
+        let [inner, outer] = [20.0_f64, 30.0].map(|degrees| degrees.to_radians() as f32);
+        let spot = Light::spot([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], outer).inner(inner);
+        assert_eq!(light("spot:0,1,0:0,-1,0:30:inner=20"), Ok(spot));
         assert!(light("sun:1,2,3:color=0,0,1").is_ok());
         for bad in [
             "point:1,2,3:color=1,2",

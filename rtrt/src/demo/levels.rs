@@ -44,11 +44,7 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut scene = builder.scene;
     scene.background = vec3(0.55, 0.70, 0.90);
     scene.ambient = vec3(0.2, 0.21, 0.23);
-    scene.add_light(Light::Sun {
-        direction: vec3(-0.6, -1.0, -0.7),
-        color: vec3(1.0, 0.96, 0.88),
-        radius: 0.0,
-    });
+    scene.add_light(Light::sun(vec3(-0.6, -1.0, -0.7)).color(vec3(1.0, 0.96, 0.88)));
     let camera = Camera {
         eye: vec3(0.0, 3.2, 6.5),
         look_at: vec3(0.0, 0.6, -4.0),

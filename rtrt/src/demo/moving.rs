@@ -49,18 +49,8 @@ pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.16, 0.17, 0.19);
     scene.background = vec3(0.55, 0.70, 0.90);
-    scene.add_light(Light::Sun {
-        direction: vec3(0.4, -1.0, -0.35),
-        color: vec3(0.95, 0.9, 0.8),
-        radius: 0.02,
-    });
-    scene.add_light(Light::Point {
-        position: vec3(-3.0, 4.5, 3.0),
-        color: vec3(0.5, 0.4, 0.3),
-        reach: Some(12.0),
-        inverse_square: false,
-        radius: 0.0,
-    });
+    scene.add_light(Light::sun(vec3(0.4, -1.0, -0.35)).color(vec3(0.95, 0.9, 0.8)).radius(0.02));
+    scene.add_light(Light::point(vec3(-3.0, 4.5, 3.0)).color(vec3(0.5, 0.4, 0.3)).reach(12.0));
     let camera = Camera {
         eye: vec3(3.2, 5.4, 9.5),
         look_at: vec3(0.0, 0.6, -0.4),

@@ -226,11 +226,8 @@ impl Pose {
     /// Moves the lights, which are those of the file.
     pub fn aim(&self, lights: &mut [Light]) {
         for &(index, place, along) in &self.lights {
-            match lights.get_mut(index) {
-                Some(Light::Point { position, .. }) => *position = place,
-                Some(Light::Sun { direction, .. }) => *direction = along,
-                Some(Light::Spot { position, direction, .. }) => (*position, *direction) = (place, along),
-                None => {}
+            if let Some(light) = lights.get_mut(index) {
+                (light.position, light.direction) = (place, along);
             }
         }
     }

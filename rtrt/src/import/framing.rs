@@ -79,14 +79,9 @@ pub fn light_by_default(scene: &mut Scene, camera: &Camera) {
     let up = right.cross(forward);
     let direction = (forward * 0.45 + right * 0.3 - up).as_vec3();
     *scene.lights_mut() = vec![
-        Light::Sun { direction, color: Vec3::new(0.75, 0.72, 0.68), radius: 0.0 },
-        Light::Point {
-            position: camera.eye.clamp(Vec3::splat(-Light::FARTHEST), Vec3::splat(Light::FARTHEST)),
-            color: Vec3::splat(0.25),
-            reach: None,
-            inverse_square: false,
-            radius: 0.0,
-        },
+        Light::sun(direction).color(Vec3::new(0.75, 0.72, 0.68)),
+        Light::point(camera.eye.clamp(Vec3::splat(-Light::FARTHEST), Vec3::splat(Light::FARTHEST)))
+            .color(Vec3::splat(0.25)),
     ];
     scene.ambient = Vec3::new(0.16, 0.17, 0.19);
 }

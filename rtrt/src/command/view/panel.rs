@@ -6,7 +6,7 @@ use crate::command::parse::SHADOWS;
 use egui::{Align2, Checkbox, CollapsingHeader, ComboBox, Context, DragValue, ScrollArea, Ui, Window, vec2};
 use glam::Vec3;
 use rtrt::debug::View;
-use rtrt_core::scene::{Light, Setup};
+use rtrt_core::scene::{Light, LightKind, Setup};
 
 /// Shows the panel, and does what is chosen.
 pub fn show(context: &Context, viewer: &mut Viewer) {
@@ -62,10 +62,10 @@ fn lights(ui: &mut Ui, viewer: &mut Viewer) {
     ui.horizontal(|ui| (ui.label("ambient"), tone(ui, &mut ambient)));
     ui.horizontal(|ui| (ui.label("background"), tone(ui, &mut background)));
     for (number, light) in lights.iter_mut().enumerate() {
-        let kind = match light {
-            Light::Point { .. } => "point light",
-            Light::Spot { .. } => "spot light",
-            Light::Sun { .. } => "sun",
+        let kind = match light.kind {
+            LightKind::Point => "point light",
+            LightKind::Spot => "spot light",
+            LightKind::Sun => "sun",
         };
         let header = CollapsingHeader::new(format!("{number}: {kind}")).id_salt(number);
         header.default_open(number == 0).show(ui, |ui| edit(ui, light));
@@ -93,32 +93,28 @@ fn tone(ui: &mut Ui, color: &mut Vec3) {
 }
 
 fn edit(ui: &mut Ui, light: &mut Light) {
-    match light {
-        Light::Point { position, color, reach, radius, .. } => {
-            vector(ui, "position", position);
-            power(ui, color);
-            limit(ui, reach);
-            size(ui, radius);
-        }
-        Light::Spot { position, direction, inner, outer, color, reach, radius, .. } => {
-            vector(ui, "position", position);
-            aim(ui, direction);
-            ui.horizontal(|ui| (ui.label("angle"), angle(ui, outer)));
-            *inner = inner.min(*outer);
-            power(ui, color);
-            limit(ui, reach);
-            size(ui, radius);
-        }
-        Light::Sun { direction, color, radius } => {
-            aim(ui, direction);
-            power(ui, color);
-            ui.horizontal(|ui| {
-                ui.label("radius");
-                if ui.drag_angle(radius).changed() {
-                    *radius = radius.clamp(0.0, 0.78);
-                }
-            });
-        }
+    let is_sun = light.kind == LightKind::Sun;
+    if !is_sun {
+        vector(ui, "position", &mut light.position);
+    }
+    if light.kind != LightKind::Point {
+        aim(ui, &mut light.direction);
+    }
+    if light.kind == LightKind::Spot {
+        ui.horizontal(|ui| (ui.label("angle"), angle(ui, &mut light.outer)));
+        light.inner = light.inner.min(light.outer);
+    }
+    power(ui, &mut light.color);
+    if is_sun {
+        ui.horizontal(|ui| {
+            ui.label("radius");
+            if ui.drag_angle(&mut light.radius).changed() {
+                light.radius = light.radius.clamp(0.0, 0.78);
+            }
+        });
+    } else {
+        limit(ui, &mut light.reach);
+        size(ui, &mut light.radius);
     }
 }
 

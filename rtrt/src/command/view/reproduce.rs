@@ -9,7 +9,7 @@ use clap::parser::ValueSource;
 use glam::Vec3;
 use rtrt::debug::View;
 use rtrt_core::backend::{LAYERS, Request, Shadows};
-use rtrt_core::scene::{Light, Projection};
+use rtrt_core::scene::{Light, LightKind, Projection};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::Path;
@@ -165,25 +165,25 @@ fn vector(v: Vec3) -> String {
 /// What `--light` takes for a light.
 fn light_option(light: &Light) -> String {
     let degrees = |radians: f32| f64::from(radians).to_degrees();
-    let mut text = match *light {
-        Light::Point { position, radius, .. } => format!("point:{}:{radius}", vector(position)),
-        Light::Spot { position, direction, outer, radius, .. } => {
+    let Light { kind, position, direction, color, reach, inverse_square, inner, outer, radius, .. } = *light;
+    let mut text = match kind {
+        LightKind::Point => format!("point:{}:{radius}", vector(position)),
+        LightKind::Spot => {
             format!("spot:{}:{}:{}:{radius}", vector(position), vector(direction), degrees(outer))
         }
-        Light::Sun { direction, radius, .. } => format!("sun:{}:{}", vector(-direction), degrees(radius)),
+        LightKind::Sun => format!("sun:{}:{}", vector(-direction), degrees(radius)),
     };
-    let (Light::Point { color, .. } | Light::Spot { color, .. } | Light::Sun { color, .. }) = *light;
     if color != Vec3::ONE {
         text += &format!(":color={}", vector(color));
     }
-    if let Light::Point { reach, inverse_square, .. } | Light::Spot { reach, inverse_square, .. } = *light {
+    if kind != LightKind::Sun {
         text += &reach.map_or(String::new(), |reach| format!(":reach={reach}"));
         text += if inverse_square { ":fade=square" } else { "" };
     }
-    match *light {
-        Light::Spot { inner, .. } if inner > 0.0 => text + &format!(":inner={}", degrees(inner)),
-        _ => text,
+    if kind == LightKind::Spot && inner > 0.0 {
+        text += &format!(":inner={}", degrees(inner));
     }
+    text
 }
 
 /// A path as a shell takes it.
@@ -277,18 +277,14 @@ mod tests {
             let (outer, radius) = (number.max(0.01) * 1.5, number);
             let inner = if round % 4 == 0 { 0.0 } else { outer * number };
             for light in [
-                Light::Point { position: place, color, reach, inverse_square, radius },
-                Light::Spot {
-                    position: place,
-                    direction: along,
-                    inner,
-                    outer,
-                    color,
-                    reach,
-                    inverse_square,
-                    radius,
-                },
-                Light::Sun { direction: along, color, radius: number * 0.78 },
+                Light::point(place).color(color).reach(reach).inverse_square(inverse_square).radius(radius),
+                Light::spot(place, along, outer)
+                    .color(color)
+                    .reach(reach)
+                    .inverse_square(inverse_square)
+                    .inner(inner)
+                    .radius(radius),
+                Light::sun(along).color(color).radius(number * 0.78),
             ] {
                 let text = light_option(&light);
                 assert_eq!(crate::command::parse::light(&text), Ok(light), "{text}");

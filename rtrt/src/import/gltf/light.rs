@@ -4,7 +4,7 @@ use crate::import::builder::Builder;
 use glam::{DMat4, DVec3, Vec3};
 use gltf_json::extensions::scene::khr_lights_punctual::{Light as Source, Type};
 use gltf_json::validation::Checked;
-use rtrt_core::scene::{Join, Light, Scene, Setup};
+use rtrt_core::scene::{Join, Light, LightKind, Scene, Setup};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// A light of the file at its node's place: in candela (point, spot) or lux (sun), not yet
@@ -19,10 +19,8 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
         return builder.warn(format!("only the first {} lights are drawn", Setup::MAX_LIGHTS));
     }
     let light = match source.type_ {
-        Checked::Valid(Type::Directional) => Light::Sun { direction, color, radius: 0.0 },
-        Checked::Valid(Type::Point) => {
-            Light::Point { position, color, reach, inverse_square: true, radius: 0.0 }
-        }
+        Checked::Valid(Type::Directional) => Light::sun(direction).color(color),
+        Checked::Valid(Type::Point) => Light::point(position).color(color).reach(reach).inverse_square(true),
         Checked::Valid(Type::Spot) => {
             let (inner, outer) = source
                 .spot
@@ -31,7 +29,11 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
             // The format's own limits; an outer angle of 0 would shine nowhere.
             let outer = if outer > 0.0 { outer.clamp(1e-3, FRAC_PI_2) } else { FRAC_PI_4 };
             let inner = if inner > 0.0 { inner.min(outer) } else { 0.0 };
-            Light::Spot { position, direction, inner, outer, color, reach, inverse_square: true, radius: 0.0 }
+            Light::spot(position, direction, outer)
+                .color(color)
+                .reach(reach)
+                .inverse_square(true)
+                .inner(inner)
         }
         Checked::Invalid => return builder.warn("a light of an unknown type is left out".into()),
     };
@@ -59,19 +61,16 @@ pub(super) fn expose(scene: &mut Scene) {
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let middle = (low + high) * 0.5;
     let nearest = (high - low).length_squared() / 16.0;
-    let arriving = |light: &Light| match light {
-        Light::Sun { color, .. } => f64::from(color.max_element()),
-        Light::Point { position, color, .. } | Light::Spot { position, color, .. } => {
-            let squared: f64 = (position.as_dvec3() - middle as DVec3).length_squared();
-            f64::from(color.max_element()) / squared.max(nearest)
-        }
+    let arriving = |light: &Light| {
+        let strength = f64::from(light.color.max_element());
+        let squared: f64 = (light.position.as_dvec3() - middle as DVec3).length_squared();
+        if light.kind == LightKind::Sun { strength } else { strength / squared.max(nearest) }
     };
     let strongest = scene.lights().iter().map(arriving).fold(0.0, f64::max);
     if !(strongest > 0.0 && strongest.is_finite()) {
         return;
     }
     for light in scene.lights_mut() {
-        let (Light::Point { color, .. } | Light::Spot { color, .. } | Light::Sun { color, .. }) = light;
-        *color = (color.as_dvec3() / strongest).as_vec3();
+        light.color = (light.color.as_dvec3() / strongest).as_vec3();
     }
 }
