@@ -1,5 +1,13 @@
-//! The closest surfaces, drawn instead of traced: pictures of triangles' numbers, which the ray of
-//! each pixel then asks.
+//! Hybrid frames on a GPU: the draw calls, and the passes that read what they drew.
+//!
+//! What is drawn and why is in [`rtrt_core::stage::raster`]. On this side:
+//!
+//! - Vertices are read by number from the buffers that rays are traced in: no vertex buffers, no copy,
+//!   and a mesh that moves has moved here too. An index buffer was refused: its vertices would be shared
+//!   between triangles, and a fragment then knows its triangle's number only by an optional feature.
+//! - Each instance is a draw call. The host runs the kernel of `prepare` and skips instances that cover
+//!   nothing.
+//! - The picture is copied into a buffer, so kernels read no images and the lint allows none.
 
 use crate::Error;
 use crate::buffers::{Buffers, Slot};

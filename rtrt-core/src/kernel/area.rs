@@ -1,8 +1,17 @@
-//! Area lights: each sub-ray of a pixel asks for another point of a light.
+//! Lights with a radius, sampled: each sub-ray of a pixel takes another point of the light.
 //!
-//! The paper splits a light into as many points as a pixel has sub-rays, and checks each sub-ray
-//! against one of them. A light is a ball here, seen as a disc, of which every sub-ray gets an
-//! equal part: its middle, or, jittered, anywhere in it.
+//! The paper splits a light into as many points as a pixel has sub-rays, and tests each sub-ray
+//! against one of them. Here a light is a ball that every surface sees as a disc. The disc is split
+//! into parts of equal area, one a sub-ray; the point is the middle of its part or, with jitter, any
+//! point in it.
+//!
+//! # One list serves all points
+//!
+//! The lists of a light are built for its middle `c`. A ray from `p` to the point `c + r` is, at the
+//! share `s` of its length, `s · r` away from the segment from `p` to `c`. So binning pads every box by
+//! the light's radius: whatever the ray hits, the segment hits padded, and the block of the light that
+//! `p` lies in lists it. Views for every point were refused: they need as many times the lists, and
+//! cannot serve jittered points.
 
 use crate::grid::RayIndex;
 use crate::lane::{Lane, Select, V3};

@@ -1,15 +1,50 @@
-//! Soften: the edges of shadows, blurred as far as a light with a radius makes them.
+//! Penumbra filter: hard shadows become soft ones, on the screen.
 //!
-//! On the screen, each ray looks for shadows around it whose penumbras reach it, and takes the
-//! average of what is left of the light within a disc as large as these penumbras are. For an edge
-//! across the light's way, and a surface that goes on, that is the share of the light that is
-//! seen: what the occluder covers of the light, as seen from the surface, is what its hard shadow
-//! covers of the disc.
+//! Each ray looks around itself for penumbras that reach it, and averages the transmittance of its
+//! light over a disc of their mean radius. For an edge across the direction to the light, on a surface
+//! that continues, that average is the visible share of the light: what the occluder covers of the
+//! light, seen from the surface, is what its hard shadow covers of the disc.
 //!
-//! The paper blurs so too (Analytical soft shadows). Departures: it does not say how a surface
-//! outside of a hard shadow comes to know of its penumbra, hence the search; and the disc lies
-//! across the light's way, in the world, rather than on the screen, so that a penumbra does not
-//! depend on where it is seen from.
+//! # Departures from the paper
+//!
+//! The paper filters like this (Analytical soft shadows). It does not say how a surface outside of a
+//! hard shadow learns of the penumbra; hence the search. The disc lies across the direction to the light
+//! in the world, not on the screen, so that a penumbra does not depend on the viewpoint.
+//!
+//! # Order of a frame
+//!
+//! Penumbras reach across blocks. A frame with soft shadows therefore has a barrier in each layer of
+//! surfaces: [`blocker_search`](super::blocker_search) finishes in all blocks before the first block is
+//! filtered. Frames without soft shadows have no barrier. A GPU filters bands of rows, and each band
+//! also computes the rows around it from which penumbras reach into it.
+//!
+//! The blocker search keeps the minimum of the occluders' `t`, a function of the set. A ray ends at the
+//! nearest opaque occluder: nothing behind it changes the distance or the transmittance.
+//!
+//! # Lanes
+//!
+//! Rays side by side in a row of the frame have their neighbors side by side too, as long as their
+//! lattices have equal steps. So a group of 8 or 16 rays searches tap by tap, one contiguous load a tap,
+//! and filters once for each different step among its rays. [`Neighborhood`] finds the neighbors: by a
+//! ray's number in its band on a GPU, in planes of whole rows with a margin on the CPU. Sums run in the
+//! order of the lattice, so one ray at a time gives the same bits as lanes.
+//!
+//! Transmittance is packed, 10 bits a channel, as colored shadows are: one path serves both.
+//!
+//! # The search
+//!
+//! Penumbras are 1 to [`Frame::PENUMBRA_WINDOW`] pixels wide. The search finds them with few taps: four
+//! lattices of 21 taps, each twice as wide as the one before and turned against it, so that a shadow
+//! thinner than the steps of one lattice, along its rows, is hit by another. Penumbras of thin things
+//! that are much wider than their shadow still show a faint pattern.
+//!
+//! # What skips the filter
+//!
+//! - Blocks without a penumbra nearby, or with equal transmittance at all rays around them
+//!   ([`penumbra_blocks`](super::penumbra_blocks)).
+//! - Groups whose search meets only the transmittance of their own rays: the average of equal values is
+//!   that value, exactly.
+//! - On the CPU, blocks whose rays see nothing behind their first layers.
 
 use crate::kernel::transmittance::{color, packed};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3, Word};

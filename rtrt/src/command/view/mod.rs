@@ -1,4 +1,31 @@
 //! `rtrt view`: a scene in a window.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `input` | events as data, one a line of text |
+//! | `controls` | what keys and the mouse do |
+//! | `camera`, `pace` | functions: how a camera moves, how fine a picture can be in the given time |
+//! | `viewer` | all state but the window; renders by the functions of `rtrt render` |
+//! | `engine` | the backend, or a GPU backend on the window's own device |
+//! | `window`, `screen` | winit; wgpu |
+//! | `overlay`, `panel` | egui |
+//! | `reproduce` | the command line that renders the current picture |
+//! | `watch` | files that change |
+//!
+//! - **Events are text first.** A recording and a person take the same path, and a replay takes its
+//!   clock from the file. So a replay is a test. egui-winit was refused: its events cannot be recorded,
+//!   and it brings a clipboard.
+//! - **The printed command renders the picture.** A test reads it back with the command's own parser.
+//!   Lights that a scene has only because its file has none stay at the camera.
+//! - **Pictures are exact.** egui's shader draws the picture as a texture with nearest texels, and a
+//!   test compares the window's pixels with the file. The GPU that draws the window renders into the
+//!   texture; other pictures are uploaded. Screenshots are rendered once more and read back, with the
+//!   same bits.
+//! - **The viewer renders on a worker thread; input waits in a queue.** Nothing changes during a frame.
+//!   A replay renders on the window's thread. While a GPU compiles its stages, before its first picture,
+//!   the overlay says so.
+//! - **Errors of the window are errors of the command.** winit panics where a library or an extension of
+//!   the display is missing; [`run`] catches that.
 
 mod camera;
 mod controls;
