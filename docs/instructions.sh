@@ -1,21 +1,21 @@
 #!/usr/bin/env bash
-# How many instructions a frame takes on one thread with 8 lanes, all told and stage by stage: what
-# valgrind counts in the functions that the CPU backend has for its stages. Takes what `rtrt render`
-# takes. Wants valgrind, binutils, and target/release/rtrt.
+# Prints the instructions of a frame on one thread with 8 lanes, in total and stage by stage, as
+# valgrind counts them. Takes the arguments of `rtrt render`. Needs valgrind, binutils and
+# target/release/rtrt.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-# The frame alone, not what comes before it: loading takes far longer.
+# Counts the frame alone: loading takes far longer.
 frame=$(nm target/release/rtrt | awk '$3 ~ /^_ZN8rtrt_cpu6Memory5frame17h[0-9a-f]*E$/ { print $3 }')
 valgrind --tool=callgrind --demangle=no --toggle-collect="$frame" --callgrind-out-file="$out/calls" \
     target/release/rtrt render "$@" --samples 1 --threads 1 --lanes 8 --backend cpu --quiet \
     -o "$out/frame.png" 2>"$out/log" || { cat "$out/log" >&2; exit 1; }
-# A function is of the last stage in whose file some of its instructions are: stages use what earlier
-# ones have. What no stage has is "other": lists, and memory that is copied or cleared.
+# A function belongs to the last stage whose file has some of its instructions: stages call functions
+# of earlier ones. "other" is the rest: lists, and memory that is copied or cleared.
 awk '
     BEGIN {
-        count = split("prepare bin visibility surface detail occlusion light shade layers resolve", stages)
+        count = split("prepare bin visibility surface detail occlusion blocker_search penumbra_blocks penumbra_filter light shade peel resolve", stages)
         for (i = 1; i <= count; i++) place[stages[i]] = i
     }
     function name(text, names, parts) {
@@ -30,18 +30,18 @@ awk '
     /^cf[il]=/ { name(substr($0, 5), files); next }
     /^calls=/ { skip = 1; next }
     /^[0-9+*-]/ {
-        # The line after a call has what the called function took.
+        # The line after a call has the cost of the called function.
         if (skip) { skip = 0; next }
         total += $2
         all[fn] += $2
-        if (match(file, /stage\/[a-z]+\.rs$/)) {
+        if (match(file, /stage\/[a-z_]+\.rs$/)) {
             at = place[substr(file, RSTART + 6, RLENGTH - 9)]
             if (at > last[fn]) last[fn] = at
         }
     }
     END {
         for (fn in all) sum[last[fn] + 0] += all[fn]
-        for (i = 1; i <= count; i++) if (sum[i]) printf "%-12s %8.1f million\n", stages[i], sum[i] / 1e6
-        printf "%-12s %8.1f million\n", "other", sum[0] / 1e6
-        printf "%-12s %8.1f million\n", "frame", total / 1e6
+        for (i = 1; i <= count; i++) if (sum[i]) printf "%-15s %8.1f million\n", stages[i], sum[i] / 1e6
+        printf "%-15s %8.1f million\n", "other", sum[0] / 1e6
+        printf "%-15s %8.1f million\n", "frame", total / 1e6
     }' "$out/calls"

@@ -1,9 +1,14 @@
-//! A sphere: where a ray meets it, and what it is like there.
+//! A sphere: where a ray hits it, and its normal and texture coordinates there.
 //!
-//! In its own space every sphere is the ball of radius 1 around the origin; its instance's matrix
-//! gives it a place and a size, and makes an ellipsoid of it. It counts as two triangles: 0 is
-//! where a ray enters, 1 is where it leaves. A hit's `u` and `v` are where on the sphere it is,
-//! as octahedral coordinates (see [`octahedral`]), so that all else follows from the hit alone.
+//! In its own space every sphere is the ball of radius 1 around the origin; the matrix of its instance
+//! places it and may make an ellipsoid of it. A sphere counts as a mesh of two triangles: 0 is where a
+//! ray enters, 1 is where it leaves. So layers, masks, colored shadows and ties need no rule of their
+//! own. The scene stores one mesh for all spheres, two triangles without area that span the ball's box,
+//! so that stages that read corners and colors find some.
+//!
+//! A hit's `u` and `v` are octahedral coordinates of the point (see [`octahedral`]). The point computed
+//! from them lies on the sphere as exactly as `f32` allows, however far away the camera is, and shadow
+//! rays start there.
 
 use crate::kernel::environment::octahedral;
 use crate::kernel::ray::Ray;

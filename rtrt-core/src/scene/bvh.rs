@@ -1,4 +1,9 @@
-//! The tree of a mesh: built once, by the surface area heuristic over bins.
+//! The BVH of a mesh: built once, by the surface area heuristic over bins.
+//!
+//! It is stored in the order of traversal: triangles by leaf, vertices by their first use, siblings
+//! side by side in one cache line, subtrees together. Splits go down to leaves of one or two triangles,
+//! which orders them well; then splits that cost more visits than they save tests are merged again,
+//! from the leaves up.
 
 use crate::kernel::traverse::STACK;
 use crate::layout::Node;

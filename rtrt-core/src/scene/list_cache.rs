@@ -1,4 +1,9 @@
-//! Which lists of a frame are those of the frame before.
+//! Which lists of the last frame a frame can reuse.
+//!
+//! Lists depend on the scene, the instances and lights in it, and the magnitude that rounding errors
+//! are relative to; those of the camera also on the camera. Reused lists equal the lists that would be
+//! built. A GPU leaves them in place: blocks of lights come before those of the camera, whose lists may
+//! change their length. The CPU builds the camera's for each frame.
 
 use crate::layout::{Frame, View};
 use crate::scene::{Occluders, Scene, Setup, Versions};

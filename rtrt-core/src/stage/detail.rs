@@ -1,8 +1,9 @@
-//! Detail: what only some materials ask of a surface. A second set of texture coordinates,
-//! and normals from textures.
+//! Detail: a second set of texture coordinates, and normals from textures, where a material has them.
 //!
 //! Runs after `surface`, and only in frames of scenes that have such materials
-//! ([`Frame::details`](crate::layout::Frame)).
+//! ([`Frame::details`](crate::layout::Frame)). A normal is needed before light; all other textures are
+//! read after it. `surface` itself would bind more than 8 buffers with textures. Tangents take one word
+//! a vertex, stored only for meshes that need them.
 
 use crate::kernel::interpolate::Weights;
 use crate::kernel::tangent::{bumped, direction, unpack};
