@@ -14,7 +14,7 @@ use rtrt_core::stage::inspect::{Inspection, inspect};
 /// What to look at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum View {
+pub enum DebugView {
     /// Base colors without light.
     Albedo,
     /// World space normals: x is red, y green, z blue, from −1 (dark) to 1.
@@ -36,7 +36,7 @@ pub enum View {
     Tests,
 }
 
-impl View {
+impl DebugView {
     /// All, with their names.
     pub const ALL: [(&'static str, Self); 9] = [
         ("albedo", Self::Albedo),
@@ -53,7 +53,7 @@ impl View {
 
 /// A view of a frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shown {
+pub struct DebugImage {
     /// As in [`Picture::pixels`].
     pub pixels: Vec<u32>,
     /// What the colors stand for, where that depends on the frame.
@@ -69,49 +69,53 @@ const NOTHING: [f32; 3] = [0.03, 0.03, 0.12];
 /// # Errors
 /// The request makes no picture.
 pub fn show(
-    view: View,
+    view: DebugView,
     scene: &Scene,
     request: &Request<'_>,
     picture: &Picture,
-) -> Result<Option<Shown>, SetupError> {
+) -> Result<Option<DebugImage>, SetupError> {
     let Some(layers) = Layers::new(scene, picture, request.samples) else { return Ok(None) };
     let mut legend = None;
     let is_hit = |i: usize| layers.object[i] != NONE;
     let all = 0..layers.object.len();
     let map = |color: &dyn Fn(usize) -> [f32; 3]| all.clone().map(|i| pack(color(i))).collect();
     let pixels = match view {
-        View::Albedo => map(&|i| layers.albedo[i].map(srgb_encode)),
-        View::Normal => map(&|i| if is_hit(i) { layers.normal[i].map(|n| n * 0.5 + 0.5) } else { NOTHING }),
-        View::Depth => {
+        DebugView::Albedo => map(&|i| layers.albedo[i].map(srgb_encode)),
+        DebugView::Normal => {
+            map(&|i| if is_hit(i) { layers.normal[i].map(|n| n * 0.5 + 0.5) } else { NOTHING })
+        }
+        DebugView::Depth => {
             let depths = || layers.depth.iter().copied().filter(|depth| depth.is_finite());
             let (near, far) = (depths().fold(f32::MAX, f32::min), depths().fold(0.0, f32::max));
             legend = Some(format!("white is {near}, dark gray {far} away"));
             let scale = 0.9 / (far - near).max(f32::MIN_POSITIVE);
             map(&|i| if is_hit(i) { [1.0 - (layers.depth[i] - near) * scale; 3] } else { NOTHING })
         }
-        View::Ids => map(&|i| if is_hit(i) { id(layers.object[i], layers.triangle[i]) } else { [0.0; 3] }),
-        View::Shadow => map(&|i| if is_hit(i) { [layers.shadow[i]; 3] } else { NOTHING }),
-        View::Uv => map(&|i| {
+        DebugView::Ids => {
+            map(&|i| if is_hit(i) { id(layers.object[i], layers.triangle[i]) } else { [0.0; 3] })
+        }
+        DebugView::Shadow => map(&|i| if is_hit(i) { [layers.shadow[i]; 3] } else { NOTHING }),
+        DebugView::Uv => map(&|i| {
             let [u, v] = layers.uv[i].map(|c| c - c.floor());
             if is_hit(i) { [u, v, 0.0] } else { NOTHING }
         }),
-        View::Blocks => {
+        DebugView::Blocks => {
             let colors = inspected(scene, request, picture)?;
             colors.zip(&picture.pixels).map(|(found, &pixel)| block(&found).map_or(pixel, pack)).collect()
         }
-        View::Heat => {
+        DebugView::Heat => {
             let counts: Vec<u32> = inspected(scene, request, picture)?.map(|found| found.entries).collect();
             legend = Some(format!("white is {} entries", most(&counts)));
             heat_map(&counts)
         }
-        View::Tests => {
+        DebugView::Tests => {
             let counts: Vec<u32> =
                 inspected(scene, request, picture)?.map(|found| found.boxes + found.triangles).collect();
             legend = Some(format!("white is {} tests of boxes and triangles", most(&counts)));
             heat_map(&counts)
         }
     };
-    Ok(Some(Shown { pixels, legend }))
+    Ok(Some(DebugImage { pixels, legend }))
 }
 
 /// What it takes to follow the first sub-ray of each pixel.
@@ -221,8 +225,8 @@ mod tests {
                 asked += found.entries - found.asked;
             }
             assert!(asked > 0, "no list is left before its end");
-            let views =
-                View::ALL.map(|(_, view)| show(view, &loaded.scene, &request, &picture).unwrap().unwrap());
+            let views = DebugView::ALL
+                .map(|(_, view)| show(view, &loaded.scene, &request, &picture).unwrap().unwrap());
             for (i, view) in views.iter().enumerate() {
                 assert!(
                     view.pixels.len() == 97 * 55 && view.pixels.iter().any(|p| *p != view.pixels[0]),

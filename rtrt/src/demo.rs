@@ -1,5 +1,6 @@
 //! Scenes built in code: `demo:matchbox`, `demo:glass`, `demo:spheres`, `demo:levels`, `demo:moving`.
 
+mod builder;
 mod glass;
 mod levels;
 mod moving;
@@ -13,13 +14,12 @@ pub use levels::{LEVELS, levels};
 pub use moving::{MOVING, moving};
 pub use spheres::{SPHERES, spheres};
 
-use crate::import::builder::Builder;
-use crate::import::{ImportError, Loaded, NamedCamera};
+use self::builder::{DemoBuilder, loaded};
+use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::Texture;
-use rtrt_core::scene::{Camera, Image, Join, Light, MaterialIndex, MeshIndex, Projection, Scene, phong};
+use rtrt_core::scene::{Camera, Join, Light, Projection, phong};
 use shape::Shape;
-use std::path::Path;
 
 /// What the scene is called where a path is expected.
 pub const MATCHBOX: &str = "demo:matchbox";
@@ -42,7 +42,7 @@ const BULB: Vec3 = vec3(1.35, 2.5, -1.1);
 /// # Errors
 /// As for [`crate::import::load`]; nothing in the scene gives rise to any.
 pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut stage = Stage { builder: Builder::new(Path::new(MATCHBOX), join, None) };
+    let mut stage = DemoBuilder::new(MATCHBOX, join);
     stage.room()?;
     stage.window()?;
     stage.lamp()?;
@@ -61,56 +61,10 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.85 },
     };
-    Ok(shown(scene, "room", camera, stage.builder.bvh_build_ms))
+    Ok(loaded(scene, "room", camera, stage.builder.bvh_build_ms))
 }
 
-/// A scene that is whole, with the one camera that it has.
-fn shown(scene: Scene, name: &str, camera: Camera, bvh_build_ms: f64) -> Loaded {
-    Loaded {
-        scene,
-        cameras: vec![NamedCamera { name: name.into(), camera }],
-        camera,
-        lit_by_default: false,
-        animation: None,
-        warnings: Vec::new(),
-        files: Vec::new(),
-        bvh_build_ms,
-    }
-}
-
-/// The scene in the making.
-struct Stage<'a, J> {
-    builder: Builder<'a, J>,
-}
-
-impl<J: Join> Stage<'_, J> {
-    fn texture(&mut self, image: Image) -> Result<Texture, ImportError> {
-        self.builder.add_texture("painted", Ok(image))
-    }
-    /// A material with this color, roughness and texture.
-    fn material(
-        &mut self,
-        color: [f32; 3],
-        roughness: f32,
-        texture: Texture,
-    ) -> Result<MaterialIndex, ImportError> {
-        self.builder.add_material(phong(color, 0.0, roughness, texture, [0.0; 3]))
-    }
-    fn painted(&mut self, color: [f32; 3], roughness: f32) -> Result<MaterialIndex, ImportError> {
-        self.material(color, roughness, Texture::NONE)
-    }
-    fn mesh(&mut self, shape: Shape) -> Result<MeshIndex, ImportError> {
-        self.builder.add_mesh(MATCHBOX, shape.0)
-    }
-    fn place(&mut self, mesh: MeshIndex, material: MaterialIndex, at: Mat4) -> Result<(), ImportError> {
-        self.builder.add_instance(MATCHBOX, mesh, material, at)?;
-        Ok(())
-    }
-    fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
-        let mesh = self.mesh(shape)?;
-        self.place(mesh, material, Mat4::IDENTITY)
-    }
-
+impl<J: Join> DemoBuilder<'_, J> {
     /// Floor, ceiling, walls half tiled and half plastered, and a picture.
     fn room(&mut self) -> Result<(), ImportError> {
         let [low, high] = ROOM;

@@ -1,6 +1,6 @@
 //! A backend that another one takes the place of when it fails.
 
-use super::Tell;
+use super::options::Tell;
 use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request};
 use rtrt_core::scene::Scene;
 use rtrt_cpu::Cpu;

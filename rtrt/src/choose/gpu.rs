@@ -1,7 +1,8 @@
 //! What there is to choose from where there may be GPUs.
 
+use super::chosen::{ChooseError, Chosen, cpu};
 use super::fallback::Fallback;
-use super::{ChooseError, Chosen, Options, cpu};
+use super::options::Options;
 use rtrt_gpu::{Adapter, Gpu, Kind, Route};
 
 /// The GPU that was asked for.

@@ -2,8 +2,8 @@
 
 use super::Error;
 use super::console::Console;
-use super::job::{Job, open};
-use super::options::Bench;
+use super::job::{RenderJob, open};
+use super::options::BenchOptions;
 use super::output;
 use super::report::{Machine, PerStage};
 use rtrt::hash;
@@ -26,7 +26,7 @@ const LIT: [usize; 6] = [0, 1, 2, 3, 5, 6];
 
 /// What is reported; `--json` prints it.
 #[derive(serde::Serialize)]
-struct Report {
+struct BenchReport {
     #[serde(flatten)]
     machine: Machine,
     /// Width and height.
@@ -69,12 +69,12 @@ struct Times {
 }
 
 /// Measures.
-pub fn run(options: &Bench) -> Result<(), Error> {
+pub fn run(options: &BenchOptions) -> Result<(), Error> {
     let console = Console::new(
         options.common.talk,
         u64::from(options.frames + WARM_UP) + 3 + u64::from(options.common.structure != Structure::Blocks),
     );
-    let mut job = Job::load(&options.common, SAMPLES, true, options.common.start(), &console)?;
+    let mut job = RenderJob::load(&options.common, SAMPLES, true, options.common.start(), &console)?;
     let (mut backend, machine) = open(&options.common.backend, options.hybrid, &console)?;
     let mut picture = Picture::default();
     let mut frames: Vec<[f64; STAGES.len()]> = Vec::new();
@@ -108,7 +108,7 @@ pub fn run(options: &Bench) -> Result<(), Error> {
     let seconds = |of: &[usize]| of.iter().map(|&stage| stages[stage].median).sum::<f64>() * 1e-3;
     let rays = (job.rays + shadow_rays) as f64;
     let scene = &job.scene;
-    let report = Report {
+    let report = BenchReport {
         machine,
         size: job.size,
         samples: job.samples,
@@ -141,7 +141,7 @@ fn times(mut of: Vec<f64>) -> Times {
 /// How many rays to lights a frame casts. Without shadows a light reaches every surface
 /// that would have asked whether something is in between: the bits of the shadow mask are
 /// the rays.
-fn shadow_rays(job: &Job, backend: &mut dyn Backend) -> Result<u64, Error> {
+fn shadow_rays(job: &RenderJob, backend: &mut dyn Backend) -> Result<u64, Error> {
     if job.shadows == Shadows::Off {
         return Ok(0);
     }
@@ -158,7 +158,7 @@ fn peak_rss_bytes() -> Option<u64> {
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for BenchReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const MEGA: f64 = 1e-6;
         let [width, height] = self.size;

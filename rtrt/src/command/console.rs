@@ -4,6 +4,7 @@ use super::options::Talk;
 use super::{Error, output};
 use indicatif::{ProgressBar, ProgressStyle};
 use rtrt::choose::Tell;
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::io::Write;
 use std::time::Duration;
@@ -42,6 +43,16 @@ impl Console {
     /// A line of results.
     pub fn print(&self, line: impl Display) -> Result<(), Error> {
         self.bar.suspend(|| output::print(line))
+    }
+
+    /// Writes hashes as results, a line each: of the pixels, then of the deferred buffers.
+    pub fn print_hashes(
+        &self,
+        pixels: &str,
+        buffers: Option<BTreeMap<&'static str, String>>,
+    ) -> Result<(), Error> {
+        self.print(format_args!("{pixels}  pixels"))?;
+        buffers.into_iter().flatten().try_for_each(|(name, hash)| self.print(format_args!("{hash}  {name}")))
     }
 
     /// Something that is not as it should be, but does not keep the command from going on, unless it is

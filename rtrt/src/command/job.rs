@@ -6,7 +6,7 @@ use super::options::{BackendOptions, CameraOptions, Common};
 use super::report::Machine;
 use rtrt::cache::Cache;
 use rtrt::choose::{self, ChooseError, Chosen, choose};
-use rtrt::debug::{Shown, View, show};
+use rtrt::debug::{DebugImage, DebugView, show};
 use rtrt::demo;
 use rtrt::import::{self, Animation, ImportError, Loaded, NamedCamera};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
@@ -22,7 +22,7 @@ const MAX_RAYS: u64 = 1 << 31;
 const MAX_DEFERRED: u64 = 1 << 26;
 
 /// What is rendered.
-pub struct Job {
+pub struct RenderJob {
     pub scene: Scene,
     pub camera: Camera,
     pub size: [u32; 2],
@@ -47,7 +47,7 @@ pub struct Job {
     common: Common,
 }
 
-impl Job {
+impl RenderJob {
     /// Loads the scene that `common` names, and changes it as `common` says. `samples` is
     /// for where it says nothing; `deferred` is whether deferred buffers will be asked for; `time` is
     /// when, of the animation.
@@ -169,7 +169,7 @@ impl Job {
     }
 
     /// A view of a picture of the job whose deferred buffers were kept.
-    pub fn show(&self, view: View, picture: &Picture) -> Result<Shown, Error> {
+    pub fn show(&self, view: DebugView, picture: &Picture) -> Result<DebugImage, Error> {
         let shown = show(view, &self.scene, &self.request(true), picture);
         let shown = shown
             .map_err(|error| Error::Render { scene: self.common.scene.clone(), source: error.into() })?;
@@ -191,7 +191,7 @@ pub fn rays(size: [u32; 2], samples: u32, deferred: bool) -> Result<u64, Error> 
 
 /// What changes while a scene is looked at.
 #[cfg(feature = "viewer")]
-impl Job {
+impl RenderJob {
     /// Looks from elsewhere. Lights that the scene has only because it brings none are placed anew.
     pub fn look(&mut self, camera: Camera) {
         self.camera = camera;

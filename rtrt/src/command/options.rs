@@ -3,8 +3,8 @@
 #[cfg(feature = "viewer")]
 use super::parse::png;
 use super::parse::{
-    angle, background, choice, exr, height, light, mip, occluders, one_of, picture, radius, rate, seconds,
-    shadows, size, structure, tone, vector, view,
+    Background, angle, background, choice, exr, height, light, mip, occluders, one_of, picture, radius, rate,
+    seconds, shadows, size, structure, tone, vector, view,
 };
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 /// Options of `rtrt render`.
 #[derive(Debug, Args)]
-pub struct Render {
+pub struct RenderOptions {
     /// Where to write the picture: a PNG file; an EXR file, which gets the linear color; or - to
     /// write a PNG to standard output. In names of files, {scene} becomes the scene's name, {n} the
     /// frame's number, and {frame} the same with at least four digits
@@ -36,7 +36,7 @@ pub struct Render {
     /// a ray misses all bounding spheres, white where it misses all meshes; heat is how many entries
     /// a block's list has; tests is how many boxes and triangles a ray is asked for
     #[arg(long, value_name = "VIEW", value_parser = view())]
-    pub debug: Option<debug::View>,
+    pub debug: Option<debug::DebugView>,
     /// What is behind everything, and is seen through what is not opaque: a linear color;
     /// transparent, which is an alpha of 0 where a ray hits nothing, and one in between where
     /// surfaces are seen through; or env, the environment, which is usual where there is one.
@@ -76,7 +76,7 @@ pub struct Render {
 
 /// Options of `rtrt verify`.
 #[derive(Debug, Args)]
-pub struct Verify {
+pub struct VerifyOptions {
     /// Print the SHA-256 of the reference's pixels and of each of its deferred buffers
     #[arg(long)]
     pub hash: bool,
@@ -86,7 +86,7 @@ pub struct Verify {
 
 /// Options of `rtrt bench`.
 #[derive(Debug, Args)]
-pub struct Bench {
+pub struct BenchOptions {
     /// Frames to measure, after two that are not counted
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000), allow_negative_numbers = true)]
     pub frames: u32,
@@ -101,7 +101,7 @@ pub struct Bench {
 /// Options of `rtrt view`.
 #[cfg(feature = "viewer")]
 #[derive(Debug, Args)]
-pub struct View {
+pub struct ViewOptions {
     /// Where F12 writes the picture, a PNG file; {frame} becomes the first number that no file has
     #[arg(short, long, value_name = "FILE", default_value = "rtrt-{frame}.png", value_parser = PathBufValueParser::new().try_map(png))]
     pub output: PathBuf,
@@ -236,17 +236,6 @@ pub struct Talk {
     /// Make every warning an error
     #[arg(long)]
     pub strict: bool,
-}
-
-/// What is behind everything.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Background {
-    /// Linear RGB.
-    Color([f32; 3]),
-    /// Nothing.
-    Transparent,
-    /// The environment.
-    Environment,
 }
 
 /// Where the scene is seen from. What is not given is the scene's.

@@ -1,12 +1,10 @@
 //! What a command leaves behind: lines on standard output, and picture files.
 
 use super::Error;
-use super::console::Console;
 use super::parse::is_standard;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use rtrt::replace::{folder, replace};
-use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
@@ -60,14 +58,4 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
         return print_bytes(bytes);
     }
     replace(path, bytes).map_err(|source| Error::Write { path: path.to_owned(), source })
-}
-
-/// Writes hashes, a line each: of the pixels, then of the deferred buffers.
-pub fn print_hashes(
-    console: &Console,
-    pixels: &str,
-    buffers: Option<BTreeMap<&'static str, String>>,
-) -> Result<(), Error> {
-    console.print(format_args!("{pixels}  pixels"))?;
-    buffers.into_iter().flatten().try_for_each(|(name, hash)| console.print(format_args!("{hash}  {name}")))
 }

@@ -1,6 +1,5 @@
 //! What the words of a command line stand for.
 
-use super::options::Background;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::Choice;
@@ -90,6 +89,17 @@ pub fn vector(text: &str) -> Result<Vec3, String> {
         Some(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
         _ => Err("not three finite numbers with commas between them".into()),
     }
+}
+
+/// What is behind everything.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Background {
+    /// Linear RGB.
+    Color([f32; 3]),
+    /// Nothing.
+    Transparent,
+    /// The environment.
+    Environment,
 }
 
 /// `0.1,0.2,0.5`, `transparent` or `env`.
@@ -251,9 +261,13 @@ pub fn ends_in(path: &Path, ending: &str) -> bool {
 }
 
 /// A view's name.
-pub fn view() -> impl TypedValueParser<Value = debug::View> {
-    PossibleValuesParser::new(debug::View::ALL.map(|(name, _)| name)).try_map(|name| {
-        debug::View::ALL.iter().find(|(known, _)| *known == name).map(|(_, view)| *view).ok_or("unknown view")
+pub fn view() -> impl TypedValueParser<Value = debug::DebugView> {
+    PossibleValuesParser::new(debug::DebugView::ALL.map(|(name, _)| name)).try_map(|name| {
+        debug::DebugView::ALL
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, view)| *view)
+            .ok_or("unknown view")
     })
 }
 

@@ -4,10 +4,11 @@ use super::Error;
 use super::compare::{self, compare};
 use super::console::Console;
 use super::exr;
-use super::job::{Job, open};
+use super::job::{RenderJob, open};
 use super::names::{filled, is_numbered};
-use super::options::{Background, Render};
+use super::options::RenderOptions;
 use super::output::{self, png};
+use super::parse::Background;
 use super::parse::{ends_in, is_standard};
 use super::report::{Machine, PerStage, buffer_hashes};
 use bytemuck::cast_slice;
@@ -25,7 +26,7 @@ pub const SAMPLES: u32 = 4;
 
 /// What `--json` prints.
 #[derive(serde::Serialize)]
-struct Report<'a> {
+struct RenderReport<'a> {
     #[serde(flatten)]
     machine: Machine,
     size: [u32; 2],
@@ -45,11 +46,11 @@ struct Report<'a> {
 }
 
 /// Renders.
-pub fn run(options: &Render) -> Result<(), Error> {
+pub fn run(options: &RenderOptions) -> Result<(), Error> {
     check(options)?;
     let console = Console::new(options.common.talk, 2 + 3 * u64::from(options.frames));
     let start = options.common.start().or((options.frames > 1).then_some(0.0));
-    let mut job = Job::load(&options.common, SAMPLES, keeps_buffers(options), start, &console)?;
+    let mut job = RenderJob::load(&options.common, SAMPLES, keeps_buffers(options), start, &console)?;
     match options.background {
         Some(Background::Color(color)) => {
             (job.scene.background, job.scene.backdrop) = (color.into(), Backdrop::Color);
@@ -71,8 +72,8 @@ pub fn run(options: &Render) -> Result<(), Error> {
 
 /// Renders a frame, writes its files, and prints what was asked for.
 fn render(
-    options: &Render,
-    job: &Job,
+    options: &RenderOptions,
+    job: &RenderJob,
     frame: u32,
     (backend, machine): (&mut dyn Backend, &Machine),
     picture: &mut Picture,
@@ -91,7 +92,7 @@ fn render(
     }
     let (hash, buffers) = (hash::pixels(picture), buffer_hashes(picture).filter(|_| options.hash));
     if options.common.json {
-        return console.print(output::json(&Report {
+        return console.print(output::json(&RenderReport {
             machine: machine.clone(),
             size: job.size,
             samples: job.samples,
@@ -106,7 +107,7 @@ fn render(
             output: output.as_deref(),
         })?);
     }
-    if options.hash { output::print_hashes(console, &hash, buffers) } else { Ok(()) }
+    if options.hash { console.print_hashes(&hash, buffers) } else { Ok(()) }
 }
 
 /// Stages with their times, those that took any.
@@ -116,7 +117,7 @@ fn stages(picture: &Picture) -> String {
 }
 
 /// Whether the options go together, and files can be written where they say.
-fn check(options: &Render) -> Result<(), Error> {
+fn check(options: &RenderOptions) -> Result<(), Error> {
     let output = options.output.as_deref();
     if output.is_some_and(is_standard) && (options.hash || options.common.json) {
         return Err(Error::Usage(
@@ -155,17 +156,17 @@ fn check(options: &Render) -> Result<(), Error> {
 }
 
 /// Whether what is to be written is made from the deferred buffers.
-fn keeps_buffers(options: &Render) -> bool {
+fn keeps_buffers(options: &RenderOptions) -> bool {
     let is_exr = options.output.as_deref().is_some_and(|path| ends_in(path, "exr"));
     options.hash || options.aov.is_some() || options.debug.is_some() || options.bits != 8 || is_exr
 }
 
 /// Writes the picture's files.
 fn write(
-    options: &Render,
+    options: &RenderOptions,
     output: Option<&Path>,
     aov: Option<&Path>,
-    job: &Job,
+    job: &RenderJob,
     picture: &Picture,
     console: &Console,
 ) -> Result<(), Error> {

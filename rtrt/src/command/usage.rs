@@ -8,13 +8,13 @@ pub fn refused(error: clap::Error) -> Error {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         error.exit();
     }
-    let (what, hint) = told(&error.render().to_string());
+    let (what, hint) = message_and_hint(&error.render().to_string());
     Error::Line { what, hint }
 }
 
 /// What is wrong, and what may help, each in a line. `text` has paragraphs: what is wrong, perhaps tips, the usage,
 /// and where to read more.
-fn told(text: &str) -> (String, String) {
+fn message_and_hint(text: &str) -> (String, String) {
     let mut parts = text.split("\n\n").map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
     let what = parts.next().unwrap_or_default();
     let mut tips = parts.filter_map(|part| part.strip_prefix("tip: ").map(str::to_owned));

@@ -2,8 +2,8 @@
 
 use super::Error;
 use super::console::Console;
-use super::job::Job;
-use super::options::{BackendOptions, Verify};
+use super::job::RenderJob;
+use super::options::{BackendOptions, VerifyOptions};
 use super::output;
 use super::report::{buffer_hashes, counted};
 use rtrt::choose::{Choice, ChooseError, is_called};
@@ -21,7 +21,7 @@ const SAMPLES: u32 = 1;
 
 /// What `--json` prints.
 #[derive(serde::Serialize)]
-struct Report {
+struct VerifyReport {
     /// What the others are compared with.
     reference: String,
     size: [u32; 2],
@@ -74,11 +74,11 @@ enum Variant {
 const REFERENCE: Variant = Variant::Cpu { lanes: 1, threads: 1 };
 
 /// Compares.
-pub fn run(options: &Verify) -> Result<(), Error> {
+pub fn run(options: &VerifyOptions) -> Result<(), Error> {
     let common = &options.common;
     let variants = variants(&common.backend)?;
     let console = Console::new(common.talk, variants.len() as u64 + 2);
-    let job = Job::load(common, SAMPLES, true, common.start(), &console)?;
+    let job = RenderJob::load(common, SAMPLES, true, common.start(), &console)?;
     console.step(format_args!("rendering the reference: {REFERENCE}"));
     let mut expected = Picture::default();
     job.render(&mut *REFERENCE.open()?, &job.request(true), &mut expected)?;
@@ -97,7 +97,7 @@ pub fn run(options: &Verify) -> Result<(), Error> {
     if common.json {
         let equal = verdicts.iter().all(|verdict| verdict.result != Outcome::Differs);
         let (reference, size, samples) = (REFERENCE.to_string(), job.size, job.samples);
-        console.print(output::json(&Report {
+        console.print(output::json(&VerifyReport {
             reference,
             size,
             samples,
@@ -107,13 +107,18 @@ pub fn run(options: &Verify) -> Result<(), Error> {
             variants: verdicts,
         })?)?;
     } else if options.hash {
-        output::print_hashes(&console, &hash, buffers)?;
+        console.print_hashes(&hash, buffers)?;
     }
     failure.map_or(Ok(()), Err)
 }
 
 /// Renders on the variant, and compares.
-fn verdict(variant: &Variant, job: &Job, expected: &Picture, actual: &mut Picture) -> Result<Verdict, Error> {
+fn verdict(
+    variant: &Variant,
+    job: &RenderJob,
+    expected: &Picture,
+    actual: &mut Picture,
+) -> Result<Verdict, Error> {
     let (result, detail) = match variant.open() {
         Err(error) => (Outcome::Skipped, Some(error.to_string())),
         Ok(mut backend) => {

@@ -1,8 +1,8 @@
 //! `demo:glass`: light through colored panes.
 
+use super::builder::loaded;
 use super::noise::hash;
 use super::shape::Shape;
-use super::shown;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
@@ -37,7 +37,7 @@ const CORNER: Vec3 = vec3(-1.9, 0.35, -1.35);
 /// # Errors
 /// As for [`crate::import::load`]; nothing in the scene gives rise to any.
 pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut stage = Stage { builder: Builder::new(Path::new(GLASS), join, None) };
+    let mut stage = GlassBuilder { builder: Builder::new(Path::new(GLASS), join, None) };
     stage.room()?;
     stage.window()?;
     stage.sheets()?;
@@ -52,15 +52,15 @@ pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.80 },
     };
-    Ok(shown(scene, "window", camera, stage.builder.bvh_build_ms))
+    Ok(loaded(scene, "window", camera, stage.builder.bvh_build_ms))
 }
 
 /// The scene in the making.
-struct Stage<'a, J> {
+struct GlassBuilder<'a, J> {
     builder: Builder<'a, J>,
 }
 
-impl<J: Join> Stage<'_, J> {
+impl<J: Join> GlassBuilder<'_, J> {
     fn opaque(&mut self, color: [f32; 3], roughness: f32) -> Result<MaterialIndex, ImportError> {
         self.builder.add_material(phong(color, 0.0, roughness, Texture::NONE, [0.0; 3]))
     }

@@ -1,8 +1,9 @@
 //! `demo:levels`: objects with fewer triangles the farther away they are.
 
+use super::builder::loaded;
 use super::shape::Shape;
-use super::shown;
-use crate::import::builder::{Builder, Geometry};
+use crate::import::builder::Builder;
+use crate::import::geometry::Geometry;
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::{Attribute, Texture};
@@ -51,7 +52,7 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.7 },
     };
-    Ok(shown(scene, "field", camera, builder.bvh_build_ms))
+    Ok(loaded(scene, "field", camera, builder.bvh_build_ms))
 }
 
 /// A ball: so many rings of as many quads.

@@ -1,17 +1,14 @@
 //! `demo:moving`: objects with a velocity and a rotation of their own.
 
-use super::Stage;
+use super::builder::{DemoBuilder, loaded};
 use super::paint;
 use super::shape::Shape;
-use super::shown;
-use crate::import::builder::Builder;
 use crate::import::{Animation, ImportError, Loaded};
 use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::layout::Texture;
 use rtrt_core::scene::{
     Camera, InstanceIndex, Join, Light, MaterialIndex, MeshIndex, Motion, Projection, phong,
 };
-use std::path::Path;
 
 /// What the scene is called where a path is expected.
 pub const MOVING: &str = "demo:moving";
@@ -39,7 +36,7 @@ struct Goods {
 /// # Errors
 /// As for [`crate::import::load`]; nothing in the scene gives rise to any.
 pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut stage = Stage { builder: Builder::new(Path::new(MOVING), join, None) };
+    let mut stage = DemoBuilder::new(MOVING, join);
     let planks = stage.texture(paint::planks())?;
     let floor = stage.material([0.95; 3], 0.6, planks)?;
     let shape = Shape::default().tiled(vec3(-16.0, 0.0, -9.0), Vec3::X * 32.0, Vec3::Z * 18.0, 2.4);
@@ -58,10 +55,10 @@ pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
         projection: Projection::Perspective { fov_y: 0.75 },
     };
     let animation = Some(Animation::of_motions(MOVING, motions, END));
-    Ok(Loaded { animation, ..shown(scene, "lanes", camera, stage.builder.bvh_build_ms) })
+    Ok(Loaded { animation, ..loaded(scene, "lanes", camera, stage.builder.bvh_build_ms) })
 }
 
-impl<J: Join> Stage<'_, J> {
+impl<J: Join> DemoBuilder<'_, J> {
     /// What flies, where it starts, and how.
     fn lanes(&mut self) -> Result<Vec<(InstanceIndex, Mat4, Motion)>, ImportError> {
         let board = self.texture(paint::board())?;

@@ -1,6 +1,6 @@
 //! The shapes of the demo.
 
-use crate::import::builder::Geometry;
+use crate::import::geometry::Geometry;
 use glam::Vec3;
 use rtrt_core::layout::Attribute;
 

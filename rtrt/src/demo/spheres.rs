@@ -1,15 +1,12 @@
 //! `demo:spheres`: what spheres can be.
 
-use super::Stage;
+use super::builder::{DemoBuilder, loaded};
 use super::paint;
 use super::shape::Shape;
-use super::shown;
-use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::layout::{AlphaMode, Material, Texture};
 use rtrt_core::scene::{Camera, Join, Light, MaterialIndex, Projection, phong};
-use std::path::Path;
 
 /// What the scene is called where a path is expected.
 pub const SPHERES: &str = "demo:spheres";
@@ -19,7 +16,7 @@ pub const SPHERES: &str = "demo:spheres";
 /// # Errors
 /// As for [`crate::import::load`]; nothing in the scene gives rise to any.
 pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut stage = Stage { builder: Builder::new(Path::new(SPHERES), join, None) };
+    let mut stage = DemoBuilder::new(SPHERES, join);
     let planks = stage.texture(paint::planks())?;
     let floor = stage.material([0.95; 3], 0.5, planks)?;
     let corner = vec3(-6.0, 0.0, -7.0);
@@ -39,10 +36,10 @@ pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.72 },
     };
-    Ok(shown(scene, "table", camera, stage.builder.bvh_build_ms))
+    Ok(loaded(scene, "table", camera, stage.builder.bvh_build_ms))
 }
 
-impl<J: Join> Stage<'_, J> {
+impl<J: Join> DemoBuilder<'_, J> {
     pub(super) fn glass(&mut self, color: [f32; 3], alpha: f32) -> Result<MaterialIndex, ImportError> {
         let glass = phong(color, 0.0, 0.1, Texture::NONE, [0.0; 3]);
         self.builder.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })

@@ -1,8 +1,8 @@
 //! What moves in a file: where everything is at a time.
 
 use super::ImportError;
-use super::gltf::Track;
-use super::shape::Shape;
+use super::deformed::DeformedMesh;
+use super::track::Track;
 use glam::{DMat4, DQuat, DVec3, Mat4, Vec3};
 use gltf_json::animation::Property;
 use rtrt_core::scene::{
@@ -19,7 +19,7 @@ pub struct Animation {
     /// Which one is played; all at once if none.
     played: Option<usize>,
     /// Parents come before their children.
-    nodes: Vec<Node>,
+    nodes: Vec<SceneNode>,
     /// Objects that move by themselves, and where they start.
     motions: Vec<(InstanceIndex, Mat4, Motion)>,
     /// When these come to rest, seconds.
@@ -28,7 +28,7 @@ pub struct Animation {
 
 /// A node, and what hangs on it.
 #[derive(Debug, Clone)]
-pub(super) struct Node {
+pub(super) struct SceneNode {
     /// Among the nodes.
     pub parent: Option<usize>,
     pub local: Local,
@@ -36,7 +36,7 @@ pub(super) struct Node {
     /// Objects, and where they are seen from the node.
     pub objects: Vec<(InstanceIndex, DMat4)>,
     /// Meshes that change their shape.
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<DeformedMesh>,
     /// A camera of the file, by its place in [`super::Loaded::cameras`].
     pub camera: Option<(usize, Projection)>,
     /// A light, by its place in the scene.
@@ -111,7 +111,7 @@ pub struct Pose {
 }
 
 impl Animation {
-    pub(super) fn new(path: &Path, names: Vec<String>, nodes: Vec<Node>) -> Self {
+    pub(super) fn new(path: &Path, names: Vec<String>, nodes: Vec<SceneNode>) -> Self {
         Self { path: path.to_owned(), names, played: Some(0), nodes, motions: Vec::new(), rest: 0.0 }
     }
 
@@ -132,7 +132,7 @@ impl Animation {
     }
 
     /// The tracks of a node that are played.
-    fn played<'a>(&'a self, node: &'a Node) -> impl Iterator<Item = &'a Track> {
+    fn played<'a>(&'a self, node: &'a SceneNode) -> impl Iterator<Item = &'a Track> {
         node.tracks.iter().filter(|track| self.played.is_none_or(|number| track.animation == number))
     }
 

@@ -1,10 +1,10 @@
 //! What both formats fill: a scene, within limits, with warnings.
 
 use super::file::Files;
-use super::shape::Deform;
+use super::geometry::{Geometry, Tangents};
 use super::{ImportError, picture};
 use crate::cache::Cache;
-use rtrt_core::layout::{Attribute, Material, Texture, Wrap};
+use rtrt_core::layout::{Material, Texture, Wrap};
 use rtrt_core::scene::{
     Bvh, Content, Image, InstanceIndex, Join, MaterialIndex, Mesh, MeshError, MeshIndex, Scene, SceneError,
 };
@@ -25,33 +25,6 @@ const WARNINGS: usize = 40;
 /// The most vertices that meshes which change their shape may have, once for each target: at
 /// some 30 bytes each, 2 GB.
 const DEFORMED: u64 = 1 << 26;
-
-/// Positions, attributes and indices of a mesh that is not checked yet.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Geometry {
-    pub positions: Vec<[f32; 3]>,
-    pub attributes: Vec<Attribute>,
-    pub indices: Vec<u32>,
-    pub second_uv: Option<Vec<[f32; 2]>>,
-    pub tangents: Tangents,
-    /// What changes its shape.
-    pub deform: Deform,
-}
-
-/// The tangents of a mesh's vertices, which normal maps need.
-#[derive(Debug, Clone, Default)]
-pub(crate) enum Tangents {
-    /// Nothing needs them.
-    #[default]
-    None,
-    /// As the file has them.
-    Given(Vec<[f32; 4]>),
-    /// Made from texture coordinates.
-    Made {
-        /// Those of the second set.
-        second: bool,
-    },
-}
 
 /// A scene in the making.
 pub(crate) struct Builder<'a, J> {

@@ -17,54 +17,27 @@
 
 mod animation;
 pub(crate) mod builder;
+mod deformed;
 mod environment;
 mod error;
 mod file;
 mod framing;
+pub(crate) mod geometry;
 mod gltf;
+mod loaded;
 mod obj;
 mod picture;
-mod shape;
+mod track;
 
 pub use animation::{Animation, Pose};
 pub use environment::surround;
 pub use error::ImportError;
 pub use framing::{framing, framing_played, light_by_default};
+pub use loaded::{Loaded, NamedCamera};
 
 use crate::cache::Cache;
-use rtrt_core::scene::{Camera, Join, Scene};
-use std::path::{Path, PathBuf};
-
-/// A camera of a file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NamedCamera {
-    /// What the file calls it; empty if it has no name.
-    pub name: String,
-    /// The camera.
-    pub camera: Camera,
-}
-
-/// A scene from a file.
-#[derive(Debug)]
-pub struct Loaded {
-    /// The scene, lit.
-    pub scene: Scene,
-    /// The file's cameras, in the order in which its nodes are met.
-    pub cameras: Vec<NamedCamera>,
-    /// The first of them, or [`framing`] for a picture of 16 to 9.
-    pub camera: Camera,
-    /// Whether the file has no lights, and [`light_by_default`] was asked for
-    /// [`Loaded::camera`]. Who looks from elsewhere may ask again.
-    pub lit_by_default: bool,
-    /// What moves, if something does; see [`Animation::play`]. The scene is as the file has it at rest.
-    pub animation: Option<Animation>,
-    /// What the file has that is not drawn as it says, a line each.
-    pub warnings: Vec<String>,
-    /// The files that the scene consists of, also those that were looked for and are not there.
-    pub files: Vec<PathBuf>,
-    /// Time taken to build mesh trees, or to take them from the cache, in milliseconds.
-    pub bvh_build_ms: f64,
-}
+use rtrt_core::scene::Join;
+use std::path::Path;
 
 /// Loads a scene. `join` runs the halves of tree builds, at once where it has threads.
 ///

@@ -4,7 +4,7 @@ use super::camera;
 use super::input::{Button, Event, Modifiers};
 use egui::Key;
 use glam::DVec3;
-use rtrt::debug::View;
+use rtrt::debug::DebugView;
 use rtrt_core::scene::Camera;
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -30,8 +30,21 @@ pub const KEYS: [(&str, &str); 17] = [
     ("H  Esc", "these keys; close"),
 ];
 
+/// The keys, as the help of the command lists them.
+pub fn keys() -> String {
+    let lines = KEYS.iter().map(|(keys, what)| format!("\n  {keys:<16}  {what}"));
+    format!("Keys:{}", lines.collect::<String>())
+}
+
 /// The views of Ctrl with a digit, from 1 on.
-const VIEWS: [View; 6] = [View::Albedo, View::Normal, View::Depth, View::Ids, View::Heat, View::Shadow];
+const VIEWS: [DebugView; 6] = [
+    DebugView::Albedo,
+    DebugView::Normal,
+    DebugView::Depth,
+    DebugView::Ids,
+    DebugView::Heat,
+    DebugView::Shadow,
+];
 
 /// Radians a pixel that the mouse is dragged.
 const TURN: f64 = 0.005;
@@ -52,7 +65,7 @@ pub enum Action {
     Screenshot,
     Reset,
     Play,
-    Debug(Option<View>),
+    Debug(Option<DebugView>),
     Open(PathBuf),
     Close,
 }
@@ -270,7 +283,7 @@ mod tests {
     fn digits_choose_a_view_with_ctrl_and_a_side_without() {
         let ctrl = Event::Modifiers(Modifiers { ctrl: true, ..Modifiers::default() });
         let (rig, actions) = after(FREE, &[ctrl.clone(), Event::Press(Key::Num3), Event::Press(Key::Num0)]);
-        assert_eq!(actions, [Action::Debug(Some(View::Depth)), Action::Debug(None)]);
+        assert_eq!(actions, [Action::Debug(Some(DebugView::Depth)), Action::Debug(None)]);
         assert_eq!(rig.camera, RIG.camera);
         let (rig, _) = after(FREE, &[Event::Press(Key::Num3)]);
         assert!(rig.camera.eye.x > 2.0 && rig.camera.eye.z.abs() < 1e-5);

@@ -30,6 +30,7 @@
 mod camera;
 mod controls;
 mod engine;
+mod failure;
 mod input;
 mod overlay;
 mod pace;
@@ -41,56 +42,26 @@ mod watch;
 mod window;
 
 use super::Error;
-use super::options::View;
-use controls::KEYS;
+use super::options::ViewOptions;
+pub use controls::keys;
+use failure::{panics_caught, reason};
 use input::Replay;
-use std::fmt::Display;
 use std::fs;
-use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 use viewer::Viewer;
 use window::App;
 use winit::event_loop::EventLoop;
 
-/// The keys, as the help of the command lists them.
-pub fn keys() -> String {
-    let lines = KEYS.iter().map(|(keys, what)| format!("\n  {keys:<16}  {what}"));
-    format!("Keys:{}", lines.collect::<String>())
-}
-
 /// Opens a window, and shows the scene until it is closed.
-pub fn run(options: &View) -> Result<(), Error> {
+pub fn run(options: &ViewOptions) -> Result<(), Error> {
     let refused = |why| Error::Window { scene: options.common.scene.clone(), why };
     let replay = options.replay.as_deref().map(replay).transpose()?;
     // Before anything is loaded: without a display there is nobody to show it to.
-    let events = caught(|| EventLoop::new().map_err(|error| plain(&error))).map_err(refused)?;
+    let events = panics_caught(|| EventLoop::new().map_err(|error| reason(&error))).map_err(refused)?;
     let viewer = Viewer::new(options)?;
     let mut app = App::new(options, viewer, replay, events.create_proxy())?;
-    events.run_app(&mut app).map_err(|error| refused(plain(&error)))?;
+    events.run_app(&mut app).map_err(|error| refused(reason(&error)))?;
     app.result
-}
-
-/// What `open` opens. Where a library or an extension of the display is missing, what it calls panics
-/// instead of saying so.
-fn caught<T>(open: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    let hook = panic::take_hook();
-    panic::set_hook(Box::new(|_| {}));
-    let opened = panic::catch_unwind(AssertUnwindSafe(open));
-    panic::set_hook(hook);
-    opened.unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<&str>().copied();
-        let text = text.or(panic.downcast_ref::<String>().map(String::as_str));
-        // One line, whatever it says.
-        Err(text.unwrap_or("it panicked").lines().collect::<Vec<_>>().join(" "))
-    })
-}
-
-/// What failed, without the place in the source of a library that noticed it: "os error at
-/// src/x.rs:12: why".
-fn plain(error: &impl Display) -> String {
-    let text = error.to_string();
-    let why = text.strip_prefix("os error at ").and_then(|rest| rest.split_once(".rs:")?.1.split_once(": "));
-    why.map_or(text.as_str(), |(_, why)| why).trim_end_matches('.').to_owned()
 }
 
 /// Reads a recording.

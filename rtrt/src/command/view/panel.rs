@@ -5,7 +5,7 @@ use super::viewer::{Settings, Viewer};
 use crate::command::parse::SHADOWS;
 use egui::{Align2, Checkbox, CollapsingHeader, ComboBox, Context, DragValue, ScrollArea, Ui, Window, vec2};
 use glam::Vec3;
-use rtrt::debug::View;
+use rtrt::debug::DebugView;
 use rtrt_core::scene::{Light, LightKind, Setup};
 
 /// Shows the panel, and does what is chosen.
@@ -45,11 +45,12 @@ fn picture(ui: &mut Ui, settings: &mut Settings, is_gpu: bool) {
     ui.add_enabled(is_gpu, hybrid);
     let fps = DragValue::new(&mut settings.fps).range(1.0..=240.0).speed(0.5);
     ui.horizontal(|ui| (ui.label("frames a second while moving"), ui.add(fps)));
-    let name =
-        |view| View::ALL.iter().find(|(_, known)| Some(*known) == view).map_or("picture", |(name, _)| *name);
+    let name = |view| {
+        DebugView::ALL.iter().find(|(_, known)| Some(*known) == view).map_or("picture", |(name, _)| *name)
+    };
     ComboBox::from_label("shown").selected_text(name(settings.debug)).show_ui(ui, |ui| {
         ui.selectable_value(&mut settings.debug, None, "picture");
-        for (name, view) in View::ALL {
+        for (name, view) in DebugView::ALL {
             ui.selectable_value(&mut settings.debug, Some(view), name);
         }
     });

@@ -7,7 +7,7 @@ use crate::command::render::SAMPLES;
 use clap::CommandFactory;
 use clap::parser::ValueSource;
 use glam::Vec3;
-use rtrt::debug::View;
+use rtrt::debug::DebugView;
 use rtrt_core::backend::{LAYERS, Request, Shadows};
 use rtrt_core::scene::{Light, LightKind, Projection};
 use std::ffi::OsString;
@@ -24,7 +24,7 @@ pub struct Shot<'a> {
     pub time: Option<f64>,
     /// Whether a GPU draws what the camera sees.
     pub hybrid: bool,
-    pub debug: Option<View>,
+    pub debug: Option<DebugView>,
     /// The lights, if they are no longer those that the scene and the options give.
     pub lights: Option<&'a [Light]>,
     /// The same for ambient light and background.
@@ -151,7 +151,7 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
             option(format_args!("--adapter {}", quoted(Path::new(adapter))));
         }
     }
-    if let Some((name, _)) = View::ALL.iter().find(|(_, view)| Some(*view) == shot.debug) {
+    if let Some((name, _)) = DebugView::ALL.iter().find(|(_, view)| Some(*view) == shot.debug) {
         option(format_args!("--debug {name}"));
     }
     line
@@ -199,11 +199,11 @@ fn quoted(path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::command::options::{CameraOptions, Render};
+    use crate::command::options::{CameraOptions, RenderOptions};
     use clap::Parser;
     use rtrt_core::scene::Camera;
 
-    fn options(line: &str) -> Render {
+    fn options(line: &str) -> RenderOptions {
         match Command::parse_from(line.split_whitespace()) {
             Command::Render(options) => options,
             other => panic!("{other:?}"),
@@ -228,7 +228,7 @@ mod tests {
             let camera = Camera { eye, look_at: -eye, up: eye + 1.0, projection };
             let request =
                 Request::new(&camera, [123, 45]).samples(16).shadows(Shadows::Off).layers(3).deferred(true);
-            let debug = Some(View::Heat);
+            let debug = Some(DebugView::Heat);
             let shot = Shot {
                 common: &common,
                 passed_on: &[],

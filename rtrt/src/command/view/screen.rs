@@ -23,12 +23,12 @@ pub struct Screen {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     renderer: Renderer,
-    picture: Option<Shown>,
+    picture: Option<ScreenTexture>,
     failure: Arc<Mutex<Option<String>>>,
 }
 
 /// The picture on the device.
-struct Shown {
+struct ScreenTexture {
     texture: wgpu::Texture,
     id: TextureId,
 }
@@ -115,13 +115,13 @@ impl Screen {
         let view = texture.create_view(&Default::default());
         let (renderer, nearest) = (&mut self.renderer, wgpu::FilterMode::Nearest);
         let id = match self.picture.take() {
-            Some(Shown { id, .. }) => {
+            Some(ScreenTexture { id, .. }) => {
                 renderer.update_egui_texture_from_wgpu_texture(&self.device, &view, nearest, id);
                 id
             }
             None => renderer.register_native_texture(&self.device, &view, nearest),
         };
-        self.picture = Some(Shown { texture: texture.clone(), id });
+        self.picture = Some(ScreenTexture { texture: texture.clone(), id });
         texture
     }
 

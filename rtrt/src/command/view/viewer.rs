@@ -9,7 +9,7 @@ use super::pace::{Detail, Pace};
 use super::reproduce::{self, Shot};
 use crate::command::Error;
 use crate::command::console::Console;
-use crate::command::job::Job;
+use crate::command::job::RenderJob;
 use crate::command::names::{filled, is_numbered};
 use crate::command::options::{self, Common};
 use crate::command::output::{self, png};
@@ -18,7 +18,7 @@ use crate::command::report::Machine;
 use glam::DVec3;
 use image::ExtendedColorType::Rgba8;
 use rtrt::choose::Choice;
-use rtrt::debug::{Shown, View};
+use rtrt::debug::{DebugImage, DebugView};
 use rtrt_core::backend::{Picture, STAGES, Shadows};
 use rtrt_core::scene::Camera;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ pub struct Settings {
     /// Whether a GPU draws what the camera sees.
     pub hybrid: bool,
     /// What is shown instead of the picture.
-    pub debug: Option<View>,
+    pub debug: Option<DebugView>,
     /// Frames a second that are worth fewer rays.
     pub fps: f64,
     pub help: bool,
@@ -53,7 +53,7 @@ pub struct Wanted {
     shadows: Shadows,
     layers: u32,
     hybrid: bool,
-    debug: Option<View>,
+    debug: Option<DebugView>,
     backend: usize,
     changes: u64,
 }
@@ -69,7 +69,7 @@ pub struct Timing {
 
 /// What `--json` prints of a screenshot.
 #[derive(serde::Serialize)]
-struct Report<'a> {
+struct ScreenshotReport<'a> {
     #[serde(flatten)]
     machine: Machine,
     size: [u32; 2],
@@ -80,7 +80,7 @@ struct Report<'a> {
 
 /// A viewer.
 pub struct Viewer {
-    pub job: Job,
+    pub job: RenderJob,
     pub settings: Settings,
     pub timing: Option<Timing>,
     /// The lights are no longer those that the scene and the options give.
@@ -115,7 +115,7 @@ pub struct Viewer {
     drawn: Option<Wanted>,
     given: Option<Wanted>,
     picture: Picture,
-    shown: Option<Shown>,
+    shown: Option<DebugImage>,
     message: Option<(String, f64)>,
     failure: Option<Error>,
     pub is_closed: bool,
@@ -123,10 +123,10 @@ pub struct Viewer {
 
 impl Viewer {
     /// Loads the scene, and opens the backend.
-    pub fn new(options: &options::View) -> Result<Self, Error> {
+    pub fn new(options: &options::ViewOptions) -> Result<Self, Error> {
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
-        let job = Job::load(&common, SAMPLES, false, common.start(), &console)?;
+        let job = RenderJob::load(&common, SAMPLES, false, common.start(), &console)?;
         let backend = Engine::open(&common.backend, options.hybrid, &console)?;
         console.finish();
         Ok(Self {
@@ -299,7 +299,7 @@ impl Viewer {
             options.camera = options::CameraOptions::default();
             (options.time, options.animation) = (None, None);
         }
-        let job = Job::load(&options, SAMPLES, false, options.start(), &self.console);
+        let job = RenderJob::load(&options, SAMPLES, false, options.start(), &self.console);
         self.console.finish();
         match job {
             Ok(job) => {
@@ -401,7 +401,7 @@ impl Viewer {
         let command = reproduce::command(&shot, &path);
         if self.options.json {
             let machine = self.machine().clone();
-            self.console.print(output::json(&Report {
+            self.console.print(output::json(&ScreenshotReport {
                 machine,
                 size: full.size,
                 command,

@@ -1,11 +1,12 @@
 //! The window: what it tells becomes events, and each frame is events, overlay, picture.
 
 use super::controls::Free;
+use super::failure::{panics_caught, reason};
 use super::input::{Button, Event, Modifiers, Replay, Step, header};
 use super::screen::Screen;
 use super::viewer::Viewer;
 use super::watch::{self, Watch};
-use super::{caught, overlay, panel, plain};
+use super::{overlay, panel};
 use crate::command::Error;
 use crate::command::options;
 use egui::{Context, FullOutput, PointerButton, Popup, Pos2, RawInput, Rect, pos2, vec2};
@@ -83,7 +84,7 @@ impl Drop for Wake {
 impl App {
     /// A viewer that is ready to have a window.
     pub fn new(
-        options: &options::View,
+        options: &options::ViewOptions,
         viewer: Viewer,
         replay: Option<Replay>,
         proxy: EventLoopProxy<()>,
@@ -125,7 +126,7 @@ impl App {
         let attributes = Window::default_attributes()
             .with_title(title(&self.scene))
             .with_inner_size(PhysicalSize::new(width, height));
-        let window = events.create_window(attributes).map_err(|error| plain(&error))?;
+        let window = events.create_window(attributes).map_err(|error| reason(&error))?;
         let screen = Screen::new(Arc::new(window), events)?;
         if let Some(viewer) = &mut self.viewer {
             viewer.share(&screen.device, &screen.queue);
@@ -268,7 +269,7 @@ impl App {
             screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(width, height))),
             time: Some(self.time),
             predicted_dt: step.seconds,
-            events: step.events.iter().filter_map(|event| self.translated(event)).collect(),
+            events: step.events.iter().filter_map(|event| self.egui_event(event)).collect(),
             ..RawInput::default()
         };
         for viewport in input.viewports.values_mut() {
@@ -283,7 +284,7 @@ impl App {
     }
 
     /// The event as the overlay takes it.
-    fn translated(&mut self, event: &Event) -> Option<egui::Event> {
+    fn egui_event(&mut self, event: &Event) -> Option<egui::Event> {
         let key = |key: &egui::Key, pressed, modifiers| egui::Event::Key {
             key: *key,
             physical_key: None,
@@ -329,7 +330,7 @@ impl App {
     }
 
     /// What the window tells, as events.
-    fn told(&mut self, event: &WindowEvent) {
+    fn translate_window_event(&mut self, event: &WindowEvent) {
         let scale = |screen: &Screen| screen.window.scale_factor() as f32;
         let told = match event {
             WindowEvent::Resized(size) if size.width > 0 && size.height > 0 => {
@@ -435,7 +436,7 @@ impl ApplicationHandler for App {
         if self.screen.is_some() {
             return;
         }
-        match caught(|| self.open(events)) {
+        match panics_caught(|| self.open(events)) {
             Ok(screen) => {
                 if let Err(error) = self.take(screen) {
                     self.end(events, Err(error));
@@ -452,7 +453,7 @@ impl ApplicationHandler for App {
         match &event {
             WindowEvent::CloseRequested => return self.end(events, Ok(())),
             WindowEvent::RedrawRequested => return self.frame(events),
-            _ => self.told(&event),
+            _ => self.translate_window_event(&event),
         }
         if let Some(screen) = &self.screen {
             screen.window.request_redraw();

@@ -1,6 +1,6 @@
 //! From a file's bytes to its JSON and its binary chunk.
 
-use super::levels;
+use super::extensions::SUPPORTED;
 use crate::import::ImportError;
 use crate::import::builder::Builder;
 use crate::import::error::quoted;
@@ -10,19 +10,6 @@ use gltf_json::{Root, Value};
 
 /// The first bytes of a binary file.
 pub(super) const MAGIC: &[u8] = b"glTF";
-
-/// The extensions that are drawn.
-const EXTENSIONS: &[&str] = &[
-    "EXT_mesh_gpu_instancing",
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_volume",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    levels::NAME,
-];
 
 /// A file's JSON, and its binary chunk if it has one.
 ///
@@ -44,14 +31,14 @@ pub(super) fn open<'a, J: rtrt_core::scene::Join>(
     if version.split('.').next() != Some("2") {
         return Err(invalid(format!("glTF {}, but only glTF 2 is supported", version.escape_debug())));
     }
-    if let Some(name) = root.extensions_required.iter().find(|name| !EXTENSIONS.contains(&name.as_str())) {
+    if let Some(name) = root.extensions_required.iter().find(|name| !SUPPORTED.contains(&name.as_str())) {
         let extension = name.escape_debug().to_string();
         return Err(ImportError::Extension { path: builder.path.clone(), extension });
     }
     if let Some(place) = dangling(&root) {
         return Err(invalid(format!("{} is not there", place.escape_debug())));
     }
-    for name in root.extensions_used.iter().filter(|name| !EXTENSIONS.contains(&name.as_str())) {
+    for name in root.extensions_used.iter().filter(|name| !SUPPORTED.contains(&name.as_str())) {
         builder.warn(format!("the extension {} is not supported", quoted(name)));
     }
     Ok((root, binary))

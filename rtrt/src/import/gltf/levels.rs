@@ -1,26 +1,26 @@
 //! Levels of detail of nodes: MSFT_lod.
 
-use super::{Import, Parts};
+use super::extensions::LOD;
+use super::meshes::{Import, MeshParts};
+use super::transform::local;
 use crate::import::ImportError;
-use crate::import::builder::Geometry;
+use crate::import::geometry::Geometry;
 use gltf_json::camera::Type;
 use gltf_json::validation::Checked;
 use gltf_json::{Node, Value, deserialize};
 use rtrt_core::scene::{InstanceIndex, Join, MaterialIndex, MeshIndex};
 
-/// The extension, by its name.
-pub(super) const NAME: &str = "MSFT_lod";
 /// The shape of the picture that coverages are of: width by height.
 const ASPECT: f64 = 16.0 / 9.0;
 /// The field of view of files without a perspective camera, radians: 45°.
 const FOV_Y: f64 = core::f64::consts::FRAC_PI_4;
 
 /// A lower level: what the level before it covers at least, and what is drawn below that.
-pub(super) type Level = (f64, Parts);
+pub(super) type NodeLevel = (f64, MeshParts);
 
 /// The numbers of the nodes that are the lower levels of this one.
 pub(super) fn ids(node: &Node) -> Vec<usize> {
-    let extension = node.extensions.as_ref().and_then(|extensions| extensions.others.get(NAME));
+    let extension = node.extensions.as_ref().and_then(|extensions| extensions.others.get(LOD));
     let ids = extension.and_then(|extension| extension.get("ids")?.as_array());
     ids.into_iter().flatten().map(|id| id.as_u64().map_or(usize::MAX, |id| id as usize)).collect()
 }
@@ -35,7 +35,12 @@ fn coverages(node: &Node) -> Vec<f64> {
 impl<J: Join> Import<'_, '_, J> {
     /// The lower levels of a node with these parts. Those that cannot be put in its place are left
     /// out with a warning. `name` is for messages.
-    pub fn levels(&mut self, name: &str, node: &Node, parts: &Parts) -> Result<Vec<Level>, ImportError> {
+    pub fn levels(
+        &mut self,
+        name: &str,
+        node: &Node,
+        parts: &MeshParts,
+    ) -> Result<Vec<NodeLevel>, ImportError> {
         let (ids, shares, mut levels) = (ids(node), coverages(node), Vec::new());
         let mut before = 1.0;
         for (number, &id) in ids.iter().enumerate() {
@@ -66,12 +71,12 @@ impl<J: Join> Import<'_, '_, J> {
         node: &Node,
         level: &Node,
         parts: usize,
-    ) -> Result<Result<Parts, &'static str>, ImportError> {
+    ) -> Result<Result<MeshParts, &'static str>, ImportError> {
         let Some(index) = level.mesh else { return Ok(Err("it has no mesh of its own")) };
         if level.children.as_ref().is_some_and(|children| !children.is_empty()) {
             return Ok(Err("it has children"));
         }
-        if super::node::local(level).matrix() != super::node::local(node).matrix() {
+        if local(level).matrix() != local(node).matrix() {
             return Ok(Err("it is placed elsewhere"));
         }
         if level.skin.is_some() || self.source(index)?.primitives.iter().any(|p| p.targets.is_some()) {
@@ -86,7 +91,7 @@ impl<J: Join> Import<'_, '_, J> {
         &mut self,
         object: InstanceIndex,
         part: usize,
-        levels: &[Level],
+        levels: &[NodeLevel],
     ) -> Result<(), ImportError> {
         let Some(placed) = self.builder.scene.instances().get(object.0 as usize) else { return Ok(()) };
         let size = placed.high.iter().zip(placed.low).map(|(high, low)| f64::from(high - low));
@@ -96,7 +101,7 @@ impl<J: Join> Import<'_, '_, J> {
             _ => None,
         });
         let fov_y = fov_y.filter(|angle| (1e-3..3.1).contains(angle)).unwrap_or(FOV_Y);
-        let level = |(coverage, parts): &Level| -> (f32, MeshIndex, MaterialIndex) {
+        let level = |(coverage, parts): &NodeLevel| -> (f32, MeshIndex, MaterialIndex) {
             let (mesh, material) = parts[part];
             (distance(*coverage, radius, fov_y) as f32, mesh, material)
         };

@@ -1,7 +1,7 @@
 //! Materials and their textures.
 
 use super::buffer::Buffers;
-use super::levels;
+use super::extensions::{LOD, TEXTURE_TRANSFORM};
 use super::primitive::Coordinates;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, error::quoted, picture};
@@ -15,9 +15,6 @@ use gltf_json::{Index, Root, Value, image};
 use rtrt_core::layout::{AlphaMode, COLOR_LIMIT, LIGHT_LIMIT, Material, Texture, Wrap};
 use rtrt_core::scene::{Content, Image, Join, MaterialIndex, phong};
 use std::collections::HashMap;
-
-/// The extension that lays textures out, by its name.
-const TRANSFORM: &str = "KHR_texture_transform";
 
 /// The materials and textures of a file, made when they are first used.
 pub(super) struct Materials<'a> {
@@ -62,14 +59,14 @@ impl<'a> Materials<'a> {
                 self.texture(builder, info.index, Content::Color, &placing(info))
             })?,
             source.normal_texture.as_ref().map_or_else(none, |info| {
-                let others = info.extensions.as_ref().and_then(|e| e.others.get(TRANSFORM));
+                let others = info.extensions.as_ref().and_then(|e| e.others.get(TEXTURE_TRANSFORM));
                 self.texture(builder, info.index, Content::Numbers, &placing_of(info.tex_coord, others))
             })?,
             pbr.metallic_roughness_texture.as_ref().map_or_else(none, |info| {
                 self.texture(builder, info.index, Content::Numbers, &placing(info))
             })?,
             source.occlusion_texture.as_ref().map_or_else(none, |info| {
-                let others = info.extensions.as_ref().and_then(|e| e.others.get(TRANSFORM));
+                let others = info.extensions.as_ref().and_then(|e| e.others.get(TEXTURE_TRANSFORM));
                 self.texture(builder, info.index, Content::Numbers, &placing_of(info.tex_coord, others))
             })?,
             source.emissive_texture.as_ref().map_or_else(none, |info| {
@@ -88,7 +85,7 @@ impl<'a> Materials<'a> {
             coordinates.bump = Some(textures[Material::NORMAL].set);
         }
         let extensions = source.extensions.as_ref();
-        if extensions.is_some_and(|e| e.others.contains_key(levels::NAME)) {
+        if extensions.is_some_and(|e| e.others.contains_key(LOD)) {
             builder.not_drawn.insert("levels of detail of materials");
         }
         let strength = extensions.and_then(|e| e.emissive_strength.as_ref());

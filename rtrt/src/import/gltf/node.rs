@@ -1,11 +1,15 @@
 //! The node hierarchy: where everything is.
 
 use super::accessor::Column;
-use super::{Import, Track, levels, light};
-use crate::import::ImportError;
-use crate::import::animation::{self, Local};
+use super::extensions::GPU_INSTANCING;
+use super::meshes::Import;
+use super::transform::{local, parts};
+use super::{levels, light};
+use crate::import::animation::{self, SceneNode};
 use crate::import::error::quoted;
-use glam::{DMat4, DQuat, DVec3, Mat4};
+use crate::import::track::Track;
+use crate::import::{ImportError, NamedCamera};
+use glam::{DMat4, Mat4};
 use gltf_json::accessor::{Accessor, Type};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Node, camera};
@@ -58,7 +62,7 @@ impl<J: Join> Import<'_, '_, J> {
             let to_world = from * local.matrix();
             let moves = is_carried || !tracks.is_empty();
             worlds.push((to_world, moves));
-            let mut placed = animation::Node {
+            let mut placed = SceneNode {
                 parent,
                 local,
                 tracks,
@@ -88,7 +92,7 @@ impl<J: Join> Import<'_, '_, J> {
         node: &Node,
         to_world: &DMat4,
         moves: bool,
-        placed: &mut animation::Node,
+        placed: &mut SceneNode,
     ) -> Result<(), ImportError> {
         let name = match &node.name {
             Some(name) => format!("node {number} ({})", quoted(name)),
@@ -132,7 +136,7 @@ impl<J: Join> Import<'_, '_, J> {
             match projection.and_then(|projection| animation::camera(projection, to_world)) {
                 Some(camera) => {
                     placed.camera = projection.map(|projection| (self.cameras.len(), projection));
-                    self.cameras.push(crate::import::NamedCamera {
+                    self.cameras.push(NamedCamera {
                         name: source.name.clone().or(node.name.clone()).unwrap_or_default(),
                         camera,
                     });
@@ -155,7 +159,7 @@ impl<J: Join> Import<'_, '_, J> {
 
     /// Where the node's mesh is, seen from the node: once, or as often as EXT_mesh_gpu_instancing says.
     fn instances(&self, node: &Node) -> Result<Vec<DMat4>, ImportError> {
-        let extension = node.extensions.as_ref().and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
+        let extension = node.extensions.as_ref().and_then(|e| e.others.get(GPU_INSTANCING));
         let Some(attributes) = extension.and_then(|extension| extension.get("attributes")) else {
             return Ok(vec![DMat4::IDENTITY]);
         };
@@ -193,24 +197,6 @@ impl<J: Join> Import<'_, '_, J> {
 /// The numbers of a node's children.
 fn children(node: &Node) -> impl Iterator<Item = usize> {
     node.children.iter().flatten().map(Index::value)
-}
-
-/// The node's own transform.
-pub(super) fn local(node: &Node) -> Local {
-    match &node.matrix {
-        Some(matrix) => Local::Matrix(DMat4::from_cols_array(&matrix.map(f64::from))),
-        None => parts(node.translation, node.rotation.as_ref().map(|q| q.0), node.scale),
-    }
-}
-
-/// Scaled, then turned, then moved.
-fn parts(translation: Option<[f32; 3]>, rotation: Option<[f32; 4]>, scale: Option<[f32; 3]>) -> Local {
-    let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-    Local::Parts {
-        translation: translation.map_or(DVec3::ZERO, vector),
-        rotation: DQuat::from_array(rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]).map(f64::from)),
-        scale: scale.map_or(DVec3::ONE, vector),
-    }
 }
 
 /// What a camera shows; none if the file does not say.

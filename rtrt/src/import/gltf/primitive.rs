@@ -3,8 +3,7 @@
 use super::accessor::Column;
 use super::buffer::Buffers;
 use crate::import::ImportError;
-use crate::import::builder::{Geometry, Tangents};
-use crate::import::shape::{Deform, Hung, Target};
+use crate::import::geometry::{Deform, Geometry, JointWeights, Tangents, Target, pack_color};
 use glam::Vec3;
 use gltf_json::accessor::{Accessor, Type};
 use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
@@ -99,7 +98,7 @@ pub(super) fn geometry(
         let color = colors.as_ref().map_or(!0, |colors| {
             let opaque = if colors.width == 3 { 1.0 } else { 0.0 };
             let [r, g, b, a] = colors.at(at(vertex));
-            pack([r, g, b, a + opaque])
+            pack_color([r, g, b, a + opaque])
         });
         Attribute { normal: [normal[0], normal[1], normal[2]], uv, color }
     });
@@ -132,7 +131,7 @@ fn joints<'a>(
     column: &impl Fn(Index<Accessor>, &[Type]) -> Result<Column<'a>, ImportError>,
     count: usize,
     vertices: &[u32],
-) -> Result<Vec<Hung>, ImportError> {
+) -> Result<Vec<JointWeights>, ImportError> {
     let get = |semantic| primitive.attributes.get(&Checked::Valid(semantic));
     let (Some(&joints), Some(&weights)) = (get(Semantic::Joints(0)), get(Semantic::Weights(0))) else {
         return Ok(vec![]);
@@ -191,7 +190,7 @@ fn faceted(geometry: Geometry) -> Geometry {
             .collect(),
         positions: corners.iter().map(|corner| corner.to_array()).collect(),
         second_uv: geometry.second_uv.map(|uv| geometry.indices.iter().map(|i| uv[at(i)]).collect()),
-        deform: geometry.deform.kept(&geometry.indices),
+        deform: geometry.deform.select(&geometry.indices),
         indices: (0..geometry.indices.len() as u32).collect(),
         tangents: geometry.tangents,
     }
@@ -236,12 +235,6 @@ fn used(indices: &mut [u32], count: usize) -> Vec<u32> {
     kept
 }
 
-/// A color as vertices have it: linear RGBA, 8 bits each; NaN is white.
-pub(in crate::import) fn pack(color: [f32; 4]) -> u32 {
-    let byte = |c: f32| if c.is_nan() { 255 } else { (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 };
-    u32::from_le_bytes(color.map(byte))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -264,10 +257,5 @@ mod tests {
         let mut broken = [0, 1, 12];
         used(&mut broken, 10);
         assert_eq!(broken, [0, 1, u32::MAX]);
-    }
-
-    #[test]
-    fn colors_are_rounded_and_clamped() {
-        assert_eq!(pack([2.0, -1.0, 0.5, f32::NAN]), 0xff80_00ff);
     }
 }

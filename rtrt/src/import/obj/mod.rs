@@ -4,9 +4,9 @@ mod mtl;
 mod parse;
 mod polygon;
 
-use crate::import::builder::{Builder, Geometry};
+use crate::import::builder::Builder;
 use crate::import::error::quoted;
-use crate::import::gltf::pack;
+use crate::import::geometry::{Geometry, pack_color};
 use crate::import::{ImportError, NamedCamera, file, picture};
 use glam::Mat4;
 use parse::{Corner, NONE, Obj, Polygon};
@@ -139,6 +139,6 @@ fn attribute(obj: &Obj, [position, uv, normal]: Corner) -> Attribute {
     Attribute {
         normal: obj.normals.get(normal as usize).copied().unwrap_or_default(),
         uv: [u, 1.0 - v],
-        color: obj.colors.get(position as usize).map_or(!0, |&[r, g, b]| pack([r, g, b, 1.0])),
+        color: obj.colors.get(position as usize).map_or(!0, |&[r, g, b]| pack_color([r, g, b, 1.0])),
     }
 }

@@ -1,50 +1,15 @@
 //! Meshes that change their shape: morph targets and skins.
 
 use super::ImportError;
-use super::builder::{Geometry, Tangents};
+use super::geometry::{Geometry, JointWeights, Tangents};
 use glam::{DMat4, DVec3};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Mesh, MeshIndex};
 use std::path::Path;
 
-/// The joints that a vertex hangs on, and how much each counts.
-pub(crate) type Hung = ([u32; 4], [f32; 4]);
-
-/// What changes the shape of a mesh.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Deform {
-    /// What is added to positions, normals and tangents, as much as their weights say.
-    pub targets: Vec<Target>,
-    /// Four joints of the skin for each vertex, and how much each counts; none without a skin.
-    pub joints: Vec<Hung>,
-}
-
-/// A morph target. Empty lists change nothing.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Target {
-    pub positions: Vec<[f32; 3]>,
-    pub normals: Vec<[f32; 3]>,
-    pub tangents: Vec<[f32; 3]>,
-}
-
-impl Deform {
-    /// The same for other vertices: `kept[i]` is what vertex `i` was.
-    pub fn kept(&self, kept: &[u32]) -> Self {
-        fn pick<T: Copy>(of: &[T], kept: &[u32]) -> Vec<T> {
-            kept.iter().filter_map(|&i| of.get(i as usize).copied()).collect()
-        }
-        let target = |t: &Target| Target {
-            positions: pick(&t.positions, kept),
-            normals: pick(&t.normals, kept),
-            tangents: pick(&t.tangents, kept),
-        };
-        Self { targets: self.targets.iter().map(target).collect(), joints: pick(&self.joints, kept) }
-    }
-}
-
 /// A mesh of a node of its own, and what it follows from.
 #[derive(Debug, Clone)]
-pub(super) struct Shape {
+pub(super) struct DeformedMesh {
     /// What the file calls the mesh.
     pub name: String,
     pub mesh: MeshIndex,
@@ -64,7 +29,7 @@ pub(super) struct Skin {
     pub inverse: Vec<DMat4>,
 }
 
-impl Shape {
+impl DeformedMesh {
     /// The mesh with these weights of its targets and nodes there. A skin takes it to world space.
     ///
     /// ```text
@@ -137,7 +102,7 @@ impl Skin {
 }
 
 /// The mean of four joints' matrices; none if none of them counts.
-fn blended(joints: &[DMat4], (bound, weights): &Hung) -> Option<DMat4> {
+fn blended(joints: &[DMat4], (bound, weights): &JointWeights) -> Option<DMat4> {
     let weight = |w: f32| if w > 0.0 { f64::from(w) } else { 0.0 };
     let sum: f64 = weights.iter().map(|&w| weight(w)).sum();
     let mut matrix = DMat4::ZERO;
@@ -155,11 +120,12 @@ fn double(v: [f32; 3]) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::geometry::{Deform, Target};
     use super::*;
 
     /// A triangle whose corners hang on two joints: the first on one, the second on the other,
     /// the third on both.
-    fn shape(targets: Vec<Target>, skin: Option<Skin>) -> Shape {
+    fn shape(targets: Vec<Target>, skin: Option<Skin>) -> DeformedMesh {
         let attribute = Attribute { normal: [1.0, 1.0, 0.0], uv: [0.0; 2], color: 0 };
         let bound = |weights: [f32; 4]| ([0, 1, 0, 0], weights);
         let joints = match skin {
@@ -179,7 +145,7 @@ mod tests {
         let empty = Mesh::new(vec![], vec![], vec![]).unwrap();
         let tree = rtrt_core::scene::Bvh::build(&empty, &rtrt_core::scene::Sequential);
         let mesh = scene.add_mesh(&empty, &tree).unwrap();
-        Shape { name: String::new(), mesh, rest, weights: vec![], skin }
+        DeformedMesh { name: String::new(), mesh, rest, weights: vec![], skin }
     }
 
     #[test]

@@ -1,0 +1,73 @@
+//! What the scenes built in code are made with.
+
+use super::shape::Shape;
+use crate::import::builder::Builder;
+use crate::import::{ImportError, Loaded, NamedCamera};
+use glam::Mat4;
+use rtrt_core::layout::Texture;
+use rtrt_core::scene::{Camera, Image, Join, MaterialIndex, MeshIndex, Scene, phong};
+use std::path::Path;
+
+/// A finished scene with one camera.
+pub(super) fn loaded(scene: Scene, name: &str, camera: Camera, bvh_build_ms: f64) -> Loaded {
+    Loaded {
+        scene,
+        cameras: vec![NamedCamera { name: name.into(), camera }],
+        camera,
+        lit_by_default: false,
+        animation: None,
+        warnings: Vec::new(),
+        files: Vec::new(),
+        bvh_build_ms,
+    }
+}
+
+/// A scene in the making.
+pub(super) struct DemoBuilder<'a, J> {
+    pub builder: Builder<'a, J>,
+    name: &'static str,
+}
+
+impl<'a, J: Join> DemoBuilder<'a, J> {
+    /// An empty scene. `name` is for messages.
+    pub fn new(name: &'static str, join: &'a J) -> Self {
+        Self { builder: Builder::new(Path::new(name), join, None), name }
+    }
+
+    /// A texture from an image that was computed.
+    pub fn texture(&mut self, image: Image) -> Result<Texture, ImportError> {
+        self.builder.add_texture("painted", Ok(image))
+    }
+
+    /// A material with this color, roughness and texture.
+    pub fn material(
+        &mut self,
+        color: [f32; 3],
+        roughness: f32,
+        texture: Texture,
+    ) -> Result<MaterialIndex, ImportError> {
+        self.builder.add_material(phong(color, 0.0, roughness, texture, [0.0; 3]))
+    }
+
+    /// A material without a texture.
+    pub fn painted(&mut self, color: [f32; 3], roughness: f32) -> Result<MaterialIndex, ImportError> {
+        self.material(color, roughness, Texture::NONE)
+    }
+
+    /// Stores a mesh.
+    pub fn mesh(&mut self, shape: Shape) -> Result<MeshIndex, ImportError> {
+        self.builder.add_mesh(self.name, shape.0)
+    }
+
+    /// Places a mesh.
+    pub fn place(&mut self, mesh: MeshIndex, material: MaterialIndex, at: Mat4) -> Result<(), ImportError> {
+        self.builder.add_instance(self.name, mesh, material, at)?;
+        Ok(())
+    }
+
+    /// Stores a mesh and places it once, in world coordinates.
+    pub fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
+        let mesh = self.mesh(shape)?;
+        self.place(mesh, material, Mat4::IDENTITY)
+    }
+}

@@ -1,0 +1,134 @@
+//! The state of an import, and the meshes of a file.
+
+use super::accessor::Column;
+use super::buffer::Buffers;
+use super::material::Materials;
+use super::primitive;
+use crate::import::animation::SceneNode;
+use crate::import::builder::Builder;
+use crate::import::deformed::{DeformedMesh, Skin};
+use crate::import::error::quoted;
+use crate::import::geometry::Geometry;
+use crate::import::{ImportError, NamedCamera};
+use glam::DMat4;
+use gltf_json::accessor::Type;
+use gltf_json::mesh::{Primitive, Semantic};
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Mesh, Root};
+use rtrt_core::scene::{Join, MaterialIndex, MeshIndex};
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// What a mesh consists of.
+pub(super) type MeshParts = Rc<[(MeshIndex, MaterialIndex)]>;
+
+/// A file being drawn into a scene.
+pub(super) struct Import<'a, 'b, J> {
+    pub builder: &'a mut Builder<'b, J>,
+    pub root: &'a Root,
+    pub buffers: &'a Buffers<'a>,
+    pub materials: Materials<'a>,
+    /// The meshes that were met, by index.
+    pub meshes: HashMap<usize, MeshParts>,
+    pub cameras: Vec<NamedCamera>,
+    /// The nodes that were met.
+    pub nodes: Vec<SceneNode>,
+}
+
+impl<'a, J: Join> Import<'a, '_, J> {
+    pub fn invalid(&self, why: String) -> ImportError {
+        self.builder.invalid(why)
+    }
+
+    /// The parts of a mesh, stored once however many nodes have it.
+    pub fn mesh(&mut self, index: Index<Mesh>) -> Result<MeshParts, ImportError> {
+        let number = index.value();
+        if let Some(parts) = self.meshes.get(&number) {
+            return Ok(parts.clone());
+        }
+        let mut parts = Vec::new();
+        for (place, primitive) in self.source(index)?.primitives.iter().enumerate() {
+            if let Some((name, geometry, material)) = self.primitive(index, place, primitive)? {
+                parts.push((self.builder.add_mesh(&name, geometry)?, material));
+            }
+        }
+        let parts: MeshParts = parts.into();
+        self.meshes.insert(number, parts.clone());
+        Ok(parts)
+    }
+
+    /// The parts of a mesh that changes its shape, stored for one node; what they follow from is
+    /// added to `shapes`.
+    pub fn shapes(
+        &mut self,
+        index: Index<Mesh>,
+        weights: Option<&Vec<f32>>,
+        skin: Option<Skin>,
+        shapes: &mut Vec<DeformedMesh>,
+    ) -> Result<MeshParts, ImportError> {
+        let source = self.source(index)?;
+        let weights = weights.or(source.weights.as_ref()).into_iter().flatten();
+        let weights: Vec<f64> = weights.map(|&weight| f64::from(weight)).collect();
+        let mut parts = Vec::new();
+        for (place, primitive) in source.primitives.iter().enumerate() {
+            let targets = primitive.targets.as_ref().map_or(0, Vec::len) as u64;
+            let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+            let vertices = positions.and_then(|&index| self.root.get(index)).map_or(0, |a| a.count.0);
+            self.builder.deform(vertices.saturating_mul(1 + targets))?;
+            if let Some((name, rest, material)) = self.primitive(index, place, primitive)? {
+                let mesh = self.builder.add_mesh(&name, rest.clone())?;
+                parts.push((mesh, material));
+                shapes.push(DeformedMesh { name, mesh, rest, weights: weights.clone(), skin: skin.clone() });
+            }
+        }
+        Ok(parts.into())
+    }
+
+    /// The skin with this index.
+    pub fn skin(&self, index: Index<gltf_json::Skin>) -> Result<Skin, ImportError> {
+        let number = index.value();
+        let missing = || self.invalid(format!("there is no skin {number}"));
+        let skin = self.root.get(index).ok_or_else(missing)?;
+        let column = |index| Column::new(&self.builder.path, self.root, self.buffers, index, &[Type::Mat4]);
+        let matrices = skin.inverse_bind_matrices.map(column).transpose()?;
+        let inverse = |joint: usize| match &matrices {
+            Some(matrices) if joint < matrices.count => {
+                let numbers: Vec<f64> = matrices.all(joint).into_iter().map(f64::from).collect();
+                DMat4::from_cols_slice(&numbers)
+            }
+            _ => DMat4::IDENTITY,
+        };
+        Ok(Skin {
+            joints: skin.joints.iter().map(Index::value).collect(),
+            inverse: (0..skin.joints.len()).map(inverse).collect(),
+        })
+    }
+
+    pub fn source(&self, index: Index<Mesh>) -> Result<&'a Mesh, ImportError> {
+        let missing = || self.invalid(format!("there is no mesh {}", index.value()));
+        self.root.get(index).ok_or_else(missing)
+    }
+
+    /// What a primitive is called, its triangles, and its material; none if it is not drawn.
+    fn primitive(
+        &mut self,
+        index: Index<Mesh>,
+        place: usize,
+        primitive: &Primitive,
+    ) -> Result<Option<(String, Geometry, MaterialIndex)>, ImportError> {
+        let number = index.value();
+        let name = match &self.source(index)?.name {
+            Some(name) => format!("mesh {number} ({}), primitive {place}", quoted(name)),
+            None => format!("mesh {number}, primitive {place}"),
+        };
+        let (material, coordinates) = self.materials.get(self.builder, primitive.material)?;
+        let path = &self.builder.path;
+        match primitive::geometry(path, self.root, self.buffers, primitive, &coordinates)? {
+            Ok(geometry) => Ok(Some((name, geometry, material))),
+            Err(kind) => {
+                self.builder.not_drawn.insert(kind);
+                Ok(None)
+            }
+        }
+    }
+}
