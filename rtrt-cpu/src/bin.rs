@@ -1,5 +1,4 @@
-//! Bin: count, add up, place, sort. Lists of lights are kept while nothing changes that they depend
-//! on.
+//! Bin: count, add up, scatter, sort. Lists of lights are reused while they would stay the same.
 
 use rayon::prelude::*;
 use rtrt_core::kernel::lists::{BlockLists, ListEntry, scan_starts, sort, store};

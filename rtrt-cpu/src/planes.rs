@@ -1,5 +1,5 @@
-//! What the blur of soft shadows looks at, so that rays side by side find their neighbors side
-//! by side.
+//! What the penumbra filter reads, in planes of whole rows of the frame, so that rays side by side have
+//! their neighbors side by side.
 
 use crate::wide::Wide;
 use rayon::prelude::*;

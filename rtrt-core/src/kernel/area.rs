@@ -9,8 +9,8 @@
 //!
 //! The lists of a light are built for its middle `c`. A ray from `p` to the point `c + r` is, at the
 //! share `s` of its length, `s · r` away from the segment from `p` to `c`. So binning pads every box by
-//! the light's radius: whatever the ray hits, the segment hits padded, and the block of the light that
-//! `p` lies in lists it. Views for every point were refused: they need as many times the lists, and
+//! the light's radius: the segment then hits every padded box that the ray hits, and the list of the
+//! block of the light that `p` lies in holds it. Views for every point were refused: they need as many times the lists, and
 //! cannot serve jittered points.
 
 use crate::grid::RayIndex;

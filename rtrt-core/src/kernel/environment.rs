@@ -1,11 +1,10 @@
-//! Light from all around: a map of every direction, sharp and blurred.
+//! Environment maps: light from every direction, sharp and blurred.
 //!
-//! The map is octahedral: a direction is divided by the sum of its coordinates' magnitudes,
-//! which puts it on an octahedron; its upper half is looked at from above, the lower half's
-//! corners are folded out into those of a square (Engelhardt and Dachsbacher, "Octahedron
-//! Environment Maps", 2008). That takes a reciprocal, comparisons and products, no arc
-//! tangent, and a square has no faces whose edges want care: a border of one texel around it
-//! repeats what lies across the fold.
+//! The map is octahedral: a direction is divided by the sum of its coordinates' magnitudes, which puts it
+//! on an octahedron. The upper half is seen from above; the corners of the lower half fold out to those
+//! of a square (Engelhardt and Dachsbacher, "Octahedron Environment Maps", 2008). That takes a
+//! reciprocal, comparisons and products, and no arc tangent. Unlike a cube, a square has no edges between
+//! faces: a border of one texel repeats the texels across the fold.
 
 use crate::kernel::texture::Maps;
 use crate::lane::{Bits, Lane, Row, Select, V3};

@@ -1,8 +1,8 @@
-//! Which instances may cast a shadow of a sun that is seen.
+//! Which instances may cast a visible shadow in the light of a sun.
 //!
-//! The paper, on lights of infinite range: everything may be in the way of such a light, so what
-//! is asked is what is near the camera, and whether the cone from the light around an instance's
-//! sphere meets the view's pyramid. The cone of a sun is a cylinder.
+//! The paper limits the occluders of a light of infinite range by their distance from the camera, or by
+//! a test of the cone from the light around an instance's sphere against the view's frustum. The cone of
+//! a sun is a cylinder.
 
 use crate::layout::{Instance, View};
 

@@ -1,10 +1,9 @@
-//! The lists of the 2D structure: for each block, the instances that its rays may meet.
+//! The lists of the 2D structure: for each block, the instances that its rays may hit.
 //!
-//! The paper keeps linked lists. These are the same lists, laid out without gaps: count
-//! what each block holds, add up, then place every entry. Nothing is lost because a list
-//! was full, and any number of workers may place entries at once: sorting by
-//! `(key, instance)` afterwards makes the order unique. One worker sorts a block's list where
-//! it is ([`sort`]); many find the [`rank`] of an entry each, and put it there.
+//! The paper has linked lists. These are the same lists without gaps: count the entries of each block,
+//! add up the counts, scatter the entries. No list overflows, and any number of workers may scatter at
+//! once: the order by `(key, instance)` afterwards is unique. One worker sorts a block's list in place
+//! ([`sort`]); many workers each find the [`rank`] of an entry and store it there.
 
 /// The lists as one run of lists: where each block starts (one more than there are
 /// blocks), then two lists an entry.

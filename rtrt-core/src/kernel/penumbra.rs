@@ -1,4 +1,4 @@
-//! How wide the edge of a shadow is.
+//! The radius of the penumbra that an occluder casts.
 
 use crate::kernel::transmittance::Transmittance;
 use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};

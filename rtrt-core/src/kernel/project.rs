@@ -1,4 +1,4 @@
-//! Where a rasterizer puts what the camera sees.
+//! Clip coordinates for the rasterizer of hybrid frames.
 
 use crate::lane::V3;
 use crate::layout::View;

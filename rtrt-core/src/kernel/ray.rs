@@ -1,4 +1,4 @@
-//! A ray, and its way into an object's space.
+//! A ray, and its transform into object space.
 
 use crate::lane::{Lane, V3};
 use crate::layout::Instance;

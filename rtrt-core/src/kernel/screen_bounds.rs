@@ -1,4 +1,4 @@
-//! Which blocks of a view an instance may be seen in.
+//! Bounds on the screen: the blocks of a view that an instance may cover.
 
 use crate::kernel::view::cell;
 use crate::layout::{Instance, View, ViewKind};

@@ -1,4 +1,4 @@
-//! Where a ray is inside a box.
+//! Slab test: the interval of a ray inside a box.
 
 use crate::kernel::ray::Ray;
 use crate::lane::{Lane, V3};

@@ -1,5 +1,5 @@
-//! A packet of rays as tiles, each bounded by intervals: one test for all of them tells
-//! which tiles may meet a box.
+//! The rays of a packet in tiles, each bounded by intervals: one test finds all tiles that may hit a
+//! box.
 
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::STRETCH;
@@ -17,7 +17,7 @@ const VECTORS: usize = 2;
 /// `i / L::WIDTH`.
 ///
 /// Every bound is taken over the very numbers that [`crate::kernel::slab::slab`] uses, and
-/// rounding is monotone, so [`Tiles::meets`] is exact interval arithmetic: it never passes
+/// rounding is monotone, so [`Tiles::hit_mask`] is exact interval arithmetic: it never passes
 /// over a box that one of the rays would enter, without any epsilon (after Boulos, Wald and
 /// Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006).
 #[derive(Clone, Copy)]

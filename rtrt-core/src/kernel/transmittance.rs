@@ -1,4 +1,4 @@
-//! The color of a shadow: what is left of a light that has crossed panes.
+//! Transmittance: the color of a light behind transparent surfaces.
 
 use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};
 use crate::kernel::traverse::{ClosestHit, Geometry, HitFilter};

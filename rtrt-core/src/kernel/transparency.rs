@@ -1,8 +1,9 @@
-//! What a ray meets of a surface that is not opaque everywhere.
+//! Alpha, tint and cutoff of a surface that is not opaque everywhere.
 //!
-//! A search asks this while it runs, before it is known which surface is seen, so all that
-//! it takes lies in the scene's mesh_data: for each instance that is not opaque a record, and for
-//! its mesh the vertices' texture coordinates and colors. Only the texels lie elsewhere.
+//! Searches need them before the closest surface is known. So they lie in the scene's mesh data, which
+//! searches bind anyway: a record for each such instance, and texture coordinates and colors for the
+//! vertices of its mesh. Only the texels lie elsewhere. (A search that bound materials and attributes
+//! would exceed the eight storage buffers that WebGPU promises.)
 
 use crate::kernel::interpolate::Weights;
 use crate::kernel::sphere::{longitude_and_latitude, point};

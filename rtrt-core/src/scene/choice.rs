@@ -1,4 +1,4 @@
-//! What a scene leaves to choose: what no picture, or little of it, depends on.
+//! Choices that a scene offers, and that change no picture, or little of it.
 
 /// How the levels of textures are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,4 +1,4 @@
-//! Light from all around, as six pictures.
+//! An environment as the six pictures of a cube.
 
 use crate::scene::environment::usable;
 use alloc::vec::Vec;

@@ -1,5 +1,4 @@
-//! BvhCut of instances: what the lists of the camera's blocks hold in place of whole ones, where a
-//! scene asks for it.
+//! A cut of the BVHs: nodes that the lists of the camera hold instead of whole instances.
 
 use crate::layout::{Instance, Node};
 use crate::scene::bvh::Bounds;

@@ -1,4 +1,4 @@
-//! From a panorama, or a cube, to the squares that a sky is looked up in.
+//! From a panorama or a cube to the blurred squares of an environment map.
 
 use crate::kernel::environment::{IRRADIANCE_SIDE, Sky, octahedral};
 use crate::lane::V3;

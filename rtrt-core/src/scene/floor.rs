@@ -1,4 +1,4 @@
-//! What is too small to count in a scene.
+//! The smallest numbers of a scene: smaller ones become 0.
 
 /// Numbers of a scene that are smaller than this in magnitude (2⁻⁶⁰) become 0: some devices
 /// flush denormals and others keep them, and no difference of two coordinates, and no product

@@ -1,4 +1,4 @@
-//! Objects that move by themselves.
+//! Instances that move and turn, as functions of time.
 
 use glam::{DMat3, DMat4, DQuat, DVec3, Mat4, Vec3};
 

@@ -1,4 +1,4 @@
-//! A mesh in the scene's arrays, and the instance that it is where it is placed.
+//! A mesh in the scene's arrays, and the instance that places it in the world.
 
 use crate::layout::{Instance, Kind, Material, NONE};
 use crate::num::flush;

@@ -1,4 +1,4 @@
-//! The scene: everything a backend reads, in the arrays it reads them from.
+//! The scene: all arrays that a backend reads.
 
 mod change;
 mod meshes;

@@ -1,4 +1,4 @@
-//! The views of lights, and what is said in every view.
+//! The views of a frame: fields that all share, and the views of lights.
 
 use crate::kernel::area::hash;
 use crate::layout::{Frame, View, ViewKind};

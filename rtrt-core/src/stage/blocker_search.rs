@@ -1,8 +1,8 @@
-//! Penumbra: what is left of a light with a radius, and how wide the edges of its shadows are.
+//! Blocker search: the transmittance of a light with a radius, and the radii of its penumbras.
 //!
-//! One shadow ray a ray and light goes to the light's middle, and tells what is left of the light
-//! and how wide a penumbra its nearest occluder casts. Shadows are blurred by it afterwards, see
-//! [`soften`](super::soften).
+//! One shadow ray a ray and light goes to the light's middle. It finds the transmittance and the nearest
+//! occluder, whose distance gives the radius of the penumbra. The
+//! [`penumbra_filter`](super::penumbra_filter) makes soft shadows of both.
 
 use crate::grid::RayIndex;
 use crate::kernel::lists::BlockLists;

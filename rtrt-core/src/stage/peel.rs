@@ -1,8 +1,8 @@
-//! Layers: what is behind a surface that does not cover all of it.
+//! Peel: the surfaces behind a transparent one, nearest first.
 //!
-//! A layer goes through the same stages as the first surface. What follows the paper's list of
-//! surfaces is a search for each entry: the closest surface behind the last one. Colors are
-//! added up from front to back, so that a ray is done when nothing shines through any more.
+//! A layer goes through the same stages as the first surface. In place of the paper's list of surfaces
+//! there is a search for each layer: the closest hit behind the last one (depth peeling). Colors are
+//! summed from front to back, so a ray ends when nothing shines through.
 
 use crate::grid::RayIndex;
 use crate::kernel::lists::BlockLists;

@@ -1,4 +1,4 @@
-//! PenumbraSummary: the blocks in which shadows are blurred, and those that are left alone.
+//! Penumbra blocks: which blocks the penumbra filter can change, and which skip it.
 
 use crate::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, place};
 use crate::layout::Frame;

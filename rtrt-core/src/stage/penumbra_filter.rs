@@ -53,37 +53,34 @@ use crate::num::{clamp, floor, flush, normalize, recip, sqrt, to_integer};
 use crate::stage::blocker_search::{penumbra_at, transmittance_at};
 use crate::stage::occlusion::to_middle;
 
-/// What a light leaves at a place where there is no ray.
+/// The transmittance where there is no ray.
 pub const MISSING: u32 = u32::MAX;
 
-/// A group of rays, side by side in a row of the frame, and those around them, as a backend keeps
-/// them.
+/// A group of rays, side by side in a row of the frame, and their neighbors, as a backend stores them.
 pub trait Neighborhood<L: Lane> {
     /// Where rays are kept.
     type Place: Copy;
 
-    /// Where the rays are that lie so many columns and rows aside, which may be negative: they
-    /// wrap.
+    /// The place of the rays that many columns and rows aside. Negative numbers wrap.
     fn place(&self, aside: [u32; 2]) -> Self::Place;
-    /// What the light leaves there, as a word; [`MISSING`] where there is no ray.
+    /// The transmittance there, packed; [`MISSING`] where there is no ray.
     fn left(&self, place: Self::Place) -> L::Bits;
-    /// Sizes of the penumbras there (see [`near`](super::blocker_search::blocker_search)); −1 where there is no
+    /// Radii of the penumbras there (see [`blocker_search`](super::blocker_search)); −1 where there is no
     /// ray.
     fn size(&self, place: Self::Place) -> L;
-    /// Where the surfaces are that these rays hit; anything where there is no ray.
+    /// The points that these rays hit; anything where there is no ray.
     fn origin(&self, place: Self::Place) -> V3<L>;
     /// Their normals.
     fn normal(&self, place: Self::Place) -> V3<L>;
 }
 
-/// A ray, and those around it in the buffers of a band: what [`transmittance_at`] and [`penumbra_at`] find
-/// their ways in, and surfaces.
+/// A ray and its neighbors in the buffers of a band, which [`transmittance_at`] and [`penumbra_at`] index.
 pub struct Band<'a> {
     /// The frame, with the rays of the band.
     pub frame: &'a Frame,
-    /// What each ray has hit.
+    /// The surface that each ray has hit.
     pub surfaces: &'a [Surface],
-    /// What is left of lights, and the sizes of penumbras.
+    /// Transmittances of lights, and radii of penumbras.
     pub shadows: &'a [u32],
     /// The light.
     pub light: u32,
@@ -98,7 +95,7 @@ impl Neighborhood<f32> for Band<'_> {
     #[inline(always)]
     fn place(&self, aside: [u32; 2]) -> u32 {
         let at = [self.at[0].wrapping_add(aside[0]), self.at[1].wrapping_add(aside[1])];
-        // What is left of the first column, or above the first row, has wrapped around.
+        // Left of the first column or above the first row, the place has wrapped.
         if !self.frame.grid().contains(at) {
             return MISSING;
         }
@@ -131,25 +128,25 @@ impl Neighborhood<f32> for Band<'_> {
     }
 }
 
-/// Rows of the blur's lattice on either side of a ray.
+/// Rows of the filter's lattice on either side of a ray.
 const BLUR: u32 = 6;
-/// What one of them is of all.
+/// One row's share of them.
 const SHARE: f32 = 1.0 / BLUR as f32;
-/// The longest steps of the blur's lattice, in pixels: they cover [`Frame::PENUMBRA_WINDOW`].
+/// The longest steps of the filter's lattice, in pixels: they cover [`Frame::PENUMBRA_WINDOW`].
 const LONGEST: u32 = Frame::PENUMBRA_WINDOW / BLUR;
 
 /// Taps of each lattice of the search: 21.
 const SEARCHED: Disc = Disc::within(5);
-/// Those of the blur, 137: what the weight of some ray may be more than 0 at (see [`soften`]), in steps.
+/// Taps of the filter, 137: all, in steps, at which a weight may be above 0 (see [`filter_penumbra`]).
 const BLURRED: Disc = Disc::within(BLUR * BLUR + BLUR - 1);
 
-/// How many rays aside [`soften`] looks, at most.
+/// The most rays aside that [`filter_penumbra`] reads.
 #[inline(always)]
 pub fn reach(frame: &Frame) -> u32 {
     BLUR * (LONGEST * frame.side + 1)
 }
 
-/// Rays that look for others on their surfaces.
+/// Rays that search for others on their surfaces.
 #[derive(Clone, Copy)]
 struct Here<L> {
     origin: V3<L>,
@@ -158,34 +155,25 @@ struct Here<L> {
     toward: V3<L>,
 }
 
-/// What is left of a light at a group of rays once its shadow is soft, as words.
+/// The transmittance of a light at a group of rays with soft shadows, packed.
 ///
 /// ```text
-/// radius = average of the penumbras that reach the ray
-/// left   = Σ weight · left there / Σ weight, weight = 1 within the radius, 0 beyond it
+/// radius        = mean of the radii of the penumbras that reach the ray
+/// transmittance = Σ weight · transmittance there / Σ weight, weight = 1 within the radius, 0 beyond it
 /// ```
 ///
-/// The search goes through neighbors on four lattices, each about twice as wide as the one before (see
-/// `searched`). What reaches the ray may fall between the taps: where no penumbra does, the least of
-/// those is taken that would if they were wider by half the diagonal of their lattice's cells. If the
-/// ray is beyond it after all, the blur sees nothing but what is left here, too. The least, because
-/// penumbras are narrow where an occluder stands on the surface, and grow from there.
+/// The search reads neighbors on four lattices (see the [module](self)). A penumbra may reach the ray
+/// from between the taps. So, where no penumbra that is found reaches it, the radius is the smallest of
+/// those that would reach it if they were wider by half the diagonal of their lattice's cells. The
+/// smallest, because penumbras are narrow where an occluder stands on the surface, and grow from there.
+/// If the ray is beyond that penumbra after all, the filter averages equal values.
 ///
-/// The blur's lattice has steps that grow with the radius. All lattices are turned against the pixels'
-/// own, and against each other, so that few of them see edges and thin shadows come as evenly as
-/// others. A penumbra ends [`Frame::window`] rays aside. The weight falls from 1 to 0 over a step of
-/// the lattice, so that few taps show no steps.
+/// The steps of the filter's lattice grow with the radius; the weight falls from 1 to 0 over one step,
+/// which hides the lattice. Lattices are turned against the pixels' rows, so that few of their rows run
+/// along an edge. A penumbra ends [`Frame::penumbra_window`] rays aside.
 ///
-/// A neighbor is on the same surface if it lies within some 14° of the surface's plane, and its
-/// normal within 41° of the surface's; others have no say, so shadows do not leak over edges.
-///
-/// Where the search sees nothing but what is left here, too, nothing is blurred.
-///
-/// Rays side by side have their neighbors side by side, too, if their lattices have the same
-/// steps. So the search goes tap after tap for all of a group, and the blur once for each step
-/// that a ray of the group wants.
-///
-/// Sums are in the order of the lattice, whoever computes them.
+/// A neighbor counts if it is on the same surface: within some 14° of the plane of the ray's surface, and
+/// with a normal within 41° of its own. So shadows do not leak over edges.
 #[inline(always)]
 pub fn filter_penumbra<L: Lane, A: Neighborhood<L>>(
     frame: &Frame,

@@ -1,4 +1,4 @@
-//! Prepare: which blocks of which view an instance covers.
+//! Prepare: the bounds on the screen of an instance in a view.
 
 use crate::kernel::frustum::{is_near, is_shadow_seen};
 use crate::kernel::screen_bounds::{ScreenBounds, screen_bounds};

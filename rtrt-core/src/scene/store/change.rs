@@ -1,4 +1,4 @@
-//! What changes between frames: where instances are, and the shapes of meshes.
+//! Changes between frames: transforms of instances, shapes of meshes.
 
 use super::{InstanceIndex, MeshIndex, Scene, SceneError};
 use crate::layout::{Kind, Node};

@@ -1,4 +1,4 @@
-//! Meshes: what fills the nodes, the vertices and the words.
+//! Meshes in the scene's arrays: nodes, vertices, mesh data.
 
 use super::{MeshIndex, Pair, Scene, SceneError};
 use crate::layout::{Kind, Node};

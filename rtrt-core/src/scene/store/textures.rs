@@ -1,4 +1,4 @@
-//! Textures and environments: what fills the texels.
+//! Textures and environments in the scene's texels.
 
 use super::{Scene, SceneError};
 use crate::kernel::environment::Sky;

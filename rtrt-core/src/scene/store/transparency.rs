@@ -1,4 +1,4 @@
-//! What searches ask of instances that are not opaque, beside the triangles that they ask anyway.
+//! Records of instances that are not opaque, for searches.
 
 use super::{Scene, SceneError};
 use crate::kernel::transparency;
