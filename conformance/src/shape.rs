@@ -1,9 +1,9 @@
 //! Meshes and scenes built in code.
 
 use glam::{Mat4, Vec3};
-use rtrt_core::layout::{Attribute, Material, Texture, Wrap};
+use rtrt_core::layout::{Attribute, Texture, Wrap};
 use rtrt_core::scene::{
-    Bvh, Image, InstanceIndex, Light, MaterialIndex, Mesh, MeshIndex, Scene, Sequential, phong,
+    Bvh, Image, InstanceIndex, Light, Material, MaterialIndex, Mesh, MeshIndex, Scene, Sequential,
 };
 
 /// No texture.
@@ -199,7 +199,7 @@ pub struct Build {
 impl Default for Build {
     fn default() -> Self {
         let mut scene = Scene::new();
-        let gray = scene.add_material(phong([0.6; 3], 0.0, 0.7, PLAIN, [0.0; 3])).expect("a case's material");
+        let gray = scene.add_material(Material::new([0.6; 3]).roughness(0.7)).expect("a case's material");
         Self { scene, gray }
     }
 }
@@ -249,7 +249,7 @@ pub fn paved(side: u32) -> Scene {
         build.scene.add_texture(&Image { width: side, height: side, rgba }, [Wrap::Repeat; 2]).expect("room");
     let floor = Shape::floor(500.0, -2.0).textured([40.0, 40.0], [0.0; 2]);
     build
-        .shape_of(floor, phong([0.9; 3], 0.0, 0.5, texture, [0.0; 3]))
+        .shape_of(floor, Material::new([0.9; 3]).roughness(0.5).base_color_map(texture))
         .light(Light::sun([0.3, -1.0, -0.4]))
         .scene
 }

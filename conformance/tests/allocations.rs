@@ -3,8 +3,7 @@
 use conformance::shape::{Build, PLAIN, Shape};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::layout::{AlphaMode, Material};
-use rtrt_core::scene::{Camera, Light, Projection, Scene, phong};
+use rtrt_core::scene::{Camera, Light, Material, Projection, Scene};
 use rtrt_cpu::{Cpu, Options};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -64,8 +63,8 @@ fn allocations(scene: &Scene, shadows: Shadows) -> u32 {
 // One test, since all tests of a file count together.
 #[test]
 fn warm_frames_ask_for_no_memory() {
-    let opaque = phong([0.8; 3], 0.0, 0.5, PLAIN, [0.0; 3]);
-    let pane = Material { alpha: 0.5, alpha_mode: AlphaMode::Blend as u32, ..opaque };
+    let opaque = Material::new([0.8; 3]).roughness(0.5);
+    let pane = opaque.blend(0.5);
     for (sheet, name) in [(opaque, "opaque"), (pane, "a pane")] {
         for shadows in [Shadows::Hard, Shadows::Soft] {
             let count = allocations(&scene(sheet), shadows);

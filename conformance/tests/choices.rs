@@ -5,7 +5,7 @@ use conformance::variants::{all, present, requires_gpu};
 use conformance::{cases, compare, reference};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::scene::{Camera, Light, Mip, Occluders, Projection, Scene, Structure, phong};
+use rtrt_core::scene::{Camera, Light, Material, Mip, Occluders, Projection, Scene, Structure};
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 3.0, 6.0),
@@ -26,7 +26,7 @@ fn balls(eye: Option<Vec3>) -> (Scene, [u32; 3]) {
     let mut build = Build::default().shape(Shape::floor(40.0, -1.0));
     let meshes = STEPS.map(|(_, steps)| build.mesh(Shape::ball(steps)));
     // The coarsest ones have a color of their own.
-    let blue = phong([0.2, 0.3, 0.9], 0.0, 0.6, PLAIN, [0.0; 3]);
+    let blue = Material::new([0.2, 0.3, 0.9]).roughness(0.6);
     let blue = build.scene.add_material(blue).unwrap();
     let materials = [build.gray, build.gray, blue];
     let mut random = Random(4);

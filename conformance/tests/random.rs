@@ -9,9 +9,9 @@ use conformance::variants::{all, present, requires_gpu};
 use glam::{Mat4, Quat, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::compare::compare;
-use rtrt_core::layout::{AlphaMode, Material, Texture, Wrap};
+use rtrt_core::layout::{Texture, Wrap};
 use rtrt_core::scene::{
-    Camera, Image, InstanceIndex, Light, MaterialIndex, Panorama, Projection, Scene, phong,
+    Camera, Image, InstanceIndex, Light, Material, MaterialIndex, Panorama, Projection, Scene,
 };
 use std::ops::Range;
 
@@ -101,24 +101,24 @@ fn shape_of_few(random: &mut Random) -> Shape {
 
 /// A material that blends or is masked, some with a texture whose alpha varies.
 fn see_through(random: &mut Random, build: &mut Build) -> MaterialIndex {
-    let mut material = phong((random.vector(0.5) + 0.5).to_array(), 0.0, 0.5, Texture::NONE, [0.0; 3]);
+    let mut material = Material::new((random.vector(0.5) + 0.5).to_array()).roughness(0.5);
     material.alpha = random.within(0.0, 1.2);
-    material.double_sided = random.below(2);
+    material.double_sided = random.below(2) == 1;
     material.alpha_mode =
-        [AlphaMode::Mask, AlphaMode::Blend, AlphaMode::Blend][random.below(3) as usize] as u32;
+        if random.below(3) == 0 { AlphaMode::Mask { cutoff: 0.5 } } else { AlphaMode::Blend };
     if random.below(2) == 0 {
         let rgba = (0..4 * 7 * 5).map(|_| random.bits() as u8).collect();
         let wrap = [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror][random.below(3) as usize];
         let map = build.scene.add_texture(&Image { width: 7, height: 5, rgba }, [wrap; 2]).expect("room");
-        material.textures[Material::COLOR] = map;
+        material.base_color_map = Some(map);
     }
     build.scene.add_material(material).expect("a case's material")
 }
 
 fn scene(random: &mut Random) -> Scene {
     let mut build = Build::default();
-    let opaque = phong([0.6; 3], 0.0, 0.7, Texture::NONE, [0.0; 3]);
-    let one_sided = Material { double_sided: 0, ..opaque };
+    let opaque = Material::new([0.6; 3]).roughness(0.7);
+    let one_sided = opaque.double_sided(false);
     let one_sided = build.scene.add_material(one_sided).expect("a case's material");
     let meshes: Vec<_> = (0..1 + random.below(4)).map(|_| shape(random)).map(|s| build.mesh(s)).collect();
     let materials: Vec<_> = (0..3).map(|_| see_through(random, &mut build)).collect();

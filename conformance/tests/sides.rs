@@ -4,12 +4,12 @@ use conformance::reference;
 use conformance::shape::{Build, PLAIN, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
-use rtrt_core::layout::{AlphaMode, Material, NONE};
+use rtrt_core::layout::NONE;
 use rtrt_core::scene::{Camera, Light, Projection, Scene, phong};
 
 /// A material that is seen from one side.
 fn one_sided() -> Material {
-    Material { double_sided: 0, ..phong([0.8; 3], 0.0, 0.5, PLAIN, [0.0; 3]) }
+    Material::new([0.8; 3]).roughness(0.5).double_sided(false)
 }
 
 /// What is seen from `eye` toward the origin, in rays side by side that are 0.02 apart.
@@ -89,12 +89,12 @@ fn light_meets_both_sides() {
 
 #[test]
 fn a_glass_is_as_many_layers_as_it_has_fronts() {
-    let glass = Material { alpha: 0.5, alpha_mode: AlphaMode::Blend as u32, ..one_sided() };
+    let glass = one_sided().blend(0.5);
     let layers = |material| {
         let scene = Build::default().shape_of(Shape::cube(), material).scene;
         let deferred = seen(&scene, Vec3::Z * 4.0);
         deferred.layers[..deferred.layer_count as usize].iter().filter(|hit| hit.instance != NONE).count()
     };
     assert_eq!(layers(glass), 0);
-    assert_eq!(layers(Material { double_sided: 1, ..glass }), 1);
+    assert_eq!(layers(glass.double_sided(true)), 1);
 }

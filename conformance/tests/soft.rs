@@ -7,7 +7,6 @@ use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
 use rtrt_core::grid::Grid;
 use rtrt_core::kernel::transmittance::{WHITE, color};
 use rtrt_core::lane::Word;
-use rtrt_core::layout::{AlphaMode, Material};
 use rtrt_core::scene::{Camera, Light, Projection, Scene, phong};
 
 /// Pixels on a side; the picture is 1.28 units high.
@@ -216,8 +215,7 @@ fn a_light_without_a_radius_casts_hard_shadows_beside_one_with_a_radius() {
 
 /// A material that blends and shows its color whatever the light.
 fn glass(base: [f32; 3], alpha: f32) -> Material {
-    let alpha_mode = AlphaMode::Blend as u32;
-    Material { alpha, alpha_mode, unlit: 1, ..phong(base, 0.0, 0.5, PLAIN, [0.0; 3]) }
+    Material::new(base).blend(alpha).unlit(true)
 }
 
 #[test]

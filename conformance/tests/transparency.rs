@@ -4,17 +4,16 @@ use conformance::reference;
 use conformance::shape::{Build, PLAIN, Shape};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, STAGES};
-use rtrt_core::layout::{AlphaMode, Backdrop, Material, NONE, Wrap};
+use rtrt_core::layout::{Backdrop, NONE, Wrap};
 use rtrt_core::scene::{Camera, Image, Light, Panorama, Projection, Scene, phong};
 
 /// A material that blends and shows its color whatever the light.
 fn glass(base: [f32; 3], alpha: f32) -> Material {
-    let alpha_mode = AlphaMode::Blend as u32;
-    Material { alpha, alpha_mode, unlit: 1, ..phong(base, 0.0, 0.5, PLAIN, [0.0; 3]) }
+    unlit(base).blend(alpha)
 }
 
 fn unlit(base: [f32; 3]) -> Material {
-    Material { unlit: 1, ..phong(base, 0.0, 0.5, PLAIN, [0.0; 3]) }
+    Material::new(base).unlit(true)
 }
 
 /// A square across the view.
@@ -67,9 +66,7 @@ fn masked(alpha: [u8; 2], cutoff: f32) -> Scene {
     let rgba = alpha.map(|a| [255, 255, 255, a]).concat();
     let image = Image { width: 2, height: 1, rgba };
     let map = build.scene.add_texture(&image, [Wrap::Clamp; 2]).unwrap();
-    let mask = AlphaMode::Mask as u32;
-    let mut material = Material { cutoff, alpha_mode: mask, ..unlit([1.0, 0.0, 0.0]) };
-    material.textures[Material::COLOR] = map;
+    let material = unlit([1.0, 0.0, 0.0]).mask(cutoff).base_color_map(map);
     build.shape_of(square(0.0), material).shape_of(square(-1.0), unlit([0.0, 1.0, 0.0])).scene
 }
 

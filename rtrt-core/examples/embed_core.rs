@@ -17,15 +17,15 @@ use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::tiles::{TILES, Tiles};
 use rtrt_core::kernel::traverse::{Any, Closest, ClosestHit, Geometry, HitFilter, ray_hit_mask, traverse};
 use rtrt_core::lane::V3;
-use rtrt_core::layout::{Attribute, Hit, NONE, Texture};
-use rtrt_core::scene::{Bvh, InstanceIndex, Mesh, Scene, Sequential, phong};
+use rtrt_core::layout::{Attribute, Hit, NONE};
+use rtrt_core::scene::{Bvh, InstanceIndex, Material, Mesh, Scene, Sequential};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new();
-    let material = scene.add_material(phong([0.5; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]))?;
+    let material = scene.add_material(Material::new([0.5; 3]))?;
     let cube = cube()?;
     let cube = scene.add_mesh(&cube, &Bvh::build(&cube, &Sequential))?;
     let mut place = |x: f32| scene.add_instance(cube, material, Mat4::from_translation(Vec3::X * x));

@@ -11,7 +11,7 @@ use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::traverse::{ClosestHit, Geometry};
 use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
-use rtrt_core::layout::{Attribute, Frame, Material, NONE, View};
+use rtrt_core::layout::{Attribute, Frame, MaterialRecord, NONE, View};
 use rtrt_core::stage::detail::detail;
 use rtrt_core::stage::light::{IncomingLight, light};
 use rtrt_core::stage::peel::{blend, is_covered, peel};
@@ -27,7 +27,7 @@ pub struct FrameContext<'a> {
     pub lists: BlockLists<'a>,
     pub geometry: Geometry<'a>,
     pub attributes: &'a [Attribute],
-    pub materials: &'a [Material],
+    pub materials: &'a [MaterialRecord],
     pub texels: &'a [u32],
 }
 

@@ -11,7 +11,7 @@
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
-use rtrt_core::scene::{Bvh, Camera, Light, Mesh, MeshError, Projection, Scene, Sequential, phong};
+use rtrt_core::scene::{Bvh, Camera, Light, Material, Mesh, MeshError, Projection, Scene, Sequential};
 use rtrt_gpu::{Gpu, Route, wgpu};
 use std::error::Error;
 
@@ -79,8 +79,8 @@ async fn open() -> Option<(wgpu::Device, wgpu::Queue)> {
 /// A triangle over a floor, in the light of a lamp.
 fn scene() -> Result<Scene, Box<dyn Error>> {
     let mut scene = Scene::new();
-    let red = scene.add_material(phong([0.8, 0.2, 0.1], 0.0, 0.6, Texture::NONE, [0.0; 3]))?;
-    let gray = scene.add_material(phong([0.5; 3], 0.0, 0.9, Texture::NONE, [0.0; 3]))?;
+    let red = scene.add_material(Material::new([0.8, 0.2, 0.1]).roughness(0.6))?;
+    let gray = scene.add_material(Material::new([0.5; 3]).roughness(0.9))?;
     let floor = [[-3.0, -1.0, 3.0], [3.0, -1.0, 3.0], [0.0, -1.0, -5.0]];
     for (corners, material) in [([[-1.0, -0.6, 0.0], [1.0, -0.6, 0.3], [0.0, 1.0, -0.2]], red), (floor, gray)]
     {

@@ -4,7 +4,9 @@ use crate::Error;
 use crate::device::{Device, watched};
 use crate::pipeline::{Access, groups};
 use rtrt_core::kernel::canary::{NAMES, OUTPUTS, canary};
-use rtrt_core::layout::{Attribute, Frame, Hit, Instance, Material, Node, PROBES, Surface, View, probe};
+use rtrt_core::layout::{
+    Attribute, Frame, Hit, Instance, MaterialRecord, Node, PROBES, Surface, View, probe,
+};
 
 /// What the entry point `kernels` binds.
 pub(crate) const KERNELS: &[Access] = &[Access::Read, Access::Write];
@@ -61,7 +63,7 @@ pub(crate) fn layout(device: &Device) -> Result<[u32; PROBES], Error> {
         pair::<Instance>(),
         pair::<Node>(),
         pair::<Attribute>(),
-        pair::<Material>(),
+        pair::<MaterialRecord>(),
         pair::<Surface>(),
         pair::<Hit>(),
     ];
@@ -80,7 +82,7 @@ pub(crate) fn expected_layout() -> [u32; PROBES] {
         &pattern::<[Instance; 2]>(),
         &pattern::<[Node; 2]>(),
         &pattern::<[Attribute; 2]>(),
-        &pattern::<[Material; 2]>(),
+        &pattern::<[MaterialRecord; 2]>(),
         &pattern::<[Surface; 2]>(),
         &pattern::<[Hit; 2]>(),
     )

@@ -5,7 +5,7 @@ use crate::barriers::with_barriers;
 use crate::pipeline::{Access, DRAWN, PASSES, Pipeline, bind_group, bind_group_layout};
 use crate::raster::{FRAGMENT, VERTEX};
 use crate::{Error, FEATURES, Route};
-use rtrt_core::layout::{Material, View};
+use rtrt_core::layout::{MaterialRecord, View};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -27,7 +27,8 @@ pub(crate) struct Device {
 
 /// Bytes of the smallest buffer: the largest element of any fits.
 const LARGEST: u64 = 512;
-const _: () = assert!(size_of::<Material>() <= LARGEST as usize && size_of::<View>() <= LARGEST as usize);
+const _: () =
+    assert!(size_of::<MaterialRecord>() <= LARGEST as usize && size_of::<View>() <= LARGEST as usize);
 
 impl Device {
     /// Opens the adapter with all it allows, and hands it the module.

@@ -380,7 +380,7 @@ mod tests {
     use glam::{Mat4, Vec3};
     use rtrt_core::backend::{Backend, Request};
     use rtrt_core::layout::{Attribute, Texture};
-    use rtrt_core::scene::{Bvh, Camera, Mesh, Projection, Sequential, phong};
+    use rtrt_core::scene::{Bvh, Camera, Material, Mesh, Projection, Sequential};
     use rtrt_core::stage::raster::is_untraced;
 
     const CAMERA: Camera = Camera {
@@ -428,7 +428,7 @@ mod tests {
     fn what_is_drawn_is_not_traced_but_at_edges_and_in_blocks_of_spheres() {
         let Some(mut gpu) = open() else { return };
         let mut scene = Scene::new();
-        let white = scene.add_material(phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3])).unwrap();
+        let white = scene.add_material(Material::new([1.0; 3])).unwrap();
         let mesh = square(100);
         let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
         scene.add_instance(mesh, white, Mat4::from_rotation_z(0.3)).unwrap();

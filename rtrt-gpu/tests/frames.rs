@@ -4,7 +4,7 @@ use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::compare::compare;
 use rtrt_core::layout::{Attribute, Texture, Wrap};
-use rtrt_core::scene::{Bvh, Camera, Image, Light, Mesh, Projection, Scene, Sequential, phong};
+use rtrt_core::scene::{Bvh, Camera, Image, Light, Material, Mesh, Projection, Scene, Sequential};
 use rtrt_cpu::Cpu;
 use rtrt_gpu::{Error, Gpu, Options, Route};
 
@@ -61,8 +61,17 @@ fn heaps(instances: usize, lights: usize) -> Scene {
     let image = Image { width: 29, height: 13, rgba };
     let checks = scene.add_texture(&image, [Wrap::Repeat, Wrap::Mirror]).unwrap();
     let none = Texture { levels: 0, ..checks };
-    let ground = scene.add_material(phong([0.9, 0.8, 0.7], 0.0, 0.9, checks, [0.0; 3])).unwrap();
-    let shiny = scene.add_material(phong([0.3, 0.5, 0.9], 0.6, 0.2, none, [0.01, 0.0, 0.02])).unwrap();
+    let ground =
+        scene.add_material(Material::new([0.9, 0.8, 0.7]).roughness(0.9).base_color_map(checks)).unwrap();
+    let shiny = scene
+        .add_material(
+            Material::new([0.3, 0.5, 0.9])
+                .metallic(0.6)
+                .roughness(0.2)
+                .base_color_map(none)
+                .emission([0.01, 0.0, 0.02]),
+        )
+        .unwrap();
     let mut place = |mesh: &Mesh, material, at: &[Mat4]| {
         let mesh = scene.add_mesh(mesh, &Bvh::build(mesh, &Sequential)).unwrap();
         for &at in at {
@@ -155,7 +164,7 @@ fn light_too_faint_to_count_is_nothing_everywhere() {
     // Devices that flush denormals and processors that keep them must not see any.
     let Some(mut gpu) = open(Options::default()) else { return };
     let mut scene = Scene::new();
-    let polished = scene.add_material(phong([1e-18; 3], 0.1, 0.33, Texture::NONE, [0.0; 3])).unwrap();
+    let polished = scene.add_material(Material::new([1e-18; 3]).metallic(0.1).roughness(0.33)).unwrap();
     let mesh = shards(200);
     let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
     scene.add_instance(mesh, polished, Mat4::IDENTITY).unwrap();
@@ -180,7 +189,7 @@ fn a_changed_scene_is_uploaded_again() {
     agree(&mut gpu, "before", &scene, &request);
     scene.set_transform(rtrt_core::scene::InstanceIndex(2), Mat4::from_scale(Vec3::splat(0.7))).unwrap();
     agree(&mut gpu, "moved", &scene, &request);
-    let red = scene.add_material(phong([0.9, 0.1, 0.1], 0.0, 0.5, Texture::NONE, [0.0; 3])).unwrap();
+    let red = scene.add_material(Material::new([0.9, 0.1, 0.1]).roughness(0.5)).unwrap();
     let mesh = shards(50);
     let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
     scene.add_instance(mesh, red, Mat4::from_translation(Vec3::new(1.0, 1.0, 1.0))).unwrap();

@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
-use rtrt_core::scene::{Bvh, Camera, Light, Mesh, Projection, Scene, Sequential, phong};
+use rtrt_core::scene::{Bvh, Camera, Light, Material, Mesh, Projection, Scene, Sequential};
 use rtrt_gpu::{Gpu, Options};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -36,7 +36,7 @@ fn scene(instances: u32) -> Scene {
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2]).unwrap();
     let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
-    let paint = scene.add_material(phong([0.8, 0.5, 0.3], 0.0, 0.7, Texture::NONE, [0.0; 3])).unwrap();
+    let paint = scene.add_material(Material::new([0.8, 0.5, 0.3]).roughness(0.7)).unwrap();
     let place =
         |n: u32| Vec3::new((n * 37 % 101) as f32, (n * 59 % 103) as f32, (n * 71 % 107) as f32) - 50.0;
     for instance in 0..instances {

@@ -3,7 +3,7 @@
 use crate::index;
 use rtrt_core::kernel::canary::{OUTPUTS, canary};
 use rtrt_core::lane::groups;
-use rtrt_core::layout::{Attribute, Frame, Hit, Instance, Material, Node, Surface, View, probe};
+use rtrt_core::layout::{Attribute, Frame, Hit, Instance, MaterialRecord, Node, Surface, View, probe};
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
@@ -33,7 +33,7 @@ pub fn probe_layout(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] instances: &[Instance],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] nodes: &[Node],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] attributes: &[Attribute],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[MaterialRecord],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] surfaces: &[Surface],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] hits: &[Hit],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] answers: &mut [u32],

@@ -3,7 +3,7 @@
 use crate::index;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::traverse::ClosestHit;
-use rtrt_core::layout::{Attribute, Frame, Hit, Instance, Material, Surface};
+use rtrt_core::layout::{Attribute, Frame, Hit, Instance, MaterialRecord, Surface};
 use rtrt_core::stage;
 use rtrt_core::stage::surface::{Surfaces, Vertices};
 use spirv_std::glam::UVec3;
@@ -18,7 +18,7 @@ pub fn detail(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] instances: &[Instance],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] mesh_data: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] attributes: &[Attribute],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[MaterialRecord],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] texels: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] surfaces: &mut [Surface],
 ) {

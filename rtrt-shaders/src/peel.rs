@@ -5,7 +5,7 @@ use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::traverse::{ClosestHit, Geometry};
-use rtrt_core::layout::{Frame, Hit, Instance, Lit, Material, Node, Surface, View};
+use rtrt_core::layout::{Frame, Hit, Instance, Lit, MaterialRecord, Node, Surface, View};
 use rtrt_core::stage;
 use rtrt_core::stage::light::IncomingLight;
 use rtrt_core::stage::raster::is_untraced;
@@ -60,7 +60,7 @@ pub fn blend(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] materials: &[Material],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] materials: &[MaterialRecord],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] texels: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] surfaces: &[Surface],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] lit: &[Lit],

@@ -16,7 +16,7 @@ use rtrt::choose::{Choice, Options, choose};
 use rtrt::hash;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
-use rtrt_core::scene::{Bvh, Camera, InstanceIndex, Light, Mesh, Projection, Scene, Sequential, phong};
+use rtrt_core::scene::{Bvh, Camera, InstanceIndex, Light, Material, Mesh, Projection, Scene, Sequential};
 use std::error::Error;
 
 const FRAMES: u32 = 100;
@@ -92,8 +92,8 @@ fn placed(at: Vec3) -> Mat4 {
 /// Balls (octahedra, really) over a floor, a lamp above them.
 fn start() -> Result<(Scene, Vec<Ball>), Box<dyn Error>> {
     let mut scene = Scene::new();
-    let blue = scene.add_material(phong([0.2, 0.4, 0.8], 0.0, 0.4, Texture::NONE, [0.0; 3]))?;
-    let white = scene.add_material(phong([0.8; 3], 0.0, 0.9, Texture::NONE, [0.0; 3]))?;
+    let blue = scene.add_material(Material::new([0.2, 0.4, 0.8]).roughness(0.4))?;
+    let white = scene.add_material(Material::new([0.8; 3]).roughness(0.9))?;
     let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis.to_array());
     let tips = vec![x, y, z, (-Vec3::X).to_array(), (-Vec3::Y).to_array(), (-Vec3::Z).to_array()];
     let sides = vec![0, 1, 2, 1, 3, 2, 3, 4, 2, 4, 0, 2, 1, 0, 5, 3, 1, 5, 4, 3, 5, 0, 4, 5];

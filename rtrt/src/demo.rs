@@ -159,7 +159,7 @@ impl<J: Join> DemoBuilder<'_, J> {
     fn lamp(&mut self) -> Result<(), ImportError> {
         let enamel = self.painted([0.05, 0.16, 0.13], 0.2)?;
         let lining = self.painted([0.9, 0.88, 0.8], 0.6)?;
-        let glow = phong([0.0; 3], 0.0, 1.0, Texture::NONE, [1.0, 0.86, 0.6]);
+        let glow = Material::new([0.0; 3]).emission([1.0, 0.86, 0.6]);
         let glow = self.builder.add_material(glow)?;
         let outside = [[0.02, 0.32], [0.1, 0.28], [0.16, 0.18], [0.42, -0.06]];
         let inside = outside.map(|[radius, height]| [radius - 0.008, height - 0.008]);

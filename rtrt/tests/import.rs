@@ -3,7 +3,7 @@
 
 use rtrt::import::{ImportError, Loaded, framing, load};
 use rtrt_core::backend::{Request, Shadows};
-use rtrt_core::layout::{AlphaMode, Material};
+use rtrt_core::layout::{AlphaKind, MaterialRecord};
 use rtrt_core::scene::{Camera, LightKind, MeshError, Projection, Sequential, Setup};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
@@ -338,9 +338,10 @@ fn materials_say_what_textures_they_have_and_where_they_lie() {
     let materials = |file: &str| load(&folder.join(file), &Sequential).unwrap().scene.materials().to_vec();
     let helmet = materials("hero/FlightHelmet/FlightHelmet.gltf");
     let has = |place: usize| helmet.iter().filter(|m| m.textures[place].levels > 1).count();
-    let places = [Material::COLOR, Material::NORMAL, Material::ROUGHNESS, Material::OCCLUSION];
+    let places =
+        [MaterialRecord::COLOR, MaterialRecord::NORMAL, MaterialRecord::ROUGHNESS, MaterialRecord::OCCLUSION];
     assert_eq!(places.map(has), [6, 6, 6, 6]);
-    assert_eq!(has(Material::EMISSION), 0);
+    assert_eq!(has(MaterialRecord::EMISSION), 0);
     let cube = materials("features/MultiUVTest.glb");
     let sets = cube[0].textures.map(|t| (t.levels > 0, t.set));
     assert!(sets.contains(&(true, 1)) && sets.contains(&(true, 0)), "{sets:?}");
@@ -356,7 +357,7 @@ fn materials_say_what_their_alpha_does() {
         let loaded = load(&folder.join(file), &Sequential).unwrap();
         loaded.scene.materials().iter().map(|m| (m.alpha_mode, m.cutoff, m.alpha)).collect()
     };
-    let [mask, blend] = [AlphaMode::Mask, AlphaMode::Blend].map(|mode| mode as u32);
+    let [mask, blend] = [AlphaKind::Mask, AlphaKind::Blend].map(|mode| mode as u32);
     let modes = alphas("alpha/AlphaBlendModeTest.glb");
     for expected in [(mask, 0.25, 1.0), (mask, 0.5, 1.0), (mask, 0.75, 1.0), (blend, 0.5, 1.0)] {
         assert!(modes.contains(&expected), "{modes:?}");

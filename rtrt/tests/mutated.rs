@@ -7,7 +7,7 @@ use rtrt::cache::Cache;
 use rtrt::import::{Loaded, framing, load, surround};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::{Attribute, Texture};
-use rtrt_core::scene::{Camera, Light, Mesh, Scene, Sequential, phong};
+use rtrt_core::scene::{Camera, Light, Material, Mesh, Scene, Sequential};
 use rtrt_cpu::{Cpu, Options};
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -280,7 +280,7 @@ fn damaged_trees_are_built_anew_or_lose_no_triangle() {
     let picture = |cache: &Cache| {
         let tree = cache.tree(&mesh, &Sequential).unwrap();
         let mut scene = Scene::new();
-        let material = scene.add_material(phong([0.7; 3], 0.0, 0.5, Texture::NONE, [0.0; 3])).unwrap();
+        let material = scene.add_material(Material::new([0.7; 3]).roughness(0.5)).unwrap();
         let index = scene.add_mesh(&mesh, &tree).unwrap();
         scene.add_instance(index, material, glam::Mat4::IDENTITY).unwrap();
         scene.add_light(Light::sun(glam::Vec3::new(-1.0, -2.0, -3.0)).color(glam::Vec3::ONE));

@@ -3,8 +3,8 @@
 use crate::case::{Case, look, parallel};
 use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::Vec3;
-use rtrt_core::layout::{Material, Wrap};
-use rtrt_core::scene::{Cube, Image, Light, Panorama, Scene, phong};
+use rtrt_core::layout::Wrap;
+use rtrt_core::scene::{Cube, Image, Light, Material, Panorama, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -33,7 +33,7 @@ pub(super) const CASES: &[Case] = &[
         name: "environment/as_light",
         claim: "It lights diffuse surfaces by their normals, besides the scene's lights.",
         scene: || {
-            let rough = phong([0.8; 3], 0.0, 1.0, PLAIN, [0.0; 3]);
+            let rough = Material::new([0.8; 3]);
             let build = Build::default().shape_of(Shape::ball(8), rough).shape(Shape::floor(3.0, -1.2));
             around(build.light(Light::point([2.0, 1.0, 2.0])), 64, 32)
         },
@@ -48,8 +48,8 @@ pub(super) const CASES: &[Case] = &[
             let rgba = (0..9 * 9 * 4).map(|_| random.bits() as u8).collect();
             let image = Image { width: 9, height: 9, rgba };
             let map = build.scene.add_texture(&image, [Wrap::Repeat; 2]).expect("room");
-            let metal = phong([0.9, 0.8, 0.6], 1.0, 0.2, map, [0.0; 3]);
-            let unlit = Material { unlit: 1, ..metal };
+            let metal = Material::new([0.9, 0.8, 0.6]).metallic(1.0).roughness(0.2).base_color_map(map);
+            let unlit = metal.unlit(true);
             let build = build
                 .shape_of(Shape::ball(6).at([-0.9, 0.0, 0.0], 0.8), metal)
                 .shape_of(Shape::ball(6).at([0.9, 0.0, 0.0], 0.8), unlit);
@@ -113,7 +113,7 @@ fn mirrors() -> Scene {
     let mut build = Build::default();
     for i in 0..10_u32 {
         let (column, row) = ((i % 5) as f32, (i / 5) as f32);
-        let material = phong([0.9, 0.7, 0.4], row, column / 4.0, PLAIN, [0.0; 3]);
+        let material = Material::new([0.9, 0.7, 0.4]).metallic(row).roughness(column / 4.0);
         build =
             build.shape_of(Shape::ball(7).at([0.8 * column - 1.6, 0.9 * row - 0.45, 0.0], 0.38), material);
     }

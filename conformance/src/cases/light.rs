@@ -5,7 +5,7 @@ use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{COLOR_LIMIT, LIGHT_LIMIT};
-use rtrt_core::scene::{Light, Scene, phong};
+use rtrt_core::scene::{Light, Material, Scene};
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.5, 0.0]), ..Case::USUAL };
 
@@ -44,10 +44,13 @@ pub(super) const CASES: &[Case] = &[
         name: "light/as_bright_as_may_be",
         claim: "The brightest lights at the brightest surfaces, touching them, give numbers.",
         scene: || {
-            let mut dazzling = phong([COLOR_LIMIT; 3], 0.5, 0.0, PLAIN, [LIGHT_LIMIT; 3]);
-            dazzling.specular = [COLOR_LIMIT, 0.0, -COLOR_LIMIT];
+            let dazzling = Material::new([COLOR_LIMIT; 3])
+                .metallic(0.5)
+                .roughness(0.0)
+                .emission([LIGHT_LIMIT; 3])
+                .specular([COLOR_LIMIT, 0.0, -COLOR_LIMIT], None);
             let mut build = Build::default().shape_of(Shape::floor(2.0, -0.5), dazzling);
-            let dull = phong([1.0, 0.5, 0.0], 0.0, 1.0, PLAIN, [0.0; 3]);
+            let dull = Material::new([1.0, 0.5, 0.0]);
             build = build.shape_of(Shape::ball(6).at([0.5, 0.0, 0.0], 0.4), dull);
             for (x, height) in [(-0.4, 0.0), (-0.2, 1e-9), (0.0, 1e-6), (0.2, 1e-3), (0.4, 1.0)] {
                 build = build.light(
@@ -159,7 +162,7 @@ pub(super) const CASES: &[Case] = &[
             for (i, roughness) in (0..).zip([0.0, 0.15, 0.4, 1.0]) {
                 let at = [0.8 * i as f32 - 1.2, 0.0, 0.0];
                 let metallic = f32::from(i % 2 == 1);
-                let material = phong([0.9, 0.6, 0.2], metallic, roughness, PLAIN, [0.0; 3]);
+                let material = Material::new([0.9, 0.6, 0.2]).metallic(metallic).roughness(roughness);
                 build = build.shape_of(Shape::ball(6).at(at, 0.4), material);
             }
             build.scene
@@ -173,7 +176,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let color = Vec3::new(30.0, 2.0, 0.5);
             let strong = Light::point(Vec3::new(1.0, 2.0, 2.0)).color(color);
-            let glowing = phong([0.2; 3], 0.0, 0.5, PLAIN, [0.1, 5.0, 0.3]);
+            let glowing = Material::new([0.2; 3]).roughness(0.5).emission([0.1, 5.0, 0.3]);
             Build::default()
                 .shape_of(Shape::ball(5).at([1.0, 0.0, 0.0], 0.7), glowing)
                 .shape(Shape::floor(3.0, -1.0))

@@ -4,8 +4,8 @@
 use crate::case::{Case, look};
 use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::{Mat4, Vec3};
-use rtrt_core::layout::{Material, Texture, Wrap};
-use rtrt_core::scene::{Content, Image, Light, MaterialIndex, Mesh, Scene, phong};
+use rtrt_core::layout::{Texture, Wrap};
+use rtrt_core::scene::{Content, Image, Light, Material, MaterialIndex, Mesh, Scene};
 
 const NEAR: Case = Case { camera: look([0.3, 0.8, 3.4], [0.0; 3]), ..Case::USUAL };
 
@@ -56,7 +56,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default();
             let map = numbers(&mut build, 9, bump_texel);
-            let material = with(painted([0.7, 0.7, 0.6]), Material::NORMAL, map);
+            let material = painted([0.7, 0.7, 0.6]).normal_map(map, 1.0);
             build.shape_of(Shape::ball(6), material).light(Light::point([2.0, 2.0, 3.0])).scene
         },
         ..NEAR
@@ -67,8 +67,9 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default();
             let map = numbers(&mut build, 6, |random| [0, random.bits() as u8, random.bits() as u8, 255]);
-            let rough = Material { metallic: 1.0, roughness: 0.9, ..painted([0.9, 0.6, 0.3]) };
-            let scene = build.shape_of(Shape::ball(8), with(rough, Material::ROUGHNESS, map));
+            let rough =
+                Material::new([0.9, 0.6, 0.3]).metallic(1.0).roughness(0.9).metallic_roughness_map(map);
+            let scene = build.shape_of(Shape::ball(8), rough);
             let plain = Shape::quad([1.0, -1.0, 0.3], [1.0, 0.0, 0.0], [0.0, 1.6, 0.0]);
             scene.shape(plain).light(Light::point([2.0, 2.0, 3.0])).light(Light::sun([1.0, -1.0, -1.0])).scene
         },
@@ -82,8 +83,7 @@ pub(super) const CASES: &[Case] = &[
             let mut build = Build::default();
             build.scene.ambient = Vec3::splat(0.6);
             let map = numbers(&mut build, 8, |random| [random.bits() as u8, 255, 255, 255]);
-            let dim = Material { occlusion: 0.7, ..painted([0.8; 3]) };
-            let scene = build.shape_of(Shape::ball(6), with(dim, Material::OCCLUSION, map));
+            let scene = build.shape_of(Shape::ball(6), painted([0.8; 3]).occlusion_map(map, 0.7));
             scene.light(Light::point([3.0, 0.5, 1.0])).scene
         },
         ..NEAR
@@ -95,8 +95,8 @@ pub(super) const CASES: &[Case] = &[
             let mut build = Build::default();
             let image = noise(7, |random| [0; 4].map(|_: u8| random.bits() as u8));
             let map = build.scene.add_texture(&image, [Wrap::Repeat; 2]).expect("room");
-            let glowing = Material { emission: [3.0, 0.5, 0.2], ..painted([0.1; 3]) };
-            build.shape_of(Shape::ball(6), with(glowing, Material::EMISSION, map)).scene
+            let glowing = painted([0.1; 3]).emission([3.0, 0.5, 0.2]).emission_map(map);
+            build.shape_of(Shape::ball(6), glowing).scene
         },
         ..NEAR
     },
@@ -104,7 +104,7 @@ pub(super) const CASES: &[Case] = &[
         name: "material/unlit",
         claim: "An unlit surface shows its color whatever the light.",
         scene: || {
-            let unlit = Material { unlit: 1, emission: [1.0; 3], ..painted([0.8, 0.3, 0.1]) };
+            let unlit = painted([0.8, 0.3, 0.1]).unlit(true).emission([1.0; 3]);
             let ball = Shape::ball(5).painted(&mut Random(3)).at([-0.7, 0.0, 0.0], 0.6);
             let lit = Shape::ball(5).at([0.7, 0.0, 0.0], 0.6);
             Build::default().shape_of(ball, unlit).shape(lit).light(Light::point([0.0, 2.0, 1.0])).scene
@@ -130,7 +130,7 @@ pub(super) const CASES: &[Case] = &[
                 log_size: map.log_size + 2.9,
                 ..map
             };
-            let material = with(painted([1.0; 3]), Material::COLOR, map);
+            let material = painted([1.0; 3]).base_color_map(map);
             build.shape_of(Shape::floor(9.0, -0.6), material).light(Light::point([1.0, 2.0, 2.0])).scene
         },
         ..NEAR
@@ -145,12 +145,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 fn painted(base: [f32; 3]) -> Material {
-    phong(base, 0.0, 0.4, PLAIN, [0.0; 3])
-}
-
-fn with(mut material: Material, place: usize, map: Texture) -> Material {
-    material.textures[place] = map;
-    material
+    Material::new(base).roughness(0.4)
 }
 
 /// A square image of texels that look random.
@@ -175,9 +170,8 @@ fn bump_texel(random: &mut Random) -> [u8; 4] {
 fn relief(scale: f32, places: &[Mat4]) -> Scene {
     let mut build = Build::default();
     let map = numbers(&mut build, 12, bump_texel);
-    let material = Material { bump: scale, ..painted([0.8, 0.75, 0.7]) };
-    let material =
-        build.scene.add_material(with(material, Material::NORMAL, map)).expect("a case's material");
+    let material = painted([0.8, 0.75, 0.7]).normal_map(map, scale);
+    let material = build.scene.add_material(material).expect("a case's material");
     // The tile's texture is mirrored, the ball's is not.
     let tile =
         Shape::quad([-1.2, -0.8, -0.9], [2.4, 0.0, 0.0], [0.0, 1.6, 0.3]).textured([-2.0, 2.0], [0.0, 0.0]);
@@ -199,9 +193,11 @@ fn second_set() -> Scene {
     let spots = noise(5, |random| [random.bits() as u8, 0, 40, 255]);
     let glow = build.scene.add_texture(&spots, [Wrap::Clamp; 2]).expect("room");
     let relief = numbers(&mut build, 8, bump_texel);
-    let mut material = Material { emission: [1.0; 3], ..painted([1.0; 3]) };
-    material.textures =
-        [color, Texture { set: 1, ..relief }, Texture::NONE, Texture::NONE, Texture { set: 1, ..glow }];
+    let material = painted([1.0; 3])
+        .emission([1.0; 3])
+        .base_color_map(color)
+        .normal_map(Texture { set: 1, ..relief }, 1.0)
+        .emission_map(Texture { set: 1, ..glow });
     let material = build.scene.add_material(material).expect("a case's material");
     let wall =
         Shape::quad([-2.0, -1.2, -0.3], [4.0, 0.0, 0.0], [0.0, 2.4, 0.4]).textured([5.0, 3.0], [0.2, 0.1]);
@@ -230,13 +226,14 @@ fn many() -> Scene {
     for i in 0..100_u32 {
         let mut material = painted([0.8, 0.6, 0.5]);
         let maps = random.bits();
-        for (place, map) in [color, relief, rough, rough, color].into_iter().enumerate() {
-            if maps >> place & 1 == 1 {
-                material.textures[place] = map;
-            }
-        }
-        material.emission = [0.2 * random.within(0.0, 1.0); 3];
-        material.unlit = u32::from(maps.is_multiple_of(7));
+        let if_set = |bit: u32, map| (maps >> bit & 1 == 1).then_some(map);
+        material.base_color_map = if_set(0, color);
+        material.normal_map = if_set(1, relief);
+        material.metallic_roughness_map = if_set(2, rough);
+        material.occlusion_map = if_set(3, rough);
+        material.emission_map = if_set(4, color);
+        material.emission = Vec3::splat(0.2 * random.within(0.0, 1.0));
+        material.unlit = maps.is_multiple_of(7);
         material.metallic = random.within(0.0, 1.0);
         let material: MaterialIndex = build.scene.add_material(material).expect("a case's material");
         let at = Vec3::new((i % 10) as f32 * 0.22 - 1.1, (i / 10) as f32 * 0.22 - 1.1, 0.0);

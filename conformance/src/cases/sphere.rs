@@ -4,8 +4,8 @@ use crate::case::{Case, look, parallel, zoom};
 use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::{Mat4, Quat, Vec3};
 use rtrt_core::backend::Shadows;
-use rtrt_core::layout::{AlphaMode, Material, Wrap};
-use rtrt_core::scene::{Image, Light, MaterialIndex, phong};
+use rtrt_core::layout::Wrap;
+use rtrt_core::scene::{Image, Light, Material, MaterialIndex};
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.4, 0.0]), ..Case::USUAL };
 
@@ -82,10 +82,8 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default();
             for color in [[0.9, 0.1, 0.1], [0.1, 0.9, 0.1], [0.1, 0.1, 0.9]] {
-                let material = build
-                    .scene
-                    .add_material(phong(color, 0.0, 0.5, PLAIN, [0.0; 3]))
-                    .expect("a case's material");
+                let material =
+                    build.scene.add_material(Material::new(color).roughness(0.5)).expect("a case's material");
                 build.scene.add_sphere(material, ball([0.1, 0.0, 0.0], 0.9)).expect("a case's sphere");
             }
             build.light(Light::sun([-0.3, -0.4, -1.0])).scene
@@ -180,7 +178,7 @@ pub(super) const CASES: &[Case] = &[
         claim: "The camera looks out of a sphere that is not double-sided; its shadow is whole.",
         scene: || {
             let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
-            let one_sided = Material { double_sided: 0, ..phong([0.7, 0.4, 0.2], 0.0, 0.5, PLAIN, [0.0; 3]) };
+            let one_sided = Material::new([0.7, 0.4, 0.2]).roughness(0.5).double_sided(false);
             let one_sided = build.scene.add_material(one_sided).expect("a case's material");
             for place in [ball([0.1, 0.1, 3.8], 0.9), ball([-0.8, 0.0, 0.0], 0.7)] {
                 build.scene.add_sphere(one_sided, place).expect("a case's sphere");
@@ -290,7 +288,7 @@ fn add(build: &mut Build, place: Mat4) {
 }
 
 fn glass(base: [f32; 3], alpha: f32) -> Material {
-    Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..phong(base, 0.0, 0.4, PLAIN, [0.0; 3]) }
+    Material::new(base).roughness(0.4).blend(alpha)
 }
 
 /// A material whose texture has a color of its own at each texel; masked at a cutoff above 0.
@@ -299,10 +297,10 @@ fn textured(build: &mut Build, cutoff: f32) -> MaterialIndex {
     let rgba = (0..4 * 16 * 8).map(|_| random.bits() as u8).collect();
     let image = Image { width: 16, height: 8, rgba };
     let map = build.scene.add_texture(&image, [Wrap::Repeat, Wrap::Clamp]).expect("room");
-    let mut material = phong([0.9; 3], 0.0, 0.5, PLAIN, [0.0; 3]);
-    material.textures[Material::COLOR] = map;
+    let mut material = Material::new([0.9; 3]).roughness(0.5);
+    material.base_color_map = Some(map);
     if cutoff > 0.0 {
-        (material.cutoff, material.alpha_mode) = (cutoff, AlphaMode::Mask as u32);
+        material = material.mask(cutoff);
     }
     build.scene.add_material(material).expect("a case's material")
 }

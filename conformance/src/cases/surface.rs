@@ -51,7 +51,7 @@ pub(super) const CASES: &[Case] = &[
         claim: "Of what is not double-sided, the camera sees fronts only, also of what is mirrored, and light all.",
         scene: || {
             let mut build = Build::default().shape(Shape::floor(3.0, -1.2));
-            let one_sided = Material { double_sided: 0, ..phong([0.7, 0.4, 0.2], 0.0, 0.5, PLAIN, [0.0; 3]) };
+            let one_sided = Material::new([0.7, 0.4, 0.2]).roughness(0.5).double_sided(false);
             let one_sided = build.scene.add_material(one_sided).expect("a case's material");
             let ball = build.mesh(Shape::ball(6));
             let sheet = build.mesh(Shape::quad([-0.5, -0.5, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]));

@@ -3,7 +3,7 @@
 use crate::case::{Case, look};
 use crate::shape::{Build, PLAIN, Random, Shape};
 use rtrt_core::layout::Wrap;
-use rtrt_core::scene::{Image, Light, Mip, Scene, phong};
+use rtrt_core::scene::{Image, Light, Material, Mip, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -94,15 +94,22 @@ fn noise([width, height]: [u32; 2]) -> Image {
 fn textured(shape: Shape, size: [u32; 2], wrap: [Wrap; 2]) -> Scene {
     let mut build = Build::default();
     let texture = build.scene.add_texture(&noise(size), wrap).expect("a case's texture");
-    let material = phong([0.9, 0.8, 0.7], 0.0, 0.5, texture, [0.0; 3]);
+    let material = Material::new([0.9, 0.8, 0.7]).roughness(0.5).base_color_map(texture);
     // Another texture, and a surface without one, beside it.
     let second = build.scene.add_texture(&noise([3, 7]), [Wrap::Clamp; 2]).expect("a case's texture");
     let small = Shape::quad([-2.0, -0.4, 0.5], [0.6, 0.0, 0.0], [0.0, 0.8, 0.2]);
     let plain = Shape::quad([1.4, -0.4, 0.5], [0.6, 0.0, 0.0], [0.0, 0.8, 0.2]);
     build
         .shape_of(shape, material)
-        .shape_of(small, phong([1.0; 3], 0.5, 0.3, second, [0.1, 0.0, 0.0]))
-        .shape_of(plain, phong([0.2, 0.5, 1.0], 0.0, 0.9, PLAIN, [0.0; 3]))
+        .shape_of(
+            small,
+            Material::new([1.0; 3])
+                .metallic(0.5)
+                .roughness(0.3)
+                .base_color_map(second)
+                .emission([0.1, 0.0, 0.0]),
+        )
+        .shape_of(plain, Material::new([0.2, 0.5, 1.0]).roughness(0.9))
         .light(Light::point([1.0, 2.0, 5.0]))
         .scene
 }

@@ -4,8 +4,8 @@ use crate::case::{Case, look, parallel};
 use crate::shape::{Build, PLAIN, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
-use rtrt_core::layout::{AlphaMode, Backdrop, Material, Texture, Wrap};
-use rtrt_core::scene::{Image, Light, Panorama, Scene, phong};
+use rtrt_core::layout::{Backdrop, Texture, Wrap};
+use rtrt_core::scene::{Image, Light, Material, Panorama, Scene};
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.4, 0.0]), ..Case::USUAL };
 
@@ -14,7 +14,7 @@ pub(super) const CASES: &[Case] = &[
         name: "transparency/one_sided",
         claim: "A glass that is not double-sided is one layer, and takes from light with both sides.",
         scene: || {
-            let one = |base, alpha| Material { double_sided: 0, ..glass(base, alpha) };
+            let one = |base, alpha| glass(base, alpha).double_sided(false);
             let mut build = Build::default()
                 .shape(Shape::floor(3.0, -1.0))
                 .shape_of(Shape::ball(5).at([-0.6, 0.0, 0.0], 0.8), one([0.2, 0.9, 0.4], 0.4))
@@ -133,7 +133,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default();
             let map = noise(&mut build, 9);
-            let material = with_color(glass([0.9, 0.8, 0.7], 0.8), map);
+            let material = glass([0.9, 0.8, 0.7], 0.8).base_color_map(map);
             let quad = pane(0.3, 1.0).painted_through(&mut Random(4)).textured([2.0, 1.5], [0.2, 0.1]);
             build.shape_of(quad, material).shape(Shape::ball(5)).light(Light::point([1.0, 2.0, 3.0])).scene
         },
@@ -163,17 +163,7 @@ pub(super) const CASES: &[Case] = &[
         name: "transparency/mask_cutoff_exactly_met",
         claim: "Alpha that equals the cutoff is there.",
         scene: || {
-            let quad = |z: f32, alpha: f32| {
-                (
-                    pane(z, 0.9),
-                    Material {
-                        alpha,
-                        cutoff: 0.25,
-                        alpha_mode: AlphaMode::Mask as u32,
-                        ..glass([0.8; 3], 1.0)
-                    },
-                )
-            };
+            let quad = |z: f32, alpha: f32| (pane(z, 0.9), glass([0.8; 3], alpha).mask(0.25));
             let (there, exactly) = quad(-0.4, 0.25);
             let (not, below) = quad(0.4, f32::from_bits(0.25_f32.to_bits() - 1));
             Build::default()
@@ -256,12 +246,7 @@ pub(super) const CASES: &[Case] = &[
 
 /// A material that blends.
 fn glass(base: [f32; 3], alpha: f32) -> Material {
-    Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..phong(base, 0.0, 0.4, PLAIN, [0.0; 3]) }
-}
-
-fn with_color(mut material: Material, map: Texture) -> Material {
-    material.textures[Material::COLOR] = map;
-    material
+    Material::new(base).roughness(0.4).blend(alpha)
 }
 
 /// A square that faces the usual camera.
@@ -297,7 +282,10 @@ fn in_the_open(backdrop: Backdrop) -> Scene {
     let build = Build::default()
         .shape_of(pane(0.5, 1.2), glass([0.2, 0.9, 0.3], 0.4))
         .shape_of(pane(0.2, 1.0), glass([0.3, 0.2, 0.9], 0.3))
-        .shape_of(Shape::ball(6).at([0.9, 0.2, 0.0], 0.5), phong([0.9; 3], 1.0, 0.1, PLAIN, [0.0; 3]))
+        .shape_of(
+            Shape::ball(6).at([0.9, 0.2, 0.0], 0.5),
+            Material::new([0.9; 3]).metallic(1.0).roughness(0.1),
+        )
         .light(Light::point([1.0, 2.0, 3.0]));
     let mut scene = build.scene;
     (scene.backdrop, scene.background) = (backdrop, Vec3::new(0.9, 0.2, 0.1));
@@ -325,10 +313,10 @@ fn overlapping() -> Scene {
 fn masked(cutoff: f32) -> Scene {
     let mut build = Build::default();
     let map = noise(&mut build, 8);
-    let mask = Material { cutoff, alpha_mode: AlphaMode::Mask as u32, ..glass([0.8, 0.9, 0.7], 1.0) };
-    let flat = with_color(mask, Texture { turn: [[3.0, 0.4], [-0.4, 2.0]], ..map });
+    let mask = glass([0.8, 0.9, 0.7], 1.0).mask(cutoff);
+    let flat = mask.base_color_map(Texture { turn: [[3.0, 0.4], [-0.4, 2.0]], ..map });
     let second =
-        build.scene.add_material(with_color(mask, Texture { set: 1, ..map })).expect("a case's material");
+        build.scene.add_material(mask.base_color_map(Texture { set: 1, ..map })).expect("a case's material");
     let ball = Shape::ball(5).at([0.9, 0.0, 0.4], 0.5);
     let uv: Vec<[f32; 2]> = (0..66).map(|i| [(i % 11) as f32 * 0.3, (i / 11) as f32 * 0.4]).collect();
     let mesh = build.mesh_of(ball, |mesh| mesh.with_second_uv(uv.clone()).expect("as many as vertices"));
@@ -345,8 +333,8 @@ fn masked(cutoff: f32) -> Scene {
 fn leaves() -> Scene {
     let mut build = Build::default();
     let map = noise(&mut build, 6);
-    let leaf = Material { alpha_mode: AlphaMode::Mask as u32, ..glass([0.3, 0.8, 0.2], 1.0) };
-    let leaf = build.scene.add_material(with_color(leaf, map)).expect("a case's material");
+    let leaf = glass([0.3, 0.8, 0.2], 1.0).mask(0.5);
+    let leaf = build.scene.add_material(leaf.base_color_map(map)).expect("a case's material");
     let veil = build.scene.add_material(glass([0.9, 0.7, 0.3], 0.3)).expect("a case's material");
     let square = build.mesh(pane(0.0, 0.5));
     let mut random = Random(31);
@@ -372,7 +360,7 @@ pub(super) fn panes(order: &[usize]) -> Scene {
     let panes = [
         glass([1.0, 0.1, 0.0], 0.3),
         glass([0.0, 0.2, 1.0], 0.45),
-        with_color(glass([0.9, 0.9, 0.2], 0.6), map),
+        glass([0.9, 0.9, 0.2], 0.6).base_color_map(map),
     ];
     for (place, &number) in order.iter().enumerate() {
         let y = 0.7 - 0.3 * place as f32;

@@ -13,7 +13,7 @@ use rtrt_core::kernel::transparency::{cutoff, mode, tint_and_alpha};
 use rtrt_core::kernel::traverse::{ClosestHit, Geometry, HitFilter};
 use rtrt_core::kernel::triangle::{Intersection, intersect};
 use rtrt_core::kernel::view::camera_ray;
-use rtrt_core::layout::{AlphaMode, Frame, Hit, NONE, Surface, ViewKind};
+use rtrt_core::layout::{AlphaKind, Frame, Hit, NONE, Surface, ViewKind};
 use rtrt_core::scene::{Scene, Setup, SetupError};
 use rtrt_core::stage::occlusion::{LIGHTS_PER_WORD, limit, to_light};
 use rtrt_core::stage::surface::Surfaces;
@@ -100,7 +100,7 @@ impl<'a> Brute<'a> {
     /// Whether anything is there where a ray has met an instance: what a mask leaves.
     fn is_there(&self, instance: u32, triangle: u32, found: &Intersection<f32>) -> bool {
         let geometry = self.geometry();
-        if mode(&geometry, instance) != AlphaMode::Mask as u32 {
+        if mode(&geometry, instance) != AlphaKind::Mask as u32 {
             return true;
         }
         let [_, _, _, alpha] = tint_and_alpha(&geometry, instance, triangle, found);
@@ -176,7 +176,7 @@ impl<'a> Brute<'a> {
         if limit > 0.0 {
             self.between(&cast, limit, light, |instance, triangle, found| {
                 let is_nearer = nearest.is_none_or(|(_, _, nearest)| found.t < nearest.t);
-                let is_seen = mode(&geometry, instance) != AlphaMode::Blend as u32
+                let is_seen = mode(&geometry, instance) != AlphaKind::Blend as u32
                     || tint_and_alpha(&geometry, instance, triangle, found)[3] > 0.0;
                 if is_nearer && is_seen && self.is_there(instance, triangle, found) {
                     nearest = Some((instance, triangle, *found));

@@ -5,7 +5,7 @@ use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};
 use crate::kernel::traverse::{ClosestHit, Geometry, HitFilter};
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select};
-use crate::layout::{AlphaMode, View, ViewKind};
+use crate::layout::{AlphaKind, View, ViewKind};
 use crate::num::{clamp, flush, recip};
 
 /// The least share of a shadow ray that is left behind an occluder, as far as penumbras are
@@ -80,9 +80,9 @@ impl<L: Lane> HitFilter<L> for Nearest<L> {
         }
         let mode = mode(geometry, instance);
         let (mut met, mut ended) = (found.mask, found.mask);
-        if mode != AlphaMode::Opaque as u32 {
+        if mode != AlphaKind::Opaque as u32 {
             let [red, green, blue, alpha] = tint_and_alpha(geometry, instance, id, found);
-            if mode == AlphaMode::Mask as u32 {
+            if mode == AlphaKind::Mask as u32 {
                 met = met & alpha.broadcast(cutoff(geometry, instance)).le(alpha);
                 ended = met;
             } else {

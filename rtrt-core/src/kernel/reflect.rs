@@ -26,7 +26,7 @@ pub fn blinn_phong<L: Lane>(normal: V3<L>, to_light: V3<L>, to_viewer: V3<L>, sh
     pow(lambert(normal, half), shininess) * ((shininess + 8.0) * 0.125)
 }
 
-/// The exponent of the lobe of a surface with this roughness, 0 ..= 1; `scene::phong` says
+/// The exponent of the lobe of a surface with this roughness, 0 ..= 1; `scene::Material` says
 /// where it comes from.
 ///
 /// ```text

@@ -2,7 +2,7 @@
 
 use crate::kernel::mip::{Levels, levels};
 use crate::lane::{Bits, Lane, Mask, Row, Select, Word, groups};
-use crate::layout::{Material, Wrap};
+use crate::layout::{MaterialRecord, Wrap};
 use crate::num::{clamp, floor, from_integer, to_integer};
 
 /// Words at the start of the scene's texels: for each byte of an sRGB color, the bits of
@@ -16,7 +16,7 @@ pub const BYTE: f32 = 1.0 / 255.0;
 #[derive(Clone, Copy)]
 pub struct Maps<'a> {
     /// The materials.
-    pub materials: &'a [Material],
+    pub materials: &'a [MaterialRecord],
     /// The decoding words, then textures.
     pub texels: &'a [u32],
 }
@@ -66,7 +66,7 @@ impl<L: Lane> MaterialLookup<L> {
 /// beyond rust-gpu.)
 pub trait MaterialField<const N: usize> {
     /// The numbers.
-    fn pick(material: &Material) -> [f32; N];
+    fn pick(material: &MaterialRecord) -> [f32; N];
 }
 
 /// How the texture `MAP` is laid out.
@@ -74,7 +74,7 @@ struct Layout<const MAP: usize>;
 
 impl<const MAP: usize> MaterialField<13> for Layout<MAP> {
     #[inline(always)]
-    fn pick(material: &Material) -> [f32; 13] {
+    fn pick(material: &MaterialRecord) -> [f32; 13] {
         let map = &material.textures[MAP];
         [
             map.levels as f32,

@@ -4,7 +4,7 @@ use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};
 use crate::kernel::traverse::{ClosestHit, Geometry, HitFilter};
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select, V3};
-use crate::layout::AlphaMode;
+use crate::layout::AlphaKind;
 use crate::num::{clamp, floor, from_integer, recip, sqrt, to_integer};
 
 /// Light that nothing has taken from, as a word.
@@ -126,9 +126,9 @@ impl<L: Lane> HitFilter<L> for Transmittance<L> {
         }
         let mode = mode(geometry, instance);
         let mut ended = found.mask;
-        if mode != AlphaMode::Opaque as u32 {
+        if mode != AlphaKind::Opaque as u32 {
             let pane = tint_and_alpha(geometry, instance, id, found);
-            if mode == AlphaMode::Mask as u32 {
+            if mode == AlphaKind::Mask as u32 {
                 ended = ended & pane[3].broadcast(cutoff(geometry, instance)).le(pane[3]);
             } else {
                 self.add(pane);

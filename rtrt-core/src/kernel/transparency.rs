@@ -19,7 +19,7 @@ pub const RECORD: u32 = 18;
 /// Words of a vertex: texture coordinates, color.
 pub const VERTEX: u32 = 3;
 
-/// In a record: the [`crate::layout::AlphaMode`].
+/// In a record: the [`crate::layout::AlphaKind`].
 pub const MODE: u32 = 0;
 /// In a record: the least alpha of what is there, in a mask.
 pub const CUTOFF: u32 = 1;
@@ -43,7 +43,7 @@ pub fn cutoff(geometry: &Geometry<'_>, instance: u32) -> f32 {
     number(geometry, geometry.instances[instance as usize].transparency + CUTOFF)
 }
 
-/// The [`crate::layout::AlphaMode`] of an instance, as a number.
+/// The [`crate::layout::AlphaKind`] of an instance, as a number.
 #[inline(always)]
 pub fn mode(geometry: &Geometry<'_>, instance: u32) -> u32 {
     alpha_mode_of(&geometry.instances[instance as usize], geometry.mesh_data)

@@ -108,7 +108,7 @@ pub struct Instance {
     /// The instance that this is a part of; [`NONE`] for a whole one.
     pub opened_from: u32,
     /// 1 where the camera sees it from both sides, else 0 (see
-    /// [`Material::double_sided`](crate::layout::Material::double_sided)).
+    /// [`MaterialRecord::double_sided`](crate::layout::MaterialRecord::double_sided)).
     pub double_sided: u32,
 }
 const _: () = assert!(size_of::<Instance>() == 192 && offset_of!(Instance, slack) == 160);

@@ -29,7 +29,7 @@ pub enum Wrap {
 /// What a surface's alpha does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(u32)]
-pub enum AlphaMode {
+pub enum AlphaKind {
     /// Nothing.
     #[default]
     Opaque = 0,
@@ -87,7 +87,7 @@ impl Texture {
 /// How a surface answers light.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Material {
+pub struct MaterialRecord {
     /// Linear RGB, multiplied with the texture and the vertex color.
     pub base: [f32; 3],
     /// Blinn-Phong exponent, 1 ..= 8192, for a material without a roughness texture.
@@ -108,20 +108,21 @@ pub struct Material {
     pub unlit: u32,
     /// 0 ..= 1, multiplied with the alpha of the base color's texture and of the vertex color.
     pub alpha: f32,
-    /// [`AlphaMode`].
+    /// [`AlphaKind`].
     pub alpha_mode: u32,
-    /// [`AlphaMode::Mask`]: the least alpha of what is there.
+    /// [`AlphaKind::Mask`]: the least alpha of what is there.
     pub cutoff: f32,
     /// 1 for a surface that the camera sees from both sides, 0 for one that it sees only from
     /// where a triangle's corners are counterclockwise, and a sphere from outside. Light knows no
     /// such difference: both cast the same shadows.
     pub double_sided: u32,
-    /// [`Material::COLOR`] and so on.
-    pub textures: [Texture; Material::TEXTURES],
+    /// [`MaterialRecord::COLOR`] and so on.
+    pub textures: [Texture; MaterialRecord::TEXTURES],
 }
-const _: () = assert!(size_of::<Material>() == 76 + 5 * 56 && offset_of!(Material, textures) == 76);
+const _: () =
+    assert!(size_of::<MaterialRecord>() == 76 + 5 * 56 && offset_of!(MaterialRecord, textures) == 76);
 
-impl Material {
+impl MaterialRecord {
     /// Textures of a material.
     pub const TEXTURES: usize = 5;
     /// The texture of the base color, sRGB.

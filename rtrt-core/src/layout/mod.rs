@@ -9,6 +9,6 @@ mod view;
 
 pub use geometry::{Attribute, Instance, Kind, Node};
 pub use hit::{Hit, Lit, NONE, Surface};
-pub use material::{AlphaMode, COLOR_LIMIT, LIGHT_LIMIT, Material, Texture, Wrap};
+pub use material::{AlphaKind, COLOR_LIMIT, LIGHT_LIMIT, MaterialRecord, Texture, Wrap};
 pub use probe::{PROBES, probe};
 pub use view::{Backdrop, Frame, View, ViewKind};

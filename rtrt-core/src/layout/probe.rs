@@ -1,6 +1,6 @@
 //! Where a device finds the fields of what both sides read.
 
-use crate::layout::{Attribute, Frame, Hit, Instance, Material, Node, Surface, View};
+use crate::layout::{Attribute, Frame, Hit, Instance, MaterialRecord, Node, Surface, View};
 
 /// How many words [`probe`] gives.
 pub const PROBES: usize = 33;
@@ -16,7 +16,7 @@ pub fn probe(
     instances: &[Instance],
     nodes: &[Node],
     attributes: &[Attribute],
-    materials: &[Material],
+    materials: &[MaterialRecord],
     surfaces: &[Surface],
     hits: &[Hit],
 ) -> [u32; PROBES] {

@@ -138,8 +138,8 @@ fn held(nodes: &[Node], root: u32, node: &Node) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Attribute, Texture};
-    use crate::scene::{Bvh, Mesh, Sequential, phong};
+    use crate::layout::{Attribute};
+    use crate::scene::{Bvh, Material, Mesh, Sequential};
     use glam::{Mat4, Vec3};
 
     /// `count` instances of 200 triangles on a strip, each turned.
@@ -149,7 +149,7 @@ mod tests {
         let indices = (0..200).flat_map(|i| [i, i + 1, i + 2]).collect();
         let mesh = Mesh::new((0..202).map(corner).collect(), alloc::vec![attribute; 202], indices).unwrap();
         let mut scene = Scene::new();
-        let gray = scene.add_material(phong([0.5; 3], 0.0, 0.5, Texture::NONE, [0.0; 3])).unwrap();
+        let gray = scene.add_material(Material::new([0.5; 3]).roughness(0.5)).unwrap();
         let strip = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
         for i in 0..count {
             let place = Mat4::from_rotation_y(i as f32) * Mat4::from_scale(Vec3::new(1.0, 2.0, 0.5));

@@ -13,9 +13,9 @@ pub(super) struct LodLevel {
     /// From this distance on.
     from: f32,
     /// Which mesh.
-    mesh: MeshIndex,
+    pub mesh: MeshIndex,
     /// The instance that it then is.
-    placed: Instance,
+    pub placed: Instance,
 }
 
 impl Scene {

@@ -1,67 +1,263 @@
-//! From metallic-roughness to this renderer's shading.
+//! Materials as people write them, and the records that backends read.
 
 use crate::kernel::reflect::shininess;
-use crate::layout::{AlphaMode, COLOR_LIMIT, LIGHT_LIMIT, Material, Texture};
+use crate::layout::{AlphaKind, COLOR_LIMIT, LIGHT_LIMIT, MaterialRecord, Texture};
 use crate::scene::SceneError;
 use crate::scene::floor::floored;
 use core::slice;
+use glam::Vec3;
 
 /// The light that a surface that is no metal mirrors head-on.
 const DIELECTRIC: f32 = 0.04;
 
-/// The material with this base color (linear RGB), metalness and roughness (0 ..= 1).
+/// What the alpha of a surface does.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum AlphaMode {
+    /// Nothing.
+    #[default]
+    Opaque,
+    /// The surface is there, and opaque, where alpha is at least `cutoff`; elsewhere there is a hole.
+    Mask {
+        /// The least alpha of what is there, within ± [`COLOR_LIMIT`].
+        cutoff: f32,
+    },
+    /// Alpha is the share of what is behind the surface that it covers.
+    Blend,
+}
+
+/// How a surface answers light: metallic-roughness, as in glTF, with a Blinn-Phong lobe.
 ///
 /// ```text
-/// highlight = (0.04 + (base − 0.04) · metallic) · (1 − roughness / 2)
+/// highlight = (specular + (base − specular) · metallic) · (1 − roughness / 2)
 /// diffuse   = base · (1 − metallic / 2)
-/// shininess = 2 / roughness⁴ − 2, within 1 ..= 8192
+/// exponent  = 2 / roughness⁴ − 2, within 1 ..= 8192
 /// ```
 ///
 /// The exponent is the usual match between Blinn-Phong and a microfacet lobe of width
 /// `roughness²` (Walter et al. 2007). A metal keeps half of its diffuse color because
-/// without an environment there is nothing for it to mirror but the lights. Textures multiply
+/// without an environment there is nothing for it to mirror but the lights. Maps multiply
 /// base color, metalness and roughness before this is computed, for each ray (see
 /// [`crate::stage::shade`]).
-pub fn phong(
-    base: [f32; 3],
-    metallic: f32,
-    roughness: f32,
-    texture: Texture,
-    emission: [f32; 3],
-) -> Material {
-    let (metallic, roughness) = (metallic.clamp(0.0, 1.0), roughness.clamp(0.0, 1.0));
-    Material {
-        base,
-        shininess: shininess(roughness),
-        specular: [DIELECTRIC; 3],
-        metallic,
-        emission,
-        roughness,
-        bump: 1.0,
-        occlusion: 1.0,
-        unlit: 0,
-        alpha: 1.0,
-        alpha_mode: AlphaMode::Opaque as u32,
-        cutoff: 0.5,
-        double_sided: 1,
-        textures: [texture, Texture::NONE, Texture::NONE, Texture::NONE, Texture::NONE],
+///
+/// ```
+/// use rtrt_core::scene::{AlphaMode, Material};
+///
+/// let gold = Material::new([0.9, 0.6, 0.2]).metallic(1.0).roughness(0.3);
+/// assert_eq!((gold.double_sided, gold.alpha_mode), (true, AlphaMode::Opaque));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Material {
+    /// Linear RGB within ± [`COLOR_LIMIT`], multiplied with its map and the vertex color. White unless set.
+    pub base_color: Vec3,
+    /// The map of the base color and of alpha, sRGB.
+    pub base_color_map: Option<Texture>,
+    /// How much of a metal the surface is, 0 ..= 1. 0 unless set.
+    pub metallic: f32,
+    /// 0 ..= 1, from a mirror to a matte surface. 1 unless set.
+    pub roughness: f32,
+    /// The map that multiplies roughness (green) and metalness (blue).
+    pub metallic_roughness_map: Option<Texture>,
+    /// Linear RGB within ± [`COLOR_LIMIT`] that a surface that is no metal mirrors head-on. 0.04 unless set.
+    pub specular: Vec3,
+    /// The exponent of the Blinn-Phong lobe, 0 ..= 8192, where there is no map of roughness. That of the
+    /// roughness unless set.
+    pub exponent: Option<f32>,
+    /// Light of its own, linear RGB within ± [`LIGHT_LIMIT`], multiplied with its map. Black unless set.
+    pub emission: Vec3,
+    /// The map of the emission, sRGB.
+    pub emission_map: Option<Texture>,
+    /// The map of normals: coordinates along tangent, bitangent and normal, −1 ..= 1 as 0 ..= 255.
+    pub normal_map: Option<Texture>,
+    /// How strongly the map turns normals, within ± [`COLOR_LIMIT`]. 1 unless set.
+    pub normal_scale: f32,
+    /// The map of how much ambient light arrives (red).
+    pub occlusion_map: Option<Texture>,
+    /// How much of the ambient light the map may take, 0 ..= 1. 1 unless set.
+    pub occlusion_strength: f32,
+    /// Multiplied with the alpha of the map and of the vertex color, 0 ..= [`COLOR_LIMIT`]. 1 unless set.
+    pub alpha: f32,
+    /// What alpha does. Nothing unless set.
+    pub alpha_mode: AlphaMode,
+    /// Whether the camera sees the surface from both sides; otherwise it sees only the side from which the
+    /// corners of a triangle are counterclockwise, and the outside of a sphere. Shadows are the same. True
+    /// unless set.
+    pub double_sided: bool,
+    /// Whether the surface shows its base color whatever the light. False unless set.
+    pub unlit: bool,
+}
+
+impl Default for Material {
+    /// White and matte.
+    fn default() -> Self {
+        Self {
+            base_color: Vec3::ONE,
+            base_color_map: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_map: None,
+            specular: Vec3::splat(DIELECTRIC),
+            exponent: None,
+            emission: Vec3::ZERO,
+            emission_map: None,
+            normal_map: None,
+            normal_scale: 1.0,
+            occlusion_map: None,
+            occlusion_strength: 1.0,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: true,
+            unlit: false,
+        }
     }
 }
 
-/// The material as a scene holds it: numbers too small to count are 0.
+impl Material {
+    /// The default material in another base color, linear RGB.
+    pub fn new(base_color: impl Into<Vec3>) -> Self {
+        Self { base_color: base_color.into(), ..Self::default() }
+    }
+
+    /// The material in another base color, linear RGB.
+    #[must_use]
+    pub fn base_color(self, base_color: impl Into<Vec3>) -> Self {
+        Self { base_color: base_color.into(), ..self }
+    }
+
+    /// The material with a map of base color and alpha.
+    #[must_use]
+    pub fn base_color_map(self, map: impl Into<Option<Texture>>) -> Self {
+        Self { base_color_map: map.into(), ..self }
+    }
+
+    /// The material with another metalness.
+    #[must_use]
+    pub fn metallic(self, metallic: f32) -> Self {
+        Self { metallic, ..self }
+    }
+
+    /// The material with another roughness.
+    #[must_use]
+    pub fn roughness(self, roughness: f32) -> Self {
+        Self { roughness, ..self }
+    }
+
+    /// The material with a map of roughness and metalness.
+    #[must_use]
+    pub fn metallic_roughness_map(self, map: impl Into<Option<Texture>>) -> Self {
+        Self { metallic_roughness_map: map.into(), ..self }
+    }
+
+    /// The material whose highlights have this color and, with `Some`, this exponent.
+    #[must_use]
+    pub fn specular(self, specular: impl Into<Vec3>, exponent: impl Into<Option<f32>>) -> Self {
+        Self { specular: specular.into(), exponent: exponent.into(), ..self }
+    }
+
+    /// The material with light of its own.
+    #[must_use]
+    pub fn emission(self, emission: impl Into<Vec3>) -> Self {
+        Self { emission: emission.into(), ..self }
+    }
+
+    /// The material with a map of its emission.
+    #[must_use]
+    pub fn emission_map(self, map: impl Into<Option<Texture>>) -> Self {
+        Self { emission_map: map.into(), ..self }
+    }
+
+    /// The material with a map of normals, which turns them as strongly as `scale` says.
+    #[must_use]
+    pub fn normal_map(self, map: impl Into<Option<Texture>>, scale: f32) -> Self {
+        Self { normal_map: map.into(), normal_scale: scale, ..self }
+    }
+
+    /// The material with a map of occlusion, which takes up to `strength` of the ambient light.
+    #[must_use]
+    pub fn occlusion_map(self, map: impl Into<Option<Texture>>, strength: f32) -> Self {
+        Self { occlusion_map: map.into(), occlusion_strength: strength, ..self }
+    }
+
+    /// The material with another alpha, which counts where it is masked or blends.
+    #[must_use]
+    pub fn alpha(self, alpha: f32) -> Self {
+        Self { alpha, ..self }
+    }
+
+    /// The material with holes where alpha is below `cutoff`.
+    #[must_use]
+    pub fn mask(self, cutoff: f32) -> Self {
+        Self { alpha_mode: AlphaMode::Mask { cutoff }, ..self }
+    }
+
+    /// The material that covers `alpha` of what is behind it.
+    #[must_use]
+    pub fn blend(self, alpha: f32) -> Self {
+        Self { alpha, alpha_mode: AlphaMode::Blend, ..self }
+    }
+
+    /// The material that the camera sees from both sides, or from one.
+    #[must_use]
+    pub fn double_sided(self, double_sided: bool) -> Self {
+        Self { double_sided, ..self }
+    }
+
+    /// The material that shows its base color whatever the light, or does not.
+    #[must_use]
+    pub fn unlit(self, unlit: bool) -> Self {
+        Self { unlit, ..self }
+    }
+
+    /// The material as backends read it: numbers too small to count are 0.
+    ///
+    /// # Errors
+    /// A number is not finite, or out of its range.
+    pub(super) fn record(&self) -> Result<MaterialRecord, SceneError> {
+        let (kind, cutoff) = match self.alpha_mode {
+            AlphaMode::Opaque => (AlphaKind::Opaque, 0.5),
+            AlphaMode::Mask { cutoff } => (AlphaKind::Mask, cutoff),
+            AlphaMode::Blend => (AlphaKind::Blend, 0.5),
+        };
+        let maps = [
+            self.base_color_map,
+            self.normal_map,
+            self.metallic_roughness_map,
+            self.occlusion_map,
+            self.emission_map,
+        ];
+        let mut record = MaterialRecord {
+            base: self.base_color.to_array(),
+            shininess: self.exponent.unwrap_or_else(|| shininess(self.roughness)),
+            specular: self.specular.to_array(),
+            metallic: self.metallic,
+            emission: self.emission.to_array(),
+            roughness: self.roughness,
+            bump: self.normal_scale,
+            occlusion: self.occlusion_strength,
+            unlit: u32::from(self.unlit),
+            alpha: self.alpha,
+            alpha_mode: kind as u32,
+            cutoff,
+            double_sided: u32::from(self.double_sided),
+            textures: maps.map(|map| map.unwrap_or(Texture::NONE)),
+        };
+        check(&mut record)?;
+        Ok(record)
+    }
+}
+
+/// Makes 0 of numbers too small to count.
 ///
 /// # Errors
 /// A number is not finite, or out of its range.
-pub(super) fn checked(mut material: Material) -> Result<Material, SceneError> {
-    let m = &mut material;
-    m.double_sided = u32::from(m.double_sided != 0);
+fn check(m: &mut MaterialRecord) -> Result<(), SceneError> {
     within("base color", &mut m.base, -COLOR_LIMIT, COLOR_LIMIT)?;
     within("highlight", &mut m.specular, -COLOR_LIMIT, COLOR_LIMIT)?;
     within("emission", &mut m.emission, -LIGHT_LIMIT, LIGHT_LIMIT)?;
     for (what, value, low, high) in [
-        ("exponent", &mut m.shininess, 0.0, 8192.0),
         ("metalness", &mut m.metallic, 0.0, 1.0),
         ("roughness", &mut m.roughness, 0.0, 1.0),
+        ("exponent", &mut m.shininess, 0.0, 8192.0),
         ("strength of occlusion", &mut m.occlusion, 0.0, 1.0),
         ("strength of the normal map", &mut m.bump, -COLOR_LIMIT, COLOR_LIMIT),
         ("alpha", &mut m.alpha, 0.0, COLOR_LIMIT),
@@ -74,7 +270,7 @@ pub(super) fn checked(mut material: Material) -> Result<Material, SceneError> {
         let mut numbers = [u[0], u[1], v[0], v[1], texture.shift[0], texture.shift[1], texture.log_size];
         within("placing of a texture", &mut numbers, f32::MIN, f32::MAX)?;
     }
-    Ok(material)
+    Ok(())
 }
 
 /// Makes 0 of what is too small to count.
@@ -97,23 +293,37 @@ mod tests {
 
     #[test]
     fn every_number_is_one_and_within_its_range() {
-        let usual = phong([0.5; 3], 0.5, 0.5, Texture::NONE, [1.0; 3]);
-        assert_eq!(checked(usual), Ok(usual));
+        let map = Texture { levels: 1, ..Texture::NONE };
+        let usual = Material::new([0.5; 3])
+            .metallic(0.5)
+            .roughness(0.5)
+            .emission([1.0; 3])
+            .base_color_map(map)
+            .occlusion_map(map, 1.0)
+            .emission_map(map);
+        assert!(usual.record().is_ok());
+        fn placed(map: &mut Option<Texture>) -> &mut Texture {
+            map.as_mut().expect("a map")
+        }
         let fields: [fn(&mut Material) -> &mut f32; 14] = [
-            |m| &mut m.base[0],
-            |m| &mut m.base[2],
-            |m| &mut m.specular[1],
-            |m| &mut m.emission[0],
-            |m| &mut m.shininess,
+            |m| &mut m.base_color.x,
+            |m| &mut m.base_color.z,
+            |m| &mut m.specular.y,
+            |m| &mut m.emission.x,
+            |m| m.exponent.insert(1.0),
             |m| &mut m.metallic,
             |m| &mut m.roughness,
-            |m| &mut m.occlusion,
-            |m| &mut m.bump,
+            |m| &mut m.occlusion_strength,
+            |m| &mut m.normal_scale,
             |m| &mut m.alpha,
-            |m| &mut m.cutoff,
-            |m| &mut m.textures[3].turn[1][0],
-            |m| &mut m.textures[4].shift[1],
-            |m| &mut m.textures[0].log_size,
+            |m| {
+                m.alpha_mode = AlphaMode::Mask { cutoff: 0.0 };
+                let AlphaMode::Mask { cutoff } = &mut m.alpha_mode else { unreachable!("it is a mask") };
+                cutoff
+            },
+            |m| &mut placed(&mut m.occlusion_map).turn[1][0],
+            |m| &mut placed(&mut m.emission_map).shift[1],
+            |m| &mut placed(&mut m.base_color_map).log_size,
         ];
         for (number, field) in fields.into_iter().enumerate() {
             // Of where textures lie, only what is no number is refused.
@@ -121,10 +331,28 @@ mod tests {
             for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, large] {
                 let mut wrong = usual;
                 *field(&mut wrong) = bad;
-                assert!(matches!(checked(wrong), Err(SceneError::Material { .. })), "{number}: {bad}");
+                assert!(matches!(wrong.record(), Err(SceneError::Material { .. })), "{number}: {bad}");
             }
         }
-        let bright = Material { base: [COLOR_LIMIT; 3], emission: [LIGHT_LIMIT; 3], ..usual };
-        assert_eq!(checked(bright), Ok(bright));
+        let bright = Material::new([COLOR_LIMIT; 3]).emission([LIGHT_LIMIT; 3]);
+        let record = bright.record().unwrap();
+        assert_eq!((record.base, record.emission), ([COLOR_LIMIT; 3], [LIGHT_LIMIT; 3]));
+    }
+
+    #[test]
+    fn a_record_says_what_the_material_says() {
+        let rough = Material::default().roughness(0.5).record().unwrap();
+        assert_eq!((rough.shininess, rough.specular), (2.0 / 0.0625 - 2.0, [DIELECTRIC; 3]));
+        assert_eq!((rough.alpha_mode, rough.double_sided, rough.unlit), (0, 1, 0));
+        let leaf = Material::default().mask(0.25).double_sided(false).unlit(true).record().unwrap();
+        assert_eq!((leaf.alpha_mode, leaf.cutoff), (AlphaKind::Mask as u32, 0.25));
+        assert_eq!((leaf.double_sided, leaf.unlit), (0, 1));
+        let glass = Material::default().blend(0.3).specular([0.5; 3], 7.0).record().unwrap();
+        assert_eq!((glass.alpha_mode, glass.alpha), (AlphaKind::Blend as u32, 0.3));
+        assert_eq!((glass.shininess, glass.specular), (7.0, [0.5; 3]));
+        let map = Texture { levels: 3, ..Texture::NONE };
+        let mapped = Material::default().normal_map(map, 2.0).record().unwrap();
+        assert_eq!((mapped.textures[MaterialRecord::NORMAL], mapped.bump), (map, 2.0));
+        assert_eq!(mapped.textures[MaterialRecord::COLOR], Texture::NONE);
     }
 }

@@ -1,15 +1,15 @@
 //! Building a scene, on the host: meshes and their trees, mip chains, cameras, lights.
 //!
 //! ```
-//! use rtrt_core::layout::{Attribute, Texture};
-//! use rtrt_core::scene::{Light, Mesh, Bvh, Scene, Sequential, phong};
+//! use rtrt_core::layout::Attribute;
+//! use rtrt_core::scene::{Bvh, Light, Material, Mesh, Scene, Sequential};
 //!
 //! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! // Without a normal of its own, a vertex has that of its triangle.
 //! let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
 //! let mesh = Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2])?;
 //! let mut scene = Scene::new();
-//! let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.7, Texture::NONE, [0.0; 3]))?;
+//! let red = scene.add_material(Material::new([0.8, 0.1, 0.1]).roughness(0.7))?;
 //! let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential))?;
 //! for x in [-2.0, 0.0, 2.0] {
 //!     scene.add_instance(mesh, red, glam::Mat4::from_translation([x, 0.0, 0.0].into()))?;
@@ -51,7 +51,7 @@ pub use environment::{Panorama, PanoramaError};
 pub use image::{Content, Image, ImageError};
 pub use light::{Light, LightKind};
 pub use list_cache::{ListCacheKey, ReusableLists};
-pub use material::phong;
+pub use material::{AlphaMode, Material};
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};
 pub use motion::Motion;
 pub use setup::{Setup, SetupError};

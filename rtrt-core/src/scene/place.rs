@@ -1,6 +1,6 @@
 //! A mesh in the scene's arrays, and the instance that places it in the world.
 
-use crate::layout::{Instance, Kind, Material, NONE};
+use crate::layout::{Instance, Kind, MaterialRecord, NONE};
 use crate::num::flush;
 use crate::scene::bvh::Bounds;
 use crate::scene::camera::single;
@@ -43,7 +43,7 @@ pub(super) struct InstanceMaterial {
 
 impl InstanceMaterial {
     /// A material, which is `number` in the scene, without a transparency.
-    pub fn new(number: u32, material: &Material) -> Self {
+    pub fn new(number: u32, material: &MaterialRecord) -> Self {
         Self { material: number, transparency: 0, double_sided: material.double_sided }
     }
 

@@ -1,7 +1,7 @@
 //! The numbers of one frame: views, grids, sizes.
 
 use crate::grid::{BLOCK_RAYS, Grid};
-use crate::layout::{AlphaMode, Backdrop, Frame, Instance, View};
+use crate::layout::{AlphaKind, Backdrop, Frame, Instance, View};
 use crate::request::{Request, Shadows};
 use crate::scene::cut::BvhCut;
 use crate::scene::floor::floored;
@@ -232,9 +232,9 @@ impl Setup {
             sky_levels: scene.sky().levels,
             // What is masked is opaque where it is at all.
             layers: match scene.see_through() {
-                AlphaMode::Opaque => 0,
-                AlphaMode::Mask => 1,
-                AlphaMode::Blend => layers,
+                AlphaKind::Opaque => 0,
+                AlphaKind::Mask => 1,
+                AlphaKind::Blend => layers,
             },
             backdrop: scene.backdrop as u32,
             penumbra_window: if is_soft { Frame::PENUMBRA_WINDOW * side } else { 0 },
@@ -247,8 +247,7 @@ impl Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::Texture;
-    use crate::scene::{Camera, Light, Projection, phong};
+    use crate::scene::{Camera, Light, Material, Projection};
 
     /// What is neither 0 nor a number that every device keeps.
     fn denormal<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Option<&'a f32> {
@@ -264,8 +263,8 @@ mod tests {
             scene.add_light(Light::point(small).color(small).reach(reach).inverse_square(true).radius(1e-40));
         }
         scene.add_light(Light::sun(Vec3::Y + small).color(small).radius(1e-40));
-        let mut material = phong([1e-40; 3], 0.0, 0.5, Texture::zeroed(), small.to_array());
-        material.shininess = 1e-40;
+        let mut material = Material::new([1e-40; 3]).roughness(0.5).emission(small.to_array());
+        material.exponent = Some(1e-40);
         scene.add_material(material).unwrap();
         let camera = Camera {
             eye: small,

@@ -1,20 +1,20 @@
 //! The scene: all arrays that a backend reads.
 
 mod change;
+mod materials;
 mod meshes;
 mod textures;
 mod transparency;
 
 use crate::kernel::environment::Sky;
-use crate::layout::{AlphaMode, Attribute, Backdrop, COLOR_LIMIT, Instance, Kind, Material, Node, Texture};
+use crate::layout::{AlphaKind, Attribute, Backdrop, COLOR_LIMIT, Instance, Kind, MaterialRecord, Node};
 use crate::scene::bvh::Bounds;
 use crate::scene::image::decode_words;
 use crate::scene::levels::LodLevel;
-use crate::scene::material::checked;
-use crate::scene::place::{InstanceMaterial, Stored, place};
+use crate::scene::place::{Stored, place};
 use crate::scene::{
-    Bvh, CubeError, ImageError, Light, LightKind, Mesh, Mip, Occluders, PanoramaError, Sequential, Structure,
-    phong,
+    Bvh, CubeError, ImageError, Light, LightKind, Material, Mesh, Mip, Occluders, PanoramaError, Sequential,
+    Structure,
 };
 use alloc::collections::BTreeMap;
 use alloc::vec;
@@ -120,18 +120,21 @@ pub struct Scene {
     attributes: Vec<Attribute>,
     texels: Vec<u32>,
     materials: Vec<Material>,
+    material_records: Vec<MaterialRecord>,
     instances: Vec<Instance>,
     object_meshes: Vec<u32>,
     meshes: Vec<Stored>,
     /// The mesh of all spheres, once there is one.
     sphere: Option<MeshIndex>,
+    /// Of what is not opaque: by mesh and material, where the record of both is in `mesh_data`.
+    transparencies: BTreeMap<(u32, u32), u32>,
     /// By number, the instances that show lights.
     shown: BTreeMap<u32, u32>,
     lights: Vec<Light>,
     /// Counts what may have changed the lights.
     light_changes: u32,
     sky: Sky,
-    see_through: AlphaMode,
+    see_through: AlphaKind,
     bounds: Bounds,
     /// Of instances that have any.
     pub(super) levels: BTreeMap<u32, Vec<LodLevel>>,
@@ -170,15 +173,17 @@ impl Scene {
             attributes: vec![],
             texels: decode_words(),
             materials: vec![],
+            material_records: vec![],
             instances: vec![],
             object_meshes: vec![],
             meshes: vec![],
             sphere: None,
+            transparencies: BTreeMap::new(),
             shown: BTreeMap::new(),
             lights: vec![],
             light_changes: 0,
             sky: Sky::default(),
-            see_through: AlphaMode::Opaque,
+            see_through: AlphaKind::Opaque,
             bounds: Bounds::EMPTY,
             levels: BTreeMap::new(),
             mip: Mip::default(),
@@ -188,18 +193,6 @@ impl Scene {
             background: Vec3::new(0.02, 0.025, 0.035),
             backdrop: Backdrop::default(),
         }
-    }
-
-    /// Adds a material. Numbers too small to count are 0.
-    ///
-    /// # Errors
-    /// A number is not finite, or out of its range: see [`Material`], [`COLOR_LIMIT`]
-    /// and [`LIGHT_LIMIT`](crate::layout::LIGHT_LIMIT).
-    pub fn add_material(&mut self, material: Material) -> Result<MaterialIndex, SceneError> {
-        let material = checked(material)?;
-        self.versions.materials += 1;
-        self.materials.push(material);
-        Ok(MaterialIndex(self.materials.len() as u32 - 1))
     }
 
     /// Places a mesh in the world. `to_world` takes instance to world space.
@@ -232,11 +225,10 @@ impl Scene {
     /// its space, the upper edge at `+y`. It has no vertex colors, and normal maps do nothing.
     ///
     /// ```
-    /// # use rtrt_core::scene::{Scene, phong};
-    /// # use rtrt_core::layout::Texture;
+    /// # use rtrt_core::scene::{Material, Scene};
     /// use glam::{Mat4, Quat, Vec3};
     /// # let mut scene = Scene::new();
-    /// let red = scene.add_material(phong([0.8, 0.1, 0.1], 0.0, 0.4, Texture::NONE, [0.0; 3]))?;
+    /// let red = scene.add_material(Material::new([0.8, 0.1, 0.1]).roughness(0.4))?;
     /// let (center, radius) = (Vec3::new(0.0, 2.0, -1.0), 0.5);
     /// let place = Mat4::from_scale_rotation_translation(Vec3::splat(radius), Quat::IDENTITY, center);
     /// scene.add_sphere(red, place)?;
@@ -285,8 +277,7 @@ impl Scene {
         }
         // Far beyond white; a light that fades by the square may be brighter than any surface.
         let color = color.clamp(Vec3::splat(-COLOR_LIMIT), Vec3::splat(COLOR_LIMIT));
-        let glow = phong(color.to_array(), 0.0, 1.0, Texture::NONE, [0.0; 3]);
-        let glow = self.add_material(Material { unlit: 1, ..glow })?;
+        let glow = self.add_material(Material::new(color).unlit(true))?;
         let sphere = self.add_sphere(glow, place)?;
         self.shown.insert(number, sphere.0);
         self.instances[sphere.0 as usize].kind = Kind::Light as u32 + number;
@@ -298,14 +289,6 @@ impl Scene {
         let index = instance.0 as usize;
         let found = self.instances.get(index).map(|instance| (index, *instance));
         found.ok_or(SceneError::Index { what: "instance", index: instance.0 })
-    }
-
-    pub(super) fn instance_material(
-        &self,
-        MaterialIndex(index): MaterialIndex,
-    ) -> Result<InstanceMaterial, SceneError> {
-        let found = self.materials.get(index as usize).map(|material| InstanceMaterial::new(index, material));
-        found.ok_or(SceneError::Index { what: "material", index })
     }
 
     pub(super) fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
@@ -373,10 +356,6 @@ impl Scene {
     pub fn texels(&self) -> &[u32] {
         &self.texels
     }
-    /// The materials.
-    pub fn materials(&self) -> &[Material] {
-        &self.materials
-    }
     /// The instances.
     pub fn instances(&self) -> &[Instance] {
         &self.instances
@@ -397,13 +376,14 @@ impl Scene {
     }
     /// Whether a material asks for what the stage `detail` finds.
     pub(super) fn has_details(&self) -> bool {
-        let asks = |m: &Material| {
-            m.textures[Material::NORMAL].levels > 0 || m.textures.iter().any(|t| t.levels > 0 && t.set > 0)
+        let asks = |m: &MaterialRecord| {
+            m.textures[MaterialRecord::NORMAL].levels > 0
+                || m.textures.iter().any(|t| t.levels > 0 && t.set > 0)
         };
-        self.materials.iter().any(asks)
+        self.material_records.iter().any(asks)
     }
     /// What alpha does in the scene: the most that it does to one of its instances.
-    pub(super) fn see_through(&self) -> AlphaMode {
+    pub(super) fn see_through(&self) -> AlphaKind {
         self.see_through
     }
     /// The number that a triangle of an instance had in the [`Mesh`]: a scene numbers the
@@ -431,7 +411,7 @@ impl Scene {
             + size_of_val(&self.instances[..])
             + size_of_val(&self.attributes[..])
             + size_of_val(&self.texels[..])
-            + size_of_val(&self.materials[..])
+            + size_of_val(&self.material_records[..])
     }
     /// Bytes of vertices (position, normal, texture coordinates, color) and indices, as
     /// they were added. Tangents and second texture coordinates are not counted.

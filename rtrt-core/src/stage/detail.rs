@@ -10,7 +10,7 @@ use crate::kernel::tangent::{bumped, direction, unpack};
 use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, sample};
 use crate::kernel::traverse::{ClosestHit, ClosestHitRows};
 use crate::lane::{Bits, Lane, Mask, Select, V3};
-use crate::layout::{Instance, Material, NONE};
+use crate::layout::{Instance, MaterialRecord, NONE};
 use crate::num::{FLOOR, flush, flush3, recip, sqrt};
 use crate::stage::surface::{Identity, OfInstance, Space, Surfaces, Vertices, triangles};
 
@@ -112,8 +112,8 @@ struct Bumps;
 
 impl MaterialField<2> for Bumps {
     #[inline(always)]
-    fn pick(material: &Material) -> [f32; 2] {
-        [material.textures[Material::NORMAL].levels as f32, material.bump]
+    fn pick(material: &MaterialRecord) -> [f32; 2] {
+        [material.textures[MaterialRecord::NORMAL].levels as f32, material.bump]
     }
 }
 
@@ -161,7 +161,7 @@ fn normal<L: Lane>(
         (vertex_normal, along, up)
     };
     let behind = vertex_normal.dot(surfaces.normal).lt(zero);
-    let [x, y, z, _] = sample::<L, { Material::NORMAL }, false>(maps, &chosen, &surfaces.tex_coords());
+    let [x, y, z, _] = sample::<L, { MaterialRecord::NORMAL }, false>(maps, &chosen, &surfaces.tex_coords());
     let map = [(x * 2.0 - 1.0) * scale, (y * 2.0 - 1.0) * scale, z * 2.0 - 1.0];
     let turned = bumped(surfaces.normal, along, up, behind, map);
     V3::select(has, flush3(turned), surfaces.normal)

@@ -159,8 +159,8 @@ fn keep(instance: u32, id: u32, met: &Intersection<f32>, best: &mut ClosestHit<f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Attribute, Material, NONE, Texture};
-    use crate::scene::{Bvh, Mesh, Scene, Sequential, phong};
+    use crate::layout::{Attribute, NONE};
+    use crate::scene::{Bvh, Material, Mesh, Scene, Sequential};
     use bytemuck::Zeroable;
     use std::vec;
 
@@ -179,11 +179,11 @@ mod tests {
     }
 
     /// A triangle that faces +z, and its material.
-    fn triangle(double_sided: u32, to_world: glam::Mat4) -> Scene {
+    fn triangle(double_sided: bool, to_world: glam::Mat4) -> Scene {
         let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(corners, vec![Attribute::zeroed(); 3], vec![0, 1, 2]).unwrap();
         let mut scene = Scene::new();
-        let white = Material { double_sided, ..phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]) };
+        let white = Material::default().double_sided(double_sided);
         let white = scene.add_material(white).unwrap();
         let stored = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
         scene.add_instance(stored, white, to_world).unwrap();
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_ray_past_a_triangle_meets_its_sphere_only() {
-        let scene = triangle(1, glam::Mat4::IDENTITY);
+        let scene = triangle(true, glam::Mat4::IDENTITY);
         let hit = found(&scene, [0.25, 0.25, 1.0]);
         assert_eq!((hit.hit.instance, hit.entries, hit.asked), (0, 1, 1));
         assert_eq!((hit.boxes, hit.triangles, hit.sphere), (1, 1, true));
@@ -206,15 +206,14 @@ mod tests {
     fn a_back_is_met_if_both_sides_are_to_be_seen() {
         let turned = glam::Mat4::from_rotation_y(core::f32::consts::PI);
         for (double_sided, to_world, instance) in
-            [(0, glam::Mat4::IDENTITY, 0), (0, turned, NONE), (1, turned, 0)]
+            [(false, glam::Mat4::IDENTITY, 0), (false, turned, NONE), (true, turned, 0)]
         {
             let scene = triangle(double_sided, to_world);
             let x = if to_world == turned { -0.25 } else { 0.25 };
             assert_eq!(found(&scene, [x, 0.25, 1.0]).hit.instance, instance);
         }
         let mut scene = Scene::new();
-        let white = phong([1.0; 3], 0.0, 1.0, Texture::NONE, [0.0; 3]);
-        let white = scene.add_material(Material { double_sided: 0, ..white }).unwrap();
+        let white = scene.add_material(Material::default().double_sided(false)).unwrap();
         scene.add_sphere(white, glam::Mat4::IDENTITY).unwrap();
         assert_eq!(found(&scene, [0.0, 0.0, 2.0]).hit.instance, 0);
         assert_eq!(found(&scene, [0.0; 3]).hit.instance, NONE);

@@ -7,7 +7,7 @@ use crate::kernel::reflect::{blinn_phong, lambert, shininess};
 use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, TexCoords, sample};
 use crate::kernel::transmittance::color;
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
-use crate::layout::{Frame, Lit, Material, View};
+use crate::layout::{Frame, Lit, MaterialRecord, View};
 use crate::num::{flush3, normalize, sqrt};
 use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
 use crate::stage::surface::Surfaces;
@@ -116,7 +116,7 @@ fn exponent<L: Lane>(maps: &Maps<'_>, materials: L::Bits, tex_coords: &TexCoords
     if !textured.any() {
         return exponent;
     }
-    let texture = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, tex_coords);
+    let texture = sample::<L, { MaterialRecord::ROUGHNESS }, false>(maps, &chosen, tex_coords);
     textured.select(shininess(roughness * texture[1]), exponent)
 }
 
@@ -125,8 +125,8 @@ struct Gloss;
 
 impl MaterialField<3> for Gloss {
     #[inline(always)]
-    fn pick(material: &Material) -> [f32; 3] {
-        let levels = material.textures[Material::ROUGHNESS].levels as f32;
+    fn pick(material: &MaterialRecord) -> [f32; 3] {
+        let levels = material.textures[MaterialRecord::ROUGHNESS].levels as f32;
         [material.shininess, material.roughness, levels]
     }
 }

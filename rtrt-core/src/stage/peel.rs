@@ -11,7 +11,7 @@ use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};
 use crate::kernel::traverse::{ClosestHit, Geometry, HitFilter, keep_closest};
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select, groups};
-use crate::layout::{AlphaMode, Backdrop, Frame, NONE, View};
+use crate::layout::{AlphaKind, Backdrop, Frame, NONE, View};
 use crate::num::flush;
 use crate::stage::visibility::{closest, rays, unfound};
 
@@ -47,7 +47,7 @@ impl<L: Lane> HitFilter<L> for BehindLast<L> {
         let apart = (self.t * MIN_SEPARATION).lt(found.t);
         let later = self.t.lt(found.t) | (self.t.le(found.t) & self.instance.lt(number));
         let mut mask = found.mask & ((own & apart) | (!own & later));
-        if mask.any() && mode(geometry, instance) == AlphaMode::Mask as u32 {
+        if mask.any() && mode(geometry, instance) == AlphaKind::Mask as u32 {
             let [_, _, _, alpha] = tint_and_alpha(geometry, instance, id, found);
             mask = mask & alpha.broadcast(cutoff(geometry, instance)).le(alpha);
         }

@@ -3,7 +3,7 @@
 use crate::kernel::environment::{Sky, arriving as arriving_from, mirrored};
 use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, channel, sample};
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
-use crate::layout::{AlphaMode, Backdrop, Frame, Material};
+use crate::layout::{AlphaKind, Backdrop, Frame, MaterialRecord};
 use crate::num::{clamp, flush, flush3, normalize};
 use crate::stage::light::IncomingLight;
 use crate::stage::surface::Surfaces;
@@ -128,17 +128,17 @@ fn surface_material<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32
     let tex_coords = surfaces.tex_coords();
     let [br, bg, bb, sr, sg, sb, er, eg, eb, metallic, roughness, strength, unlit, alpha] =
         chosen.numbers::<Numbers, 14>(token, maps);
-    let texture = sample::<L, { Material::COLOR }, true>(maps, &chosen, &tex_coords);
+    let texture = sample::<L, { MaterialRecord::COLOR }, true>(maps, &chosen, &tex_coords);
     let painted = |number: u32| channel::<L>(surfaces.color, number);
     let base = V3 {
         x: br * texture[0] * painted(0),
         y: bg * texture[1] * painted(1),
         z: bb * texture[2] * painted(2),
     };
-    let [_, green, blue, _] = sample::<L, { Material::ROUGHNESS }, false>(maps, &chosen, &tex_coords);
+    let [_, green, blue, _] = sample::<L, { MaterialRecord::ROUGHNESS }, false>(maps, &chosen, &tex_coords);
     let (metallic, roughness) = (metallic * blue, roughness * green);
-    let [occluded, _, _, _] = sample::<L, { Material::OCCLUSION }, false>(maps, &chosen, &tex_coords);
-    let glow = sample::<L, { Material::EMISSION }, true>(maps, &chosen, &tex_coords);
+    let [occluded, _, _, _] = sample::<L, { MaterialRecord::OCCLUSION }, false>(maps, &chosen, &tex_coords);
+    let glow = sample::<L, { MaterialRecord::EMISSION }, true>(maps, &chosen, &tex_coords);
     let specular = V3 { x: sr, y: sg, z: sb };
     let mirror = specular + (base - specular).scale(metallic);
     SurfaceMaterial {
@@ -161,12 +161,12 @@ struct Numbers;
 
 impl MaterialField<14> for Numbers {
     #[inline(always)]
-    fn pick(material: &Material) -> [f32; 14] {
+    fn pick(material: &MaterialRecord) -> [f32; 14] {
         let (b, s, e) = (&material.base, &material.specular, &material.emission);
         let (metallic, roughness) = (material.metallic, material.roughness);
         let (occlusion, unlit) = (material.occlusion, material.unlit as f32);
         // Negative for what is opaque.
-        let alpha = if material.alpha_mode == AlphaMode::Blend as u32 { material.alpha } else { -1.0 };
+        let alpha = if material.alpha_mode == AlphaKind::Blend as u32 { material.alpha } else { -1.0 };
         [b[0], b[1], b[2], s[0], s[1], s[2], e[0], e[1], e[2], metallic, roughness, occlusion, unlit, alpha]
     }
 }

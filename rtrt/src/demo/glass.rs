@@ -6,8 +6,8 @@ use super::shape::Shape;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
-use rtrt_core::layout::{AlphaMode, Material, Texture};
-use rtrt_core::scene::{Camera, Join, Light, MaterialIndex, Projection, phong};
+use rtrt_core::layout::Texture;
+use rtrt_core::scene::{Camera, Join, Light, Material, MaterialIndex, Projection};
 use std::path::Path;
 
 /// The lower and the upper corner of the room.
@@ -62,12 +62,12 @@ struct GlassBuilder<'a, J> {
 
 impl<J: Join> GlassBuilder<'_, J> {
     fn opaque(&mut self, color: [f32; 3], roughness: f32) -> Result<MaterialIndex, ImportError> {
-        self.builder.add_material(phong(color, 0.0, roughness, Texture::NONE, [0.0; 3]))
+        self.builder.add_material(Material::new(color).roughness(roughness))
     }
     /// Glass that glows in its color: nothing else shows that light comes through it.
     fn glass(&mut self, color: [f32; 3], alpha: f32, glow: f32) -> Result<MaterialIndex, ImportError> {
-        let glass = phong(color, 0.0, 0.15, Texture::NONE, color.map(|c| c * glow));
-        self.builder.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
+        let glass = Material::new(color).roughness(0.15).emission(color.map(|c| c * glow));
+        self.builder.add_material(glass.blend(alpha))
     }
     fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
         let mesh = self.builder.add_mesh(GLASS, shape.0)?;

@@ -7,7 +7,7 @@ use crate::import::geometry::Geometry;
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::{Attribute, Texture};
-use rtrt_core::scene::{Camera, Join, Light, Projection, phong};
+use rtrt_core::scene::{Camera, Join, Light, Material, Projection};
 use std::path::Path;
 
 /// What the scene is called where a path is expected.
@@ -24,11 +24,11 @@ const STEPS: [(f32, u32, u32); 4] =
 /// As for [`crate::import::load`]; nothing in the scene gives rise to any.
 pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut builder = Builder::new(Path::new(LEVELS), join, None);
-    let floor = builder.add_material(phong([0.5, 0.48, 0.45], 0.0, 0.9, Texture::NONE, [0.0; 3]))?;
+    let floor = builder.add_material(Material::new([0.5, 0.48, 0.45]).roughness(0.9))?;
     let shape = Shape::default().tiled(vec3(-60.0, 0.0, -120.0), Vec3::X * 120.0, Vec3::Z * 130.0, 1.0);
     let mesh = builder.add_mesh(LEVELS, shape.0)?;
     builder.add_instance(LEVELS, mesh, floor, Mat4::IDENTITY)?;
-    let white = builder.add_material(phong([0.9; 3], 0.0, 0.4, Texture::NONE, [0.0; 3]))?;
+    let white = builder.add_material(Material::new([0.9; 3]).roughness(0.4))?;
     let mut meshes = Vec::new();
     for (from, rings, color) in STEPS {
         meshes.push((from, builder.add_mesh(LEVELS, ball(rings, color))?));

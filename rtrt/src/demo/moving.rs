@@ -7,7 +7,7 @@ use crate::import::{Animation, ImportError, Loaded};
 use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::layout::Texture;
 use rtrt_core::scene::{
-    Camera, InstanceIndex, Join, Light, MaterialIndex, MeshIndex, Motion, Projection, phong,
+    Camera, InstanceIndex, Join, Light, Material, MaterialIndex, MeshIndex, Motion, Projection,
 };
 
 /// What the scene is called where a path is expected.
@@ -69,7 +69,7 @@ impl<J: Join> DemoBuilder<'_, J> {
                 .builder
                 .add_mesh(MOVING, Shape::default().cuboid(Vec3::splat(-1.0), Vec3::ONE, 0.8).0)?,
             board: self.material([1.0; 3], 0.8, board)?,
-            metal: self.builder.add_material(phong([0.9, 0.7, 0.4], 1.0, 0.3, Texture::NONE, [0.0; 3]))?,
+            metal: self.builder.add_material(Material::new([0.9, 0.7, 0.4]).metallic(1.0).roughness(0.3))?,
             glass: [red?, green?, blue?],
         };
         let mut motions = Vec::new();

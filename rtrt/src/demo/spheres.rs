@@ -41,8 +41,8 @@ pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
 
 impl<J: Join> DemoBuilder<'_, J> {
     pub(super) fn glass(&mut self, color: [f32; 3], alpha: f32) -> Result<MaterialIndex, ImportError> {
-        let glass = phong(color, 0.0, 0.1, Texture::NONE, [0.0; 3]);
-        self.builder.add_material(Material { alpha, alpha_mode: AlphaMode::Blend as u32, ..glass })
+        let glass = Material::new(color).roughness(0.1);
+        self.builder.add_material(glass.blend(alpha))
     }
     /// An ellipsoid with these half axes.
     fn ball(
@@ -64,7 +64,7 @@ impl<J: Join> DemoBuilder<'_, J> {
         let tiles = self.material([1.0; 3], 0.25, Texture { turn: [[4.0, 0.0], [0.0, 2.0]], ..tiles })?;
         let tilt = Quat::from_rotation_z(0.4) * Quat::from_rotation_y(0.6);
         self.ball(tiles, vec3(-1.45, 0.95, -0.6), Vec3::splat(0.95), tilt)?;
-        let gold = self.builder.add_material(phong([0.9, 0.6, 0.2], 1.0, 0.3, Texture::NONE, [0.0; 3]))?;
+        let gold = self.builder.add_material(Material::new([0.9, 0.6, 0.2]).metallic(1.0).roughness(0.3))?;
         for (center, color) in
             [(vec3(0.35, 0.62, 0.9), [0.95, 0.25, 0.1]), (vec3(1.3, 0.75, 0.2), [0.1, 0.35, 0.95])]
         {

@@ -2,29 +2,30 @@
 
 use super::{Scene, SceneError};
 use crate::kernel::transparency;
-use crate::layout::{AlphaMode, Material};
+use crate::layout::{AlphaKind, MaterialRecord};
 
 impl Scene {
-    /// Where the pane of an instance of this mesh and material is in the words (see
-    /// [`crate::kernel::transparency`]), which it is added to; 0 for a material that is opaque.
-    pub(in crate::scene) fn transparency(&mut self, mesh: u32, material: u32) -> Result<u32, SceneError> {
-        let material = self.materials[material as usize];
-        if material.alpha_mode == AlphaMode::Opaque as u32 {
+    /// Where the record of instances of this mesh and material is in `mesh_data` (see
+    /// [`crate::kernel::transparency`]); 0 for a material that is opaque. A record that is missing is
+    /// added, one of a material that has changed is written anew.
+    pub(in crate::scene) fn transparency(&mut self, mesh: u32, index: u32) -> Result<u32, SceneError> {
+        let material = self.material_records[index as usize];
+        if material.alpha_mode == AlphaKind::Opaque as u32 {
             return Ok(0);
         }
-        if self.see_through != AlphaMode::Blend {
-            let blends = material.alpha_mode == AlphaMode::Blend as u32;
-            self.see_through = if blends { AlphaMode::Blend } else { AlphaMode::Mask };
+        if self.see_through != AlphaKind::Blend {
+            let blends = material.alpha_mode == AlphaKind::Blend as u32;
+            self.see_through = if blends { AlphaKind::Blend } else { AlphaKind::Mask };
         }
-        let map = material.textures[Material::COLOR];
+        let map = material.textures[MaterialRecord::COLOR];
         let stored = *self.mesh(mesh)?;
         let set = usize::from(map.set == 1 && stored.first_second_uv > 0);
         let more = (transparency::VERTEX * stored.vertices + transparency::RECORD) as usize;
         if self.mesh_data.len() + more > u32::MAX as usize / 4 {
             return Err(SceneError::TooLarge { what: "triangles" });
         }
-        self.versions.geometry += 1;
         if stored.transparencies[set] == 0 && stored.vertices > 0 {
+            self.versions.geometry += 1;
             self.meshes[mesh as usize].transparencies[set] = self.mesh_data.len() as u32;
             for vertex in 0..stored.vertices {
                 let attribute = self.attributes[(stored.first_vertex + vertex) as usize];
@@ -36,20 +37,44 @@ impl Scene {
                 self.mesh_data.extend([uv[0], uv[1], attribute.color]);
             }
         }
-        let at = self.mesh_data.len() as u32;
         let [r, g, b] = material.base.map(f32::to_bits);
-        self.mesh_data.extend([
+        let size = if map.levels > 0 { [map.width, map.height] } else { [0; 2] };
+        let [[ux, uy], [vx, vy]] = map.turn.map(|row| row.map(f32::to_bits));
+        let [shift_u, shift_v] = map.shift.map(f32::to_bits);
+        let record: [u32; transparency::RECORD as usize] = [
             material.alpha_mode,
             material.cutoff.to_bits(),
             r,
             g,
             b,
             material.alpha.to_bits(),
-        ]);
-        let size = if map.levels > 0 { [map.width, map.height] } else { [0; 2] };
-        self.mesh_data.extend([self.meshes[mesh as usize].transparencies[set], map.first, size[0], size[1]]);
-        self.mesh_data.extend([map.wrap_u, map.wrap_v]);
-        self.mesh_data.extend(map.turn.as_flattened().iter().chain(&map.shift).map(|n| n.to_bits()));
+            self.meshes[mesh as usize].transparencies[set],
+            map.first,
+            size[0],
+            size[1],
+            map.wrap_u,
+            map.wrap_v,
+            ux,
+            uy,
+            vx,
+            vy,
+            shift_u,
+            shift_v,
+        ];
+        let at = match self.transparencies.get(&(mesh, index)) {
+            Some(&at) => at,
+            None => {
+                let at = self.mesh_data.len() as u32;
+                self.mesh_data.extend([u32::MAX; transparency::RECORD as usize]);
+                self.transparencies.insert((mesh, index), at);
+                at
+            }
+        };
+        let place = &mut self.mesh_data[at as usize..][..record.len()];
+        if place != record {
+            place.copy_from_slice(&record);
+            self.versions.geometry += 1;
+        }
         Ok(at)
     }
 }

@@ -12,8 +12,8 @@ use gltf_json::material;
 use gltf_json::texture::{self, Info, WrappingMode};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, Value, image};
-use rtrt_core::layout::{AlphaMode, COLOR_LIMIT, LIGHT_LIMIT, Material, Texture, Wrap};
-use rtrt_core::scene::{Content, Image, Join, MaterialIndex, phong};
+use rtrt_core::layout::{COLOR_LIMIT, LIGHT_LIMIT, Texture, Wrap};
+use rtrt_core::scene::{Content, Image, Join, Material, MaterialIndex};
 use std::collections::HashMap;
 
 /// The materials and textures of a file, made when they are first used.
@@ -74,16 +74,14 @@ impl<'a> Materials<'a> {
             })?,
         ];
         let mut coordinates = Coordinates::default();
-        let textures = found.map(|(texture, set)| match set.and_then(|set| coordinates.slot(set)) {
-            Some(slot) => Texture { set: slot, ..texture },
-            None => Texture { set: 0, ..texture },
+        let maps = found.map(|(texture, set)| {
+            set.map(|set| Texture { set: coordinates.slot(set).unwrap_or(0), ..texture })
         });
+        let [base_color_map, normal_map, metallic_roughness_map, occlusion_map, emission_map] = maps;
         if found.iter().any(|(_, set)| set.is_some_and(|set| !coordinates.sets.contains(&Some(set)))) {
             builder.not_drawn.insert("a third set of texture coordinates in one material");
         }
-        if textures[Material::NORMAL].levels > 0 {
-            coordinates.bump = Some(textures[Material::NORMAL].set);
-        }
+        coordinates.bump = normal_map.map(|map| map.set);
         let extensions = source.extensions.as_ref();
         if extensions.is_some_and(|e| e.others.contains_key(LOD)) {
             builder.not_drawn.insert("levels of detail of materials");
@@ -93,24 +91,26 @@ impl<'a> Materials<'a> {
         let emission =
             source.emissive_factor.0.map(|e| finite(e * strength).clamp(-LIGHT_LIMIT, LIGHT_LIMIT));
         let [r, g, b, a] = pbr.base_color_factor.0.map(|c| finite(c).clamp(-COLOR_LIMIT, COLOR_LIMIT));
-        let (metallic, roughness) = (finite(pbr.metallic_factor.0), finite(pbr.roughness_factor.0));
-        let material = Material {
-            bump: source
-                .normal_texture
-                .as_ref()
-                .map_or(1.0, |info| finite(info.scale).clamp(-COLOR_LIMIT, COLOR_LIMIT)),
-            occlusion: source
-                .occlusion_texture
-                .as_ref()
-                .map_or(1.0, |info| finite(info.strength.0).clamp(0.0, 1.0)),
-            unlit: u32::from(extensions.is_some_and(|e| e.unlit.is_some())),
-            cutoff: source
-                .alpha_cutoff
-                .map_or(0.5, |cutoff| finite(cutoff.0).clamp(-COLOR_LIMIT, COLOR_LIMIT)),
-            double_sided: u32::from(source.double_sided),
-            textures,
-            ..see_through(source, a.max(0.0), phong([r, g, b], metallic, roughness, Texture::NONE, emission))
-        };
+        let [metallic, roughness] =
+            [pbr.metallic_factor.0, pbr.roughness_factor.0].map(|factor| finite(factor).clamp(0.0, 1.0));
+        let normal_scale = source
+            .normal_texture
+            .as_ref()
+            .map_or(1.0, |info| finite(info.scale).clamp(-COLOR_LIMIT, COLOR_LIMIT));
+        let occlusion_strength =
+            source.occlusion_texture.as_ref().map_or(1.0, |info| finite(info.strength.0).clamp(0.0, 1.0));
+        let material = Material::new([r, g, b])
+            .base_color_map(base_color_map)
+            .metallic(metallic)
+            .roughness(roughness)
+            .metallic_roughness_map(metallic_roughness_map)
+            .normal_map(normal_map, normal_scale)
+            .occlusion_map(occlusion_map, occlusion_strength)
+            .emission(emission)
+            .emission_map(emission_map)
+            .double_sided(source.double_sided)
+            .unlit(extensions.is_some_and(|e| e.unlit.is_some()));
+        let material = see_through(source, a.max(0.0), material);
         let made = (builder.add_material(material)?, coordinates);
         self.made.insert(key, made.clone());
         Ok(made)
@@ -258,24 +258,26 @@ const CLEAREST: f32 = 0.1;
 /// left out.
 fn see_through(source: &material::Material, alpha: f32, material: Material) -> Material {
     use material::AlphaMode as Mode;
-    let mode = match source.alpha_mode {
-        Checked::Valid(Mode::Mask) => AlphaMode::Mask,
-        Checked::Valid(Mode::Blend) => AlphaMode::Blend,
-        Checked::Valid(Mode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
-    };
+    let is_blend = matches!(source.alpha_mode, Checked::Valid(Mode::Blend));
+    if matches!(source.alpha_mode, Checked::Valid(Mode::Mask)) {
+        let cutoff =
+            source.alpha_cutoff.map_or(0.5, |cutoff| finite(cutoff.0).clamp(-COLOR_LIMIT, COLOR_LIMIT));
+        return material.alpha(alpha).mask(cutoff);
+    }
     let transmission = source.extensions.as_ref().and_then(|e| e.transmission.as_ref());
     let transmission = transmission.map_or(0.0, |t| finite(t.transmission_factor.0).clamp(0.0, 1.0));
-    if transmission == 0.0 || mode == AlphaMode::Mask {
-        return Material { alpha, alpha_mode: mode as u32, ..material };
+    if transmission == 0.0 {
+        return if is_blend { material.blend(alpha) } else { material };
     }
     let volume = source.extensions.as_ref().and_then(|e| e.volume.as_ref());
-    let [r, g, b] = volume.map_or(material.base, |volume| {
+    let base = material.base_color.to_array();
+    let [r, g, b] = volume.map_or(base, |volume| {
         let Volume { attenuation_color, attenuation_distance, thickness_factor, .. } = volume;
-        tinted(material.base, attenuation_color.0, thickness_factor.0, attenuation_distance.0)
+        tinted(base, attenuation_color.0, thickness_factor.0, attenuation_distance.0)
     });
     let covered = (1.0 - transmission * (r + g + b) / 3.0).max(CLEAREST);
-    let alpha = if mode == AlphaMode::Blend { alpha } else { 1.0 };
-    Material { base: [r, g, b], alpha: alpha * covered, alpha_mode: AlphaMode::Blend as u32, ..material }
+    let alpha = if is_blend { alpha } else { 1.0 };
+    material.base_color([r, g, b]).blend(alpha * covered)
 }
 
 /// A base color, tinted by half of a volume.

@@ -11,8 +11,8 @@ use crate::import::{ImportError, NamedCamera, file, picture};
 use glam::Mat4;
 use parse::{Corner, NONE, Obj, Polygon};
 use polygon::Splitter;
-use rtrt_core::layout::{AlphaMode, Attribute, COLOR_LIMIT, Material, Texture, Wrap};
-use rtrt_core::scene::{Join, MaterialIndex, phong};
+use rtrt_core::layout::{Attribute, COLOR_LIMIT, Texture, Wrap};
+use rtrt_core::scene::{Join, Material, MaterialIndex};
 use std::collections::HashMap;
 
 /// Draws a file into the scene. OBJ has no cameras.
@@ -77,7 +77,7 @@ fn material<J: Join>(
     textures: &mut HashMap<String, Texture>,
 ) -> Result<MaterialIndex, ImportError> {
     let Some(source) = source else {
-        return builder.add_material(phong([0.7; 3], 0.0, 0.8, Texture::NONE, [0.0; 3]));
+        return builder.add_material(Material::new([0.7; 3]).roughness(0.8));
     };
     let texture = match &source.texture {
         None => Texture::NONE,
@@ -97,13 +97,13 @@ fn material<J: Join>(
     // The inverse of what a roughness makes of highlights.
     let roughness = libm::sqrtf(libm::sqrtf(2.0 / (source.shininess + 2.0)));
     let texture = Texture { wrap_u: wrap, wrap_v: wrap, ..texture };
-    builder.add_material(Material {
-        alpha: source.alpha,
-        alpha_mode: if source.alpha < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque } as u32,
-        shininess: source.shininess,
-        specular: source.specular.map(|s| (s * peak / (1.0 - 0.5 * roughness)).min(COLOR_LIMIT)),
-        ..phong(source.diffuse, 0.0, roughness, texture, source.emission)
-    })
+    let specular = source.specular.map(|s| (s * peak / (1.0 - 0.5 * roughness)).min(COLOR_LIMIT));
+    let material = Material::new(source.diffuse)
+        .base_color_map(texture)
+        .roughness(roughness)
+        .specular(specular, source.shininess)
+        .emission(source.emission);
+    builder.add_material(if source.alpha < 1.0 { material.blend(source.alpha) } else { material })
 }
 
 /// The triangles of the polygons. Corners that are alike are one vertex. A polygon with a
