@@ -1,13 +1,10 @@
 //! Meshes and scenes built in code.
 
 use glam::{Mat4, Vec3};
-use rtrt_core::layout::{Attribute, Texture, Wrap};
+use rtrt_core::layout::{Attribute, Wrap};
 use rtrt_core::scene::{
     Bvh, Image, InstanceIndex, Light, Material, MaterialIndex, Mesh, MeshIndex, Scene, Sequential,
 };
-
-/// No texture.
-pub const PLAIN: Texture = Texture::NONE;
 
 /// Numbers that look random; the same for the same seed.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! Memory: the CPU's frames take none once their buffers have grown.
 
-use conformance::shape::{Build, PLAIN, Shape};
+use conformance::shape::{Build, Shape};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Camera, Light, Material, Projection, Scene};

@@ -1,6 +1,6 @@
 //! What is chosen for a frame: levels of detail, levels of textures, and the structure.
 
-use conformance::shape::{Build, PLAIN, Random, Shape};
+use conformance::shape::{Build, Random, Shape};
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{cases, compare, reference};
 use glam::{Mat4, Vec3};

@@ -9,9 +9,9 @@ use conformance::variants::{all, present, requires_gpu};
 use glam::{Mat4, Quat, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::compare::compare;
-use rtrt_core::layout::{Texture, Wrap};
+use rtrt_core::layout::Wrap;
 use rtrt_core::scene::{
-    Camera, Image, InstanceIndex, Light, Material, MaterialIndex, Panorama, Projection, Scene,
+    AlphaMode, Camera, Image, InstanceIndex, Light, Material, MaterialIndex, Panorama, Projection, Scene,
 };
 use std::ops::Range;
 

@@ -1,11 +1,11 @@
 //! What the camera sees of instances that are not double-sided, and what light does.
 
 use conformance::reference;
-use conformance::shape::{Build, PLAIN, Shape};
+use conformance::shape::{Build, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
 use rtrt_core::layout::NONE;
-use rtrt_core::scene::{Camera, Light, Projection, Scene, phong};
+use rtrt_core::scene::{Camera, Light, Material, Projection, Scene};
 
 /// A material that is seen from one side.
 fn one_sided() -> Material {

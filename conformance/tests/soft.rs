@@ -1,13 +1,13 @@
 //! Lights with a radius: what their shadows look like.
 
 use conformance::reference;
-use conformance::shape::{Build, PLAIN, Shape};
+use conformance::shape::{Build, Shape};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, Shadows};
 use rtrt_core::grid::Grid;
 use rtrt_core::kernel::transmittance::{WHITE, color};
 use rtrt_core::lane::Word;
-use rtrt_core::scene::{Camera, Light, Projection, Scene, phong};
+use rtrt_core::scene::{Camera, Light, Material, Projection, Scene};
 
 /// Pixels on a side; the picture is 1.28 units high.
 const SIZE: u32 = 128;

@@ -1,11 +1,11 @@
 //! What layers and colored shadows come to, in numbers.
 
 use conformance::reference;
-use conformance::shape::{Build, PLAIN, Shape};
+use conformance::shape::{Build, Shape};
 use glam::Vec3;
 use rtrt_core::backend::{Backend, Deferred, Picture, Request, STAGES};
 use rtrt_core::layout::{Backdrop, NONE, Wrap};
-use rtrt_core::scene::{Camera, Image, Light, Panorama, Projection, Scene, phong};
+use rtrt_core::scene::{Camera, Image, Light, Material, Panorama, Projection, Scene};
 
 /// A material that blends and shows its color whatever the light.
 fn glass(base: [f32; 3], alpha: f32) -> Material {

@@ -379,7 +379,7 @@ mod tests {
     use crate::{Gpu, Options};
     use glam::{Mat4, Vec3};
     use rtrt_core::backend::{Backend, Request};
-    use rtrt_core::layout::{Attribute, Texture};
+    use rtrt_core::layout::Attribute;
     use rtrt_core::scene::{Bvh, Camera, Material, Mesh, Projection, Sequential};
     use rtrt_core::stage::raster::is_untraced;
 

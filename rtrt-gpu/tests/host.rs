@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::layout::{Attribute, Texture};
+use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Bvh, Camera, Light, Material, Mesh, Projection, Scene, Sequential};
 use rtrt_gpu::{Gpu, Options};
 use std::alloc::{GlobalAlloc, Layout, System};

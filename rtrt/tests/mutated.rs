@@ -6,7 +6,7 @@
 use rtrt::cache::Cache;
 use rtrt::import::{Loaded, framing, load, surround};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::layout::{Attribute, Texture};
+use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Camera, Light, Material, Mesh, Scene, Sequential};
 use rtrt_cpu::{Cpu, Options};
 use sha2::{Digest, Sha256};

@@ -1,7 +1,7 @@
 //! Environments: behind everything, mirrored, and as light.
 
 use crate::case::{Case, look, parallel};
-use crate::shape::{Build, PLAIN, Random, Shape};
+use crate::shape::{Build, Random, Shape};
 use glam::Vec3;
 use rtrt_core::layout::Wrap;
 use rtrt_core::scene::{Cube, Image, Light, Material, Panorama, Scene};

@@ -1,7 +1,7 @@
 //! What arrives from lights: how they fade, how many there are, how surfaces answer.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Random, Shape};
+use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{COLOR_LIMIT, LIGHT_LIMIT};

@@ -2,7 +2,7 @@
 //! emission, and where on a surface each of them lies.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Random, Shape};
+use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::layout::{Texture, Wrap};
 use rtrt_core::scene::{Content, Image, Light, Material, MaterialIndex, Mesh, Scene};

@@ -1,7 +1,7 @@
 //! Spheres: as an eye, light and layers meet them.
 
 use crate::case::{Case, look, parallel, zoom};
-use crate::shape::{Build, PLAIN, Random, Shape};
+use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Quat, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::Wrap;

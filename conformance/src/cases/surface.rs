@@ -1,10 +1,9 @@
 //! Normals and vertex colors at a hit.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Random, Shape};
+use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
-use rtrt_core::layout::Material;
-use rtrt_core::scene::{Light, phong};
+use rtrt_core::scene::{Light, Material};
 
 pub(super) const CASES: &[Case] = &[
     Case {

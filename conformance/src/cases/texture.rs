@@ -1,7 +1,7 @@
 //! Textures: sizes, wrap modes, and mip levels.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Random, Shape};
+use crate::shape::{Build, Random, Shape};
 use rtrt_core::layout::Wrap;
 use rtrt_core::scene::{Image, Light, Material, Mip, Scene};
 

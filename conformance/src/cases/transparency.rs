@@ -1,7 +1,7 @@
 //! Surfaces that are not opaque everywhere: layers, masks, the colors of their shadows.
 
 use crate::case::{Case, look, parallel};
-use crate::shape::{Build, PLAIN, Random, Shape};
+use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{Backdrop, Texture, Wrap};

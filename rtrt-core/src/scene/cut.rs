@@ -138,7 +138,7 @@ fn held(nodes: &[Node], root: u32, node: &Node) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Attribute};
+    use crate::layout::Attribute;
     use crate::scene::{Bvh, Material, Mesh, Sequential};
     use glam::{Mat4, Vec3};
 

@@ -6,7 +6,6 @@ use super::shape::Shape;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
-use rtrt_core::layout::Texture;
 use rtrt_core::scene::{Camera, Join, Light, Material, MaterialIndex, Projection};
 use std::path::Path;
 

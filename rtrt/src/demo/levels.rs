@@ -6,7 +6,7 @@ use crate::import::builder::Builder;
 use crate::import::geometry::Geometry;
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
-use rtrt_core::layout::{Attribute, Texture};
+use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Camera, Join, Light, Material, Projection};
 use std::path::Path;
 

@@ -5,7 +5,6 @@ use super::paint;
 use super::shape::Shape;
 use crate::import::{Animation, ImportError, Loaded};
 use glam::{Mat4, Quat, Vec3, vec3};
-use rtrt_core::layout::Texture;
 use rtrt_core::scene::{
     Camera, InstanceIndex, Join, Light, Material, MaterialIndex, MeshIndex, Motion, Projection,
 };

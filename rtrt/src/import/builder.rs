@@ -6,7 +6,8 @@ use super::{ImportError, picture};
 use crate::cache::Cache;
 use rtrt_core::layout::{Material, Texture, Wrap};
 use rtrt_core::scene::{
-    Bvh, Content, Image, InstanceIndex, Join, MaterialIndex, Mesh, MeshError, MeshIndex, Scene, SceneError,
+    Bvh, Content, Image, InstanceIndex, Join, Material, MaterialIndex, Mesh, MeshError, MeshIndex, Scene,
+    SceneError,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
