@@ -8,7 +8,7 @@ use glam::{Mat4, Vec3};
 use rtrt::demo;
 use rtrt::import::Loaded;
 use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
-use rtrt_core::scene::{Camera, InstanceIndex, Light, Projection, Scene, Structure};
+use rtrt_core::scene::{Camera, Light, Projection, Scene, Structure};
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 9.0, 26.0),
@@ -40,7 +40,8 @@ fn main() {
     let total = |stages: [f64; STAGES.len()]| stages.iter().sum::<f64>();
     let with = total(median_from(&mut cpu, &scene, &camera, 15).1);
     for instance in 0..scene.instances().len() as u32 {
-        scene.set_levels(InstanceIndex(instance), &[]).expect("an instance");
+        let instance = scene.instance_index(instance).expect("an instance");
+        scene.set_levels(instance, &[]).expect("an instance");
     }
     let without = total(median_from(&mut cpu, &scene, &camera, 15).1);
     println!("demo:levels: {with:.2} ms with levels of detail, {without:.2} ms without");

@@ -76,7 +76,8 @@ fn a_scene_with_levels_is_one_with_the_meshes_that_are_chosen() {
     // Had the near mesh been drawn everywhere, it would show.
     let mut near = balls(None).0;
     for instance in 1..61 {
-        near.set_levels(rtrt_core::scene::InstanceIndex(instance), &[]).unwrap();
+        let instance = near.instance_index(instance).unwrap();
+        near.set_levels(instance, &[]).unwrap();
     }
     reference.render(&near, &request(&CAMERA), &mut actual).unwrap();
     assert_ne!(actual.pixels, pictures[0]);
@@ -85,14 +86,15 @@ fn a_scene_with_levels_is_one_with_the_meshes_that_are_chosen() {
 #[test]
 fn levels_that_make_no_sense_are_refused() {
     let (mut scene, _) = balls(None);
-    let ball = rtrt_core::scene::InstanceIndex(1);
+    let ball = scene.instance_index(1).unwrap();
     let mut other = Build::default();
     let mesh = [0, 1, 2, 3, 4].map(|_| other.mesh(Shape::cube()))[4];
     for from in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(scene.set_levels(ball, &[(from, mesh)]).is_err(), "{from}");
     }
     assert!(scene.set_levels(ball, &[(2.0, mesh)]).is_err());
-    assert!(scene.set_levels(rtrt_core::scene::InstanceIndex(999), &[]).is_err());
+    assert!(other.scene.set_levels(ball, &[]).is_err());
+    assert_eq!(scene.instance_index(999), None);
 }
 
 #[test]

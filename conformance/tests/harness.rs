@@ -159,7 +159,7 @@ impl Backend for Nudged {
 
 /// The scene of one mesh without a transform, a vertex of it moved by one ULP.
 fn nudged(scene: &Scene) -> Scene {
-    use rtrt_core::scene::{Bvh, InstanceIndex, Mesh, Sequential};
+    use rtrt_core::scene::{Bvh, Mesh, Sequential};
     let [instance] = scene.instances() else { panic!("one instance") };
     let mut positions = scene.positions().to_vec();
     // Across the view: depths, and with them the lists, stay the same.
@@ -167,8 +167,9 @@ fn nudged(scene: &Scene) -> Scene {
     let indices = scene.mesh_data()[..3 * instance.triangles as usize].to_vec();
     let mesh = Mesh::new(positions, scene.attributes().to_vec(), indices).unwrap();
     let mut other = Scene::new();
-    let material = scene.material_of(InstanceIndex(0)).and_then(|index| scene.material(index)).unwrap();
-    let material = other.add_material(*material).unwrap();
+    let material = scene.instance_index(0).and_then(|instance| scene.material_of(instance)).unwrap();
+    let material = *scene.material(material).unwrap();
+    let material = other.add_material(material).unwrap();
     let index = other.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
     other.add_instance(index, material, glam::Mat4::IDENTITY).unwrap();
     scene.lights().iter().for_each(|&light| other.add_light(light));

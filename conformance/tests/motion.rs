@@ -8,8 +8,7 @@ use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{
-    Bvh, Camera, InstanceIndex, Light, Mesh, MeshIndex, Motion, Occluders, Projection, Scene, Sequential,
-    Structure,
+    Bvh, Camera, Light, Mesh, MeshIndex, Motion, Occluders, Projection, Scene, Sequential, Structure,
 };
 
 const CAMERA: Camera = Camera {
@@ -65,7 +64,7 @@ fn scene(time: f64) -> (Scene, MeshIndex) {
     let cube = build.mesh(Shape::cube());
     for (instance, place) in places(time).into_iter().enumerate() {
         let instance = build.instance(if instance % 6 == 0 { cloth } else { cube }, place);
-        if is_hidden(instance.0, time) {
+        if is_hidden(instance.number(), time) {
             build.scene.hide(instance).unwrap();
         }
     }
@@ -87,8 +86,8 @@ fn a_moved_scene_is_a_new_one_made_there() {
         let (hidden, seen): (Vec<_>, Vec<_>) = places(time)
             .into_iter()
             .enumerate()
-            .map(|(instance, place)| (InstanceIndex(instance as u32), place))
-            .partition(|(instance, _)| is_hidden(instance.0, time));
+            .map(|(instance, place)| (moved.instance_index(instance as u32).unwrap(), place))
+            .partition(|(instance, _)| is_hidden(instance.number(), time));
         moved.set_transforms(seen).unwrap();
         hidden.into_iter().for_each(|(instance, _)| moved.hide(instance).unwrap());
         let (fresh, _) = scene(time);
@@ -162,7 +161,7 @@ fn lists_are_kept_only_while_they_would_be_the_same() {
         ("a camera that has moved", &|_| (), &aside),
         (
             "an instance that has moved",
-            &|scene| scene.set_transform(InstanceIndex(3), place).unwrap(),
+            &|scene| scene.set_transform(scene.instance_index(3).unwrap(), place).unwrap(),
             &aside,
         ),
         ("a light that is gone", &|scene| _ = scene.lights_mut().pop(), &aside),
@@ -175,7 +174,7 @@ fn lists_are_kept_only_while_they_would_be_the_same() {
             "an instance that is another one far away",
             &|scene| {
                 scene.occluders = Occluders::All;
-                scene.set_levels(InstanceIndex(1), &levels).unwrap();
+                scene.set_levels(scene.instance_index(1).unwrap(), &levels).unwrap();
             },
             &CAMERA,
         ),

@@ -11,7 +11,7 @@ use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::compare::compare;
 use rtrt_core::layout::Wrap;
 use rtrt_core::scene::{
-    AlphaMode, Camera, Image, InstanceIndex, Light, Material, MaterialIndex, Panorama, Projection, Scene,
+    AlphaMode, Camera, Image, Light, Material, MaterialIndex, Panorama, Projection, Scene,
 };
 use std::ops::Range;
 
@@ -160,7 +160,8 @@ fn surround(random: &mut Random, scene: &mut Scene) {
 
 /// Objects that are elsewhere than at first, and some that are hidden.
 fn change(random: &mut Random, scene: &mut Scene) {
-    for instance in (0..scene.instances().len() as u32).map(InstanceIndex) {
+    for number in 0..scene.instances().len() as u32 {
+        let instance = scene.instance_index(number).expect("it is there");
         match random.below(4) {
             0 => scene.hide(instance).expect("it is there"),
             1 => scene.set_transform(instance, transform(random)).expect("a transform that was tried"),

@@ -46,14 +46,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     assert_eq!(ALLOCATIONS.get(), before, "the loop allocates");
 
     for (tick, (instance, distance, is_seen)) in seen.into_iter().enumerate() {
-        let name = if instance == guard.0 { "the guard".into() } else { format!("crate {instance}") };
+        let name = if instance == guard.number() { "the guard".into() } else { format!("crate {instance}") };
         let word = if is_seen { "seen" } else { "hidden" };
         println!("tick {tick}: the cursor is on {name}, {distance} away; the guard is {word}");
     }
     println!("nothing was allocated");
     // Rounded, but the same on every machine.
     let (near, far) = (2.499_999_8, 3.499_999_8);
-    let expected = [(2, far, true), (2, far, true), (guard.0, near, true), (2, far, false)];
+    let expected = [(2, far, true), (2, far, true), (guard.number(), near, true), (2, far, false)];
     assert_eq!(seen, expected);
     Ok(())
 }
@@ -102,7 +102,9 @@ fn ask(
     let (among, mut filters, mut found) = (1, [search], [*best]);
     for (number, instance) in (0..).zip(scene.instances()) {
         let (low, high) = instance.padded_aabb(magnitude);
-        if but == Some(InstanceIndex(number)) || ray_hit_mask(&[ray], &low, &high, among, &found) == 0 {
+        if but.is_some_and(|but| but.number() == number)
+            || ray_hit_mask(&[ray], &low, &high, among, &found) == 0
+        {
             continue;
         }
         let here = [ray.to_object(instance)];

@@ -187,7 +187,8 @@ fn a_changed_scene_is_uploaded_again() {
     let mut scene = heaps(3, 2);
     let request = request([64, 36], 1);
     agree(&mut gpu, "before", &scene, &request);
-    scene.set_transform(rtrt_core::scene::InstanceIndex(2), Mat4::from_scale(Vec3::splat(0.7))).unwrap();
+    let moved = scene.instance_index(2).unwrap();
+    scene.set_transform(moved, Mat4::from_scale(Vec3::splat(0.7))).unwrap();
     agree(&mut gpu, "moved", &scene, &request);
     let red = scene.add_material(Material::new([0.9, 0.1, 0.1]).roughness(0.5)).unwrap();
     let mesh = shards(50);

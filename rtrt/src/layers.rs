@@ -7,7 +7,7 @@ use rtrt_core::kernel::transmittance::color;
 use rtrt_core::lane::{V3, Word};
 use rtrt_core::layout::{NONE, Surface};
 use rtrt_core::num::srgb_encode;
-use rtrt_core::scene::{InstanceIndex, Scene};
+use rtrt_core::scene::Scene;
 use rtrt_core::stage::resolve::average;
 use rtrt_core::stage::shade::base;
 use rtrt_core::stage::surface::Surfaces;
@@ -63,7 +63,8 @@ impl Layers {
             layers.normal.push(surface.normal);
             layers.object.push(hit.instance);
             layers.triangle.push(hit.triangle);
-            let source = scene.source_triangle(InstanceIndex(hit.instance), hit.triangle);
+            let instance = scene.instance_index(hit.instance);
+            let source = instance.and_then(|instance| scene.source_triangle(instance, hit.triangle));
             layers.source.push(source.unwrap_or(NONE));
             layers.barycentrics.push([hit.u, hit.v]);
             layers.uv.push(surface.uv);

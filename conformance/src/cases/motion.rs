@@ -3,7 +3,7 @@
 use crate::case::{Case, look};
 use crate::shape::{Build, Shape};
 use glam::{Mat4, Vec3};
-use rtrt_core::scene::{InstanceIndex, Light, Motion, Scene};
+use rtrt_core::scene::{Light, Motion, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -33,10 +33,9 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut build = Build::default().shape(Shape::floor(5.0, -1.0));
             let ball = build.mesh(Shape::ball(4));
-            for x in [-1.2, 0.0, 1.2] {
-                build.instance(ball, Mat4::from_translation(Vec3::new(x, 0.0, 0.0)));
-            }
-            build.scene.hide(InstanceIndex(2)).expect("it is there");
+            let balls = [-1.2, 0.0, 1.2]
+                .map(|x| build.instance(ball, Mat4::from_translation(Vec3::new(x, 0.0, 0.0))));
+            build.scene.hide(balls[1]).expect("it is there");
             build.light(Light::point([2.0, 3.0, 3.0])).scene
         },
         ..Case::USUAL
@@ -80,6 +79,7 @@ fn levels() -> Scene {
         build.scene.set_levels(ball, &[(8.0, far), (5.0, middle)]).expect("a case's levels");
         build.scene.set_transform(ball, place((i / 5) as f32 * 1.3)).expect("within range");
     }
-    build.scene.hide(InstanceIndex(7)).expect("it is there");
+    let hidden = build.scene.instance_index(7).expect("it is there");
+    build.scene.hide(hidden).expect("it is there");
     build.light(Light::point([2.0, 5.0, 0.0])).scene
 }

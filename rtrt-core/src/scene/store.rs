@@ -31,7 +31,15 @@ pub struct MeshIndex(pub(super) u32);
 pub struct MaterialIndex(pub(super) u32);
 /// An instance of a scene. Equal hits are decided by it: the lower one wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct InstanceIndex(pub u32);
+pub struct InstanceIndex(pub(super) u32);
+
+impl InstanceIndex {
+    /// The number of the instance, from 0 in the order in which instances were added: that of
+    /// [`Hit::instance`](crate::layout::Hit::instance).
+    pub fn number(self) -> u32 {
+        self.0
+    }
+}
 
 /// Why something could not be added to a scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -282,6 +290,12 @@ impl Scene {
         self.shown.insert(number, sphere.0);
         self.instances[sphere.0 as usize].kind = Kind::Light as u32 + number;
         Ok(Some(sphere))
+    }
+
+    /// The instance with a number, such as [`Hit::instance`](crate::layout::Hit::instance); `None`
+    /// where there is none.
+    pub fn instance_index(&self, number: u32) -> Option<InstanceIndex> {
+        ((number as usize) < self.instances.len()).then_some(InstanceIndex(number))
     }
 
     /// Where an instance is in the arrays, and how it is placed.

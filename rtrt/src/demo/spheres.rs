@@ -72,9 +72,9 @@ impl<J: Join> DemoBuilder<'_, J> {
             self.ball(glass, center, Vec3::splat(center.y), Quat::IDENTITY)?;
             self.ball(gold, center - Vec3::Y * 0.1, Vec3::splat(0.25), Quat::IDENTITY)?;
         }
-        let jade = self.material([0.25, 0.6, 0.4], 0.3, Texture::NONE)?;
+        let jade = self.painted([0.25, 0.6, 0.4], 0.3)?;
         self.ball(jade, vec3(0.55, 1.55, -1.9), vec3(1.1, 1.1, 0.12), Quat::from_rotation_y(-0.5))?;
-        let egg = self.material([0.85, 0.8, 0.7], 0.6, Texture::NONE)?;
+        let egg = self.painted([0.85, 0.8, 0.7], 0.6)?;
         self.ball(egg, vec3(-0.35, 0.42, 1.55), vec3(0.3, 0.42, 0.3), Quat::IDENTITY)
     }
 
@@ -82,7 +82,7 @@ impl<J: Join> DemoBuilder<'_, J> {
     fn small(&mut self) -> Result<(), ImportError> {
         const BEADS: u32 = 60;
         let colors = [[0.8, 0.2, 0.2], [0.85, 0.7, 0.25], [0.25, 0.5, 0.8]];
-        let beads = colors.map(|color| self.material(color, 0.3, Texture::NONE));
+        let beads = colors.map(|color| self.painted(color, 0.3));
         let beads = beads.into_iter().collect::<Result<Vec<_>, _>>()?;
         for bead in 0..BEADS {
             let share = bead as f32 / BEADS as f32;

@@ -4,7 +4,6 @@ use crate::folder::{Folder, stdout};
 use rtrt_core::backend::{Picture, Request};
 use rtrt_core::grid::Grid;
 use rtrt_core::layout::NONE;
-use rtrt_core::scene::InstanceIndex;
 
 /// The samples of a channel of a layer.
 fn channel(image: &exr::image::FlatImage, layer: &str, name: &str) -> Vec<u32> {
@@ -61,7 +60,8 @@ fn layers_are_the_deferred_buffers() {
             assert_eq!(floats(&depth), [if is_hit { hit.t } else { f32::INFINITY }]);
             assert_eq!((floats(&normal), floats(&uv)), (surface.normal.to_vec(), surface.uv.to_vec()));
             assert_eq!((at(&object), at(&triangle)[0]), (vec![hit.instance], hit.triangle));
-            let source = scene.source_triangle(InstanceIndex(hit.instance), hit.triangle);
+            let instance = scene.instance_index(hit.instance);
+            let source = instance.and_then(|instance| scene.source_triangle(instance, hit.triangle));
             assert_eq!(at(&triangle)[1], source.unwrap_or(NONE));
             assert_eq!(floats(&weights), [hit.u, hit.v]);
             let mean = |value: &dyn Fn(usize) -> f32| {

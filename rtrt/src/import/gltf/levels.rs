@@ -93,7 +93,9 @@ impl<J: Join> Import<'_, '_, J> {
         part: usize,
         levels: &[NodeLevel],
     ) -> Result<(), ImportError> {
-        let Some(placed) = self.builder.scene.instances().get(object.0 as usize) else { return Ok(()) };
+        let Some(placed) = self.builder.scene.instances().get(object.number() as usize) else {
+            return Ok(());
+        };
         let size = placed.high.iter().zip(placed.low).map(|(high, low)| f64::from(high - low));
         let radius = 0.5 * libm::sqrt(size.map(|side| side * side).sum());
         let fov_y = self.root.cameras.iter().find_map(|camera| match camera.type_ {

@@ -52,7 +52,7 @@ impl<'a> Materials<'a> {
             None => &none,
         };
         let pbr = &source.pbr_metallic_roughness;
-        let none = || Ok((Texture::NONE, None));
+        let none = || Ok(None);
         // Those that look things up, and the sets of texture coordinates they look them up with.
         let found = [
             pbr.base_color_texture.as_ref().map_or_else(none, |info| {
@@ -74,11 +74,11 @@ impl<'a> Materials<'a> {
             })?,
         ];
         let mut coordinates = Coordinates::default();
-        let maps = found.map(|(texture, set)| {
-            set.map(|set| Texture { set: coordinates.slot(set).unwrap_or(0), ..texture })
+        let maps = found.map(|found| {
+            found.map(|(texture, set)| Texture { set: coordinates.slot(set).unwrap_or(0), ..texture })
         });
         let [base_color_map, normal_map, metallic_roughness_map, occlusion_map, emission_map] = maps;
-        if found.iter().any(|(_, set)| set.is_some_and(|set| !coordinates.sets.contains(&Some(set)))) {
+        if found.iter().flatten().any(|(_, set)| !coordinates.sets.contains(&Some(*set))) {
             builder.not_drawn.insert("a third set of texture coordinates in one material");
         }
         coordinates.bump = normal_map.map(|map| map.set);
@@ -124,7 +124,7 @@ impl<'a> Materials<'a> {
         index: Index<texture::Texture>,
         content: Content,
         placing: &Placing,
-    ) -> Result<(Texture, Option<u32>), ImportError> {
+    ) -> Result<Option<(Texture, u32)>, ImportError> {
         let root = self.root;
         let number = index.value();
         let missing = |what: &str| builder.invalid(format!("texture {number} has no {what} that is there"));
@@ -157,7 +157,7 @@ impl<'a> Materials<'a> {
             }
         };
         let texture = Texture { wrap_u: wrap_u as u32, wrap_v: wrap_v as u32, ..image };
-        Ok((placing.apply(texture), Some(placing.set)))
+        Ok(Some((placing.apply(texture), placing.set)))
     }
 
     /// # Errors

@@ -80,15 +80,15 @@ fn material<J: Join>(
         return builder.add_material(Material::new([0.7; 3]).roughness(0.8));
     };
     let texture = match &source.texture {
-        None => Texture::NONE,
+        None => None,
         Some(name) => match textures.get(name) {
-            Some(&texture) => texture,
+            Some(&texture) => Some(texture),
             None => {
                 let place = file::beside(&builder.path, name);
                 let bytes = builder.files.read(&place, file::LONGEST).map_err(|error| error.to_string());
                 let texture = builder.add_texture(&quoted(name), bytes.and_then(|b| picture::decode(&b)))?;
                 textures.insert(name.clone(), texture);
-                texture
+                Some(texture)
             }
         },
     };
@@ -96,7 +96,7 @@ fn material<J: Join>(
     let peak = 8.0 / (source.shininess + 8.0);
     // The inverse of what a roughness makes of highlights.
     let roughness = libm::sqrtf(libm::sqrtf(2.0 / (source.shininess + 2.0)));
-    let texture = Texture { wrap_u: wrap, wrap_v: wrap, ..texture };
+    let texture = texture.map(|texture| Texture { wrap_u: wrap, wrap_v: wrap, ..texture });
     let specular = source.specular.map(|s| (s * peak / (1.0 - 0.5 * roughness)).min(COLOR_LIMIT));
     let material = Material::new(source.diffuse)
         .base_color_map(texture)
