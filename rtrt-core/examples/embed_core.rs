@@ -13,12 +13,12 @@
 //! nor `std`. There is no renderer: the kernels are called on the game's own rays, one at a time.
 
 use glam::{Mat4, Vec3};
+use rtrt_core::backend::{Hit, NONE};
 use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::tiles::{TILES, Tiles};
 use rtrt_core::kernel::traverse::{Any, Closest, ClosestHit, Geometry, HitFilter, ray_hit_mask, traverse};
 use rtrt_core::lane::V3;
-use rtrt_core::layout::{Attribute, Hit, NONE};
-use rtrt_core::scene::{Bvh, InstanceIndex, Material, Mesh, Scene, Sequential};
+use rtrt_core::scene::{Attribute, Bvh, InstanceIndex, Material, Mesh, Scene, Sequential};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::error::Error;

@@ -1,11 +1,11 @@
 //! What every backend does: render a frame of a scene.
 
-use crate::layout::{Hit, Lit, Surface};
 use crate::scene::{Scene, SetupError};
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+pub use crate::layout::{Hit, Lit, NONE, Surface};
 pub use crate::request::{LAYERS, Request, Shadows};
 
 /// The stages of a frame, in order. [`Picture::stages_ms`] is indexed alike.

@@ -14,18 +14,37 @@
 //! assert!(met.mask && (met.t - 3.0).abs() < 1e-6);
 //! ```
 //!
-//! In reading order: [`lane`] (the number type), [`num`] (the only file that divides),
-//! [`grid`] (where pixels, rays and blocks lie), [`layout`] (what backends share in memory),
-//! [`kernel`] (one idea a file), [`stage`] (what a ray or a block needs, in the order of a
-//! frame).
+//! # Who needs what
+//!
+//! **Programs that render** import two modules, which need the feature `alloc` (the default), and
+//! perhaps a third. A version that breaks them has a new major number (before 1.0, a new minor one).
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `scene` | what there is to render: meshes, instances, [`Material`](scene::Material), [`Light`](scene::Light), textures, [`Camera`](scene::Camera) |
+//! | `backend` | what is rendered and what comes back: [`Backend`](backend::Backend), [`Request`](backend::Request), [`Picture`](backend::Picture) |
+//! | `compare` | the first difference between two pictures |
+//!
+//! **Authors of backends**, and programs that trace rays of their own, import the rest as well. Any
+//! version may change it. In reading order:
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`lane`] | the number type |
+//! | [`num`] | division, roots and everything transcendental |
+//! | [`grid`] | where pixels, rays and blocks lie |
+//! | [`layout`] | the records that backends share in memory |
+//! | [`kernel`] | pure functions, one idea a file |
+//! | [`stage`] | what a ray or a block needs, in the order of a frame |
+//! | `scene` | [`Setup`](scene::Setup), [`ListCacheKey`](scene::ListCacheKey), [`ReusableLists`](scene::ReusableLists), [`Versions`](scene::Versions), and the records that a [`Scene`](scene::Scene) lends |
+//!
+//! # Promises
 //!
 //! Guarantees: `no_std`, no unsafe code; without the feature `alloc` no allocation; no panic
 //! for any number, given scenes built by the `scene` module; results are functions of the
 //! set of surfaces that a ray meets, never of the order in which they were visited.
 //!
-//! Limits: coordinates within ±2³⁰, meshes of at most 2²⁵ triangles. With `alloc` (the
-//! default) come `scene` (building a scene), `backend` (what every backend implements) and
-//! `compare` (the first difference of two frames).
+//! Limits: coordinates within ±2³⁰, meshes of at most 2²⁵ triangles.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -44,7 +44,7 @@ pub enum Shadows {
     #[default]
     Soft,
     /// Sampled soft shadows: each sub-ray of a pixel asks for another point of the light (see
-    /// [`area`](crate::kernel::area)).
+    /// `kernel::area`).
     Area {
         /// The seed of the jitter that gives each pixel other points of the light. Without one, all
         /// pixels take the same points.

@@ -10,8 +10,9 @@
 
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::layout::Attribute;
-use rtrt_core::scene::{Bvh, Camera, Light, Material, Mesh, MeshError, Projection, Scene, Sequential};
+use rtrt_core::scene::{
+    Attribute, Bvh, Camera, Light, Material, Mesh, MeshError, Projection, Scene, Sequential,
+};
 use rtrt_gpu::{Gpu, Route, wgpu};
 use std::error::Error;
 

@@ -15,8 +15,9 @@ use glam::{Mat4, Vec3};
 use rtrt::choose::{Choice, Options, choose};
 use rtrt::hash;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
-use rtrt_core::layout::Attribute;
-use rtrt_core::scene::{Bvh, Camera, InstanceIndex, Light, Material, Mesh, Projection, Scene, Sequential};
+use rtrt_core::scene::{
+    Attribute, Bvh, Camera, InstanceIndex, Light, Material, Mesh, Projection, Scene, Sequential,
+};
 use std::error::Error;
 
 const FRAMES: u32 = 100;

@@ -6,7 +6,7 @@
 //! own. The scene stores one mesh for all spheres, two triangles without area that span the ball's box,
 //! so that stages that read corners and colors find some.
 //!
-//! A hit's `u` and `v` are octahedral coordinates of the point (see [`octahedral`]). The point computed
+//! A hit's `u` and `v` are octahedral coordinates of the point (see `octahedral`). The point computed
 //! from them lies on the sphere as exactly as `f32` allows, however far away the camera is, and shadow
 //! rays start there.
 

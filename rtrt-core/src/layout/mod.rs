@@ -10,5 +10,6 @@ mod view;
 pub use geometry::{Attribute, Instance, Kind, Node};
 pub use hit::{Hit, Lit, NONE, Surface};
 pub use material::{AlphaKind, COLOR_LIMIT, LIGHT_LIMIT, MaterialRecord, Texture, Wrap};
+#[doc(hidden)]
 pub use probe::{PROBES, probe};
 pub use view::{Backdrop, Frame, View, ViewKind};

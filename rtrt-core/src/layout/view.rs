@@ -84,7 +84,7 @@ pub struct View {
     /// Light: its radius, world units; of a sun, the tangent of the angle that it is seen under.
     pub radius: f32,
     /// Light: the radius over which the sub-rays of a pixel choose their points (see
-    /// [`area`](crate::kernel::area)); 0 where all of them take its middle.
+    /// `kernel::area`); 0 where all of them take its middle.
     pub disc: f32,
     /// Light: how far such a point moves a shadow ray aside, at most, world units.
     pub margin: f32,
@@ -162,7 +162,7 @@ pub struct Frame {
     pub magnitude: f32,
     /// 1 where a material asks for normal maps or a second set of texture coordinates.
     pub details: u32,
-    /// The environment, see [`Sky`](crate::kernel::environment::Sky): where it starts.
+    /// The environment, see `kernel::environment::Sky`: where it starts.
     pub sky_first: u32,
     /// Side of its sharpest square.
     pub sky_side: u32,

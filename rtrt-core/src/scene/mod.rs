@@ -1,8 +1,7 @@
 //! Building a scene, on the host: meshes and their trees, mip chains, cameras, lights.
 //!
 //! ```
-//! use rtrt_core::layout::Attribute;
-//! use rtrt_core::scene::{Bvh, Light, Material, Mesh, Scene, Sequential};
+//! use rtrt_core::scene::{Attribute, Bvh, Light, Material, Mesh, Scene, Sequential};
 //!
 //! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! // Without a normal of its own, a vertex has that of its triangle.
@@ -43,6 +42,7 @@ mod store;
 mod tangent;
 mod views;
 
+pub use crate::layout::{Attribute, Backdrop, COLOR_LIMIT, LIGHT_LIMIT, Texture, Wrap};
 pub use crate::request::{Camera, Projection};
 pub use bvh::{Bvh, BvhError, Join, Sequential};
 pub use choice::{Mip, Occluders, Structure};

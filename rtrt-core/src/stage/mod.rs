@@ -4,6 +4,7 @@
 pub mod bin;
 pub mod blocker_search;
 pub mod detail;
+#[doc(hidden)]
 pub mod inspect;
 pub mod light;
 pub mod occlusion;
