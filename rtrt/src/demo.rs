@@ -17,8 +17,7 @@ pub use spheres::{SPHERES, spheres};
 use self::builder::{DemoBuilder, loaded};
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
-use rtrt_core::layout::Texture;
-use rtrt_core::scene::{Camera, Join, Light, Projection, phong};
+use rtrt_core::scene::{Camera, Join, Light, Material, Projection};
 use shape::Shape;
 
 /// What the scene is called where a path is expected.

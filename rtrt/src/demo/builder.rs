@@ -5,7 +5,7 @@ use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded, NamedCamera};
 use glam::Mat4;
 use rtrt_core::layout::Texture;
-use rtrt_core::scene::{Camera, Image, Join, MaterialIndex, MeshIndex, Scene, phong};
+use rtrt_core::scene::{Camera, Image, Join, Material, MaterialIndex, MeshIndex, Scene};
 use std::path::Path;
 
 /// A finished scene with one camera.
@@ -46,12 +46,12 @@ impl<'a, J: Join> DemoBuilder<'a, J> {
         roughness: f32,
         texture: Texture,
     ) -> Result<MaterialIndex, ImportError> {
-        self.builder.add_material(phong(color, 0.0, roughness, texture, [0.0; 3]))
+        self.builder.add_material(Material::new(color).roughness(roughness).base_color_map(texture))
     }
 
     /// A material without a texture.
     pub fn painted(&mut self, color: [f32; 3], roughness: f32) -> Result<MaterialIndex, ImportError> {
-        self.material(color, roughness, Texture::NONE)
+        self.builder.add_material(Material::new(color).roughness(roughness))
     }
 
     /// Stores a mesh.

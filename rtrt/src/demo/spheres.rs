@@ -5,8 +5,8 @@ use super::paint;
 use super::shape::Shape;
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Quat, Vec3, vec3};
-use rtrt_core::layout::{AlphaMode, Material, Texture};
-use rtrt_core::scene::{Camera, Join, Light, MaterialIndex, Projection, phong};
+use rtrt_core::layout::Texture;
+use rtrt_core::scene::{Camera, Join, Light, Material, MaterialIndex, Projection};
 
 /// What the scene is called where a path is expected.
 pub const SPHERES: &str = "demo:spheres";

@@ -4,7 +4,7 @@ use super::file::Files;
 use super::geometry::{Geometry, Tangents};
 use super::{ImportError, picture};
 use crate::cache::Cache;
-use rtrt_core::layout::{Material, Texture, Wrap};
+use rtrt_core::layout::{Texture, Wrap};
 use rtrt_core::scene::{
     Bvh, Content, Image, InstanceIndex, Join, Material, MaterialIndex, Mesh, MeshError, MeshIndex, Scene,
     SceneError,
