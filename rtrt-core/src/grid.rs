@@ -76,7 +76,7 @@ impl Grid {
     }
     /// Columns and rows of rays that belong to the frame.
     #[inline(always)]
-    pub fn rays_across(self) -> [u32; 2] {
+    pub(crate) fn rays_across(self) -> [u32; 2] {
         [self.width * self.side, self.height * self.side]
     }
     /// Whether the ray at `[x, y]` belongs to the frame.

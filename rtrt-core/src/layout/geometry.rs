@@ -24,7 +24,7 @@ const _: () = assert!(size_of::<Node>() == 32 && offset_of!(Node, high) == 16);
 impl Node {
     /// Whether the node holds triangles.
     #[inline(always)]
-    pub fn is_leaf(&self) -> bool {
+    pub(crate) fn is_leaf(&self) -> bool {
         self.kind & 3 == 3
     }
     /// How many triangles a leaf holds.
@@ -118,7 +118,7 @@ const _: () = assert!(offset_of!(Instance, first_index) == 144);
 impl Instance {
     /// The number of the instance that the one with this number is, or is a part of.
     #[inline(always)]
-    pub fn source_instance(&self, number: u32) -> u32 {
+    pub(crate) fn source_instance(&self, number: u32) -> u32 {
         if self.opened_from == NONE { number } else { self.opened_from }
     }
     /// Whether it is what shows the light.
