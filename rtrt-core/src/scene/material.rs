@@ -342,7 +342,7 @@ mod tests {
     #[test]
     fn a_record_says_what_the_material_says() {
         let rough = Material::default().roughness(0.5).record().unwrap();
-        assert_eq!((rough.shininess, rough.specular), (2.0 / 0.0625 - 2.0, [DIELECTRIC; 3]));
+        assert_eq!((rough.shininess, rough.specular), (shininess(0.5), [DIELECTRIC; 3]));
         assert_eq!((rough.alpha_mode, rough.double_sided, rough.unlit), (0, 1, 0));
         let leaf = Material::default().mask(0.25).double_sided(false).unlit(true).record().unwrap();
         assert_eq!((leaf.alpha_mode, leaf.cutoff), (AlphaKind::Mask as u32, 0.25));
