@@ -276,7 +276,7 @@ pub fn limit<L: Lane>(frame: &Frame, light: &View, first: RayIndex, surfaces: &S
 }
 
 /// The vector to the light, and the `t` at which a ray along it has arrived. To its middle, or,
-/// of an area light, to the point that each ray takes (see [`light_offset`]); the rays are numbered from
+/// of an area light, to the point that each ray takes (see `light_offset`); the rays are numbered from
 /// `first` on.
 #[inline(always)]
 pub fn to_light<L: Lane>(frame: &Frame, light: &View, first: RayIndex, from: V3<L>) -> (V3<L>, L) {
