@@ -13,16 +13,18 @@ use bytemuck::Zeroable;
 use conformance::{Suite, cases};
 use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request};
 use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::closest_hit::ClosestHit;
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::lists::{BlockLists, ListEntry};
 use rtrt_core::kernel::texture::Maps;
-use rtrt_core::kernel::traverse::{ClosestHit, Geometry};
 use rtrt_core::lane::Word;
-use rtrt_core::layout::{Frame, Hit, Surface};
+use rtrt_core::layout::{Frame, Hit, ShadowBuffer, Surface};
 use rtrt_core::scene::{Scene, Setup};
+use rtrt_core::stage::context::Context;
 use rtrt_core::stage::surface::{Surfaces, Vertices};
 use rtrt_core::stage::visibility::{directions, hit, visibility};
 use rtrt_core::stage::{
-    bin, blocker_search, detail, light, occlusion, peel, penumbra_filter, prepare, resolve, shade, surface,
+    bin, detail, light, occlusion, peel, penumbra_filter, prepare, resolve, shade, surface,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -67,7 +69,7 @@ impl Backend for OneByOne {
             job.find(&frame, &mut layer);
             job.shadows(&frame, &mut layer);
             if number == 0 && frame.penumbra_window > 0 {
-                let (left, sizes) = layer.shadows.split_at(blocker_search::penumbra_at(&frame, 0, 0));
+                let (left, sizes) = layer.shadows.split_at(ShadowBuffer::new(&frame).penumbra_radius(0, 0));
                 kept.raw_transmittance = left.to_vec();
                 kept.penumbra_radii = sizes.iter().map(|&bits| f32::from_bits(bits)).collect();
             }
@@ -151,8 +153,7 @@ impl Layer {
 /// What the stages read.
 struct Job<'a> {
     setup: &'a Setup,
-    lists: BlockLists<'a>,
-    geometry: Geometry<'a>,
+    trace: Context<'a>,
     maps: Maps<'a>,
     vertices: Vertices<'a>,
 }
@@ -162,14 +163,18 @@ impl<'a> Job<'a> {
         let instances = setup.instances(scene);
         Self {
             setup,
-            lists: BlockLists { data: words, blocks: setup.frame.blocks },
-            geometry: Geometry {
-                instances,
-                nodes: scene.nodes(),
-                mesh_data: scene.mesh_data(),
-                positions: scene.positions(),
-                texels: scene.texels(),
-                magnitude: setup.frame.magnitude,
+            trace: Context {
+                frame: &setup.frame,
+                views: &setup.views,
+                lists: BlockLists { data: words, blocks: setup.frame.blocks },
+                geometry: Geometry {
+                    instances,
+                    nodes: scene.nodes(),
+                    mesh_data: scene.mesh_data(),
+                    positions: scene.positions(),
+                    texels: scene.texels(),
+                    magnitude: setup.frame.magnitude,
+                },
             },
             maps: Maps { materials: scene.materials(), texels: scene.texels() },
             vertices: Vertices { instances, mesh_data: scene.mesh_data(), attributes: scene.attributes() },
@@ -178,19 +183,19 @@ impl<'a> Job<'a> {
 
     /// The stages `visibility` and `surface`.
     fn find(&self, frame: &Frame, layer: &mut Layer) {
-        let Self { lists, geometry, maps, vertices, .. } = self;
-        let views = &self.setup.views[..];
-        let camera = &views[Frame::CAMERA as usize];
+        let Self { trace, maps, vertices, .. } = self;
+        let (trace, camera) = (Context { frame, ..*trace }, trace.camera());
         for ray in 0..frame.rays {
             let (at, number) = (ray as usize, RayIndex(ray));
             let [direction] = directions::<f32, 1>((), frame, camera, number);
             let best = if frame.layers == 0 {
-                visibility::<f32, 1>((), frame, views, lists, geometry, number)
+                visibility::<f32, 1>((), &trace, number)
             } else {
                 let last = [ClosestHit::new(&layer.hits[at])];
-                peel::peel::<f32, 1>((), frame, views, lists, geometry, number, &last)
+                peel::peel::<f32, 1>((), &trace, number, &last)
             };
-            let mut found = surface::surface(camera, geometry, vertices.attributes, direction, &best[0]);
+            let mut found =
+                surface::surface(camera, &trace.geometry, vertices.attributes, direction, &best[0]);
             if frame.details == 1 {
                 found = detail::detail(maps, vertices, &best[0], &found);
             }
@@ -202,18 +207,17 @@ impl<'a> Job<'a> {
     /// Of the stage `occlusion`, what all rays must have done before the first of them is lit: what is left of
     /// each light, and the penumbras, where shadows are soft.
     fn shadows(&self, frame: &Frame, layer: &mut Layer) {
-        let Self { lists, geometry, .. } = self;
-        let views = &self.setup.views[..];
+        let trace = Context { frame, ..self.trace };
         for ray in (0..frame.rays).filter(|_| frame.penumbra_window > 0) {
             let found = Surfaces::<f32>::new(&layer.surfaces[ray as usize]);
             let (number, origin) = (RayIndex(ray), [found.origin]);
+            let buffer = ShadowBuffer::new(frame);
             for light in 0..frame.lights {
-                let asked = [occlusion::potentially_lit(frame, views, light, number, &found)];
-                let [(left, size)] = blocker_search::blocker_search::<f32, 1>(
-                    frame, views, lists, geometry, light, number, &origin, &asked,
-                );
-                layer.shadows[blocker_search::transmittance_at(frame, ray, light)] = left.0;
-                layer.shadows[blocker_search::penumbra_at(frame, ray, light)] = size.to_bits();
+                let asked = [occlusion::potentially_lit(frame, trace.views, light, number, &found)];
+                let [arrival] =
+                    occlusion::transmittance::<f32, true, 1>(&trace, light, number, &origin, &asked);
+                layer.shadows[buffer.transmittance(ray, light)] = arrival.transmittance.0;
+                layer.shadows[buffer.penumbra_radius(ray, light)] = arrival.penumbra_radius.to_bits();
             }
         }
     }
@@ -232,7 +236,8 @@ impl<'a> Job<'a> {
             let (masks, transmittance) = self.reaching(frame, layer, ray, &found);
             let mask = |word: u32| Word(masks[word as usize]);
             let tint = |light: u32| Word(transmittance[light as usize]);
-            let arriving = light::light(frame, views, &self.maps, mask, tint, index, direction, &found);
+            let shadows = light::ShadowTerms::new(mask, tint);
+            let arriving = light::light(frame, views, &self.maps, &shadows, index, direction, &found);
             let shaded = shade::shade(frame, &self.maps, direction, &found, &arriving);
             let sum = if frame.layers == 0 { shaded } else { peel::blend(frame, kept.colors[at], shaded) };
             kept.colors[at] = sum;
@@ -263,11 +268,10 @@ impl<'a> Job<'a> {
         ray: u32,
         found: &Surfaces<f32>,
     ) -> (Vec<u32>, Vec<u32>) {
-        let Self { lists, geometry, .. } = self;
-        let (views, index) = (&self.setup.views[..], RayIndex(ray));
+        let trace = Context { frame, ..self.trace };
+        let (views, index) = (trace.views, RayIndex(ray));
         if !frame.has_transmittance() {
-            let word =
-                |word| occlusion::word::<f32, 1>(frame, views, lists, geometry, word, index, &[*found])[0].0;
+            let word = |word| occlusion::word::<f32, 1>(&trace, word, index, &[*found])[0].0;
             return ((0..frame.mask_words).map(word).collect(), vec![]);
         }
         let tint = |light| {
@@ -279,9 +283,9 @@ impl<'a> Job<'a> {
             }
             let asked = [occlusion::potentially_lit(frame, views, light, index, found)];
             let origin = [found.origin];
-            occlusion::transmittance::<f32, 1>(frame, views, lists, geometry, light, index, &origin, &asked)
-                [0]
-            .0
+            occlusion::transmittance::<f32, false, 1>(&trace, light, index, &origin, &asked)[0]
+                .transmittance
+                .0
         };
         let transmittance: Vec<u32> = (0..frame.lights).map(tint).collect();
         let mask =

@@ -14,9 +14,13 @@
 
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Hit, NONE};
+use rtrt_core::kernel::closest_hit::ClosestHit;
+use rtrt_core::kernel::geometry::Geometry;
+use rtrt_core::kernel::hit_filter::{Any, Closest, HitFilter};
+use rtrt_core::kernel::packet::{Packet, PacketHits, ray_hit_mask};
 use rtrt_core::kernel::ray::Ray;
-use rtrt_core::kernel::tiles::{TILES, Tiles};
-use rtrt_core::kernel::traverse::{Any, Closest, ClosestHit, Geometry, HitFilter, ray_hit_mask, traverse};
+use rtrt_core::kernel::tiles::Tiles;
+use rtrt_core::kernel::traverse::traverse;
 use rtrt_core::lane::V3;
 use rtrt_core::scene::{Attribute, Bvh, InstanceIndex, Material, Mesh, Scene, Sequential};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -81,7 +85,7 @@ fn ask(
     scene: &Scene,
     origin: [f32; 3],
     direction: [f32; 3],
-    search: impl HitFilter<f32>,
+    filter: impl HitFilter<f32>,
     but: Option<InstanceIndex>,
     best: &mut ClosestHit<f32>,
 ) {
@@ -99,20 +103,19 @@ fn ask(
     };
     let ray = Ray::<f32>::new(V3::splat((), origin), V3::splat((), direction));
     // A packet of one ray, in one tile.
-    let (among, mut filters, mut found) = (1, [search], [*best]);
+    let (mut hits, mut filters) = (PacketHits::new([*best]), [filter]);
     for (number, instance) in (0..).zip(scene.instances()) {
         let (low, high) = instance.padded_aabb(magnitude);
         if but.is_some_and(|but| but.number() == number)
-            || ray_hit_mask(&[ray], &low, &high, among, &found) == 0
+            || ray_hit_mask(&[ray], &low, &high, 1, &hits.closest) == 0
         {
             continue;
         }
-        let here = [ray.to_object(instance)];
-        let tiles = Tiles::of(&here, &found, among);
-        let mut limits = [0.0; TILES];
-        traverse(&geometry, number, &here, &tiles, among, &mut limits, &mut filters, &mut found);
+        let rays = [ray.to_object(instance)];
+        let packet = Packet { rays: &rays, tiles: &Tiles::of(&rays, &hits.closest, 1) };
+        traverse(&geometry, number, &packet, 1, &mut hits, &mut filters);
     }
-    *best = found[0];
+    *best = hits.closest[0];
 }
 
 /// A cube with sides of 1 around the origin.

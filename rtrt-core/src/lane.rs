@@ -165,7 +165,7 @@ pub trait Lane:
     /// The larger; `other` where the comparison fails, as for NaN.
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        other.lt(self).select(self, other)
+        self.gt(other).select(self, other)
     }
     /// The smallest of the lanes, none of which may be NaN.
     #[inline(always)]

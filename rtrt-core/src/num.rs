@@ -81,7 +81,7 @@ pub fn rsqrt<L: Lane>(x: L) -> L {
 /// `√x`, as `x · rsqrt(x)`.
 #[inline(always)]
 pub fn sqrt<L: Lane>(x: L) -> L {
-    x.broadcast(TINY).le(x).select(clamp(x, TINY, HUGE) * rsqrt(x), x.broadcast(0.0))
+    x.ge(x.broadcast(TINY)).select(clamp(x, TINY, HUGE) * rsqrt(x), x.broadcast(0.0))
 }
 
 /// `x` rounded to the nearest integer, ties to even. For `|x| < 2²²`.
@@ -114,7 +114,7 @@ pub fn from_integer<L: Lane>(bits: L::Bits) -> L {
 #[inline(always)]
 pub fn exp2<L: Lane>(x: L) -> L {
     // NaN fails the comparison and becomes the lower end.
-    let x = x.broadcast(-126.0).lt(x).select(x, x.broadcast(-126.0));
+    let x = x.gt(x.broadcast(-126.0)).select(x, x.broadcast(-126.0));
     let x = x.lt(x.broadcast(127.0)).select(x, x.broadcast(127.0));
     let whole = round(x);
     let f = x - whole;
@@ -168,7 +168,7 @@ pub fn log2<L: Lane>(x: L) -> L {
 /// `xʸ`, as `exp2(y · log2 x)`.
 #[inline(always)]
 pub fn pow<L: Lane>(x: L, y: L) -> L {
-    x.broadcast(TINY).le(x).select(exp2(y * log2(x)), x.broadcast(0.0))
+    x.ge(x.broadcast(TINY)).select(exp2(y * log2(x)), x.broadcast(0.0))
 }
 
 /// The angle of the point `(x, y)`, within −π ..= π, counted from the `x` axis toward `y`.
@@ -179,7 +179,7 @@ pub fn pow<L: Lane>(x: L, y: L) -> L {
 #[inline(always)]
 pub fn atan2<L: Lane>(y: L, x: L) -> L {
     let (width, height) = (x.abs(), y.abs());
-    let steep = width.lt(height);
+    let steep = height.gt(width);
     let slope = width.min(height) * recip(width.max(height));
     let square = slope * slope;
     let mut p = square * 2.866_225_7e-3 - 1.616_573_7e-2;

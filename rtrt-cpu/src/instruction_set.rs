@@ -1,6 +1,6 @@
 //! Which instructions run a block.
 
-use crate::Error;
+use crate::error::Error;
 use crate::wide::{Float8, Float16, Wide};
 use fearless_simd::Simd;
 

@@ -26,26 +26,33 @@ mod bin;
 mod block;
 mod canary;
 mod clock;
+mod context;
+mod error;
 mod instruction_set;
 mod planes;
 mod prepare;
 mod records;
+mod shadows;
 mod soft;
 mod wide;
 
 pub use canary::kernels;
+pub use error::Error;
 
 use crate::bin::Binning;
-use crate::block::{Block, FrameContext};
+use crate::block::Block;
 use crate::clock::Clock;
+use crate::context::FrameContext;
 use crate::instruction_set::InstructionSet;
 use crate::records::{block_records, deferred_room};
 use rayon::prelude::*;
 use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request, STAGES};
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::screen_bounds::ScreenBounds;
-use rtrt_core::kernel::traverse::Geometry;
+use rtrt_core::kernel::texture::Maps;
 use rtrt_core::scene::{Join, Scene, Setup};
+use rtrt_core::stage::context::Context;
 use std::time::Instant;
 
 /// How the backend runs. The picture does not depend on it.
@@ -55,34 +62,6 @@ pub struct Options {
     pub lanes: Option<u32>,
     /// Threads; `None` for as many as the machine runs at once.
     pub threads: Option<usize>,
-}
-
-/// Why the backend cannot run as asked.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// Not a number of lanes that exists.
-    #[error("{lanes} lanes; only 1, 8 and 16 are possible")]
-    Lanes {
-        /// What was asked for.
-        lanes: u32,
-    },
-    /// The processor lacks the instructions.
-    #[error("this processor has no {needed}, which {lanes} lanes need")]
-    Unsupported {
-        /// What was asked for.
-        lanes: u32,
-        /// The instruction set.
-        needed: &'static str,
-    },
-    /// Threads could not be started.
-    #[error("{threads} threads could not be started")]
-    Threads {
-        /// What was asked for.
-        threads: usize,
-        /// Why.
-        source: rayon::ThreadPoolBuildError,
-    },
 }
 
 /// The CPU backend. Keeps its memory from frame to frame.
@@ -150,27 +129,25 @@ impl Memory {
         );
         clock.add(1, start);
 
-        let context = FrameContext {
-            frame: &frame,
-            views,
-            lists: BlockLists { data: &self.bins.lists, blocks: frame.blocks },
-            geometry: Geometry {
-                instances,
-                nodes: scene.nodes(),
-                mesh_data: scene.mesh_data(),
-                positions: scene.positions(),
-                texels: scene.texels(),
-                magnitude: frame.magnitude,
-            },
-            attributes: scene.attributes(),
-            materials: scene.materials(),
+        let geometry = Geometry {
+            instances,
+            nodes: scene.nodes(),
+            mesh_data: scene.mesh_data(),
+            positions: scene.positions(),
             texels: scene.texels(),
+            magnitude: frame.magnitude,
+        };
+        let lists = BlockLists { data: &self.bins.lists, blocks: frame.blocks };
+        let context = FrameContext {
+            trace: Context { frame: &frame, views, lists, geometry },
+            attributes: scene.attributes(),
+            maps: Maps { materials: scene.materials(), texels: scene.texels() },
         };
         let grid = frame.grid();
         let tile = (grid.block_pixels() * grid.block_pixels()) as usize;
         self.tiles.clear();
         self.tiles.resize(grid.blocks() as usize * tile, 0);
-        let tint = block::transmittance_words(&frame);
+        let tint = shadows::transmittance_words(&frame);
         self.transmittance.resize(grid.blocks() as usize * tint, 0);
         let start = Instant::now();
         let tiles = self.tiles.par_chunks_mut(tile);

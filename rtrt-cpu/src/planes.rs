@@ -130,11 +130,11 @@ impl<L: Wide> Neighborhood<L> for Rows<'_, L> {
         self.first.wrapping_add_signed(y * self.planes.pitch as isize + x)
     }
     #[inline(always)]
-    fn left(&self, place: usize) -> L::Bits {
+    fn transmittance(&self, place: usize) -> L::Bits {
         self.number(place, OF_SURFACE + 2 * self.light)
     }
     #[inline(always)]
-    fn size(&self, place: usize) -> L {
+    fn penumbra_radius(&self, place: usize) -> L {
         L::from_bits(self.number(place, OF_SURFACE + 2 * self.light + 1))
     }
     #[inline(always)]

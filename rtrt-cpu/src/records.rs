@@ -1,11 +1,11 @@
 //! The deferred buffers, block by block.
 
-use crate::block::Shadows;
+use crate::shadows::Shadows;
 use crate::wide::Wide;
 use bytemuck::Zeroable;
 use rtrt_core::backend::Deferred;
 use rtrt_core::grid::BLOCK_RAYS;
-use rtrt_core::kernel::traverse::ClosestHit;
+use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::lane::Bits;
 use rtrt_core::layout::{Frame, Hit, Lit, Surface};
 use rtrt_core::stage::light::IncomingLight;
@@ -23,7 +23,15 @@ pub struct Records<'a> {
     pub layers: &'a mut [Hit],
 }
 
-/// Where to keep what the first layer's shadows are before they are blurred.
+/// What the stages have found of a packet.
+pub struct Found<'a, L: Wide, const G: usize> {
+    pub closest: &'a [ClosestHit<L>; G],
+    pub surfaces: &'a [Surfaces<L>; G],
+    pub shadows: &'a Shadows<'a, L, G>,
+    pub light: &'a [IncomingLight<L>; G],
+}
+
+/// Where the first layer's shadows go before they are filtered.
 pub struct RawShadows<'a> {
     pub left: &'a mut Vec<u32>,
     pub penumbras: &'a mut Vec<f32>,
@@ -37,21 +45,19 @@ impl Records<'_> {
         frame: &Frame,
         number: usize,
         first: usize,
-        best: &[ClosestHit<L>; G],
-        surfaces: &[Surfaces<L>; G],
-        shadows: &Shadows<'_, L, G>,
-        arriving: &[IncomingLight<L>; G],
+        found: &Found<'_, L, G>,
     ) {
+        let Found { closest, surfaces, shadows, light } = found;
         for g in 0..G {
             let none = surfaces[g].material.broadcast(0);
             for lane in 0..L::WIDTH {
                 let at = first + g * L::WIDTH + lane;
                 if number > 0 {
                     let behind = frame.layers as usize - 1;
-                    self.layers[at * behind + number - 1] = hit(&best[g], lane);
+                    self.layers[at * behind + number - 1] = hit(&closest[g], lane);
                     continue;
                 }
-                self.hits[at] = hit(&best[g], lane);
+                self.hits[at] = hit(&closest[g], lane);
                 self.surfaces[at] = surfaces[g].lane(lane);
                 let words = frame.mask_words;
                 for w in 0..words {
@@ -59,11 +65,11 @@ impl Records<'_> {
                     self.masks[(at as u32 * words + w) as usize] = mask.lane(lane);
                 }
                 let lights = if frame.has_transmittance() { frame.lights } else { 0 };
-                for light in 0..lights {
-                    let tint = shadows.transmittance(light, none, g);
-                    self.transmittance[(at as u32 * lights + light) as usize] = tint.lane(lane);
+                for number in 0..lights {
+                    let transmittance = shadows.transmittance(number, none, g);
+                    self.transmittance[(at as u32 * lights + number) as usize] = transmittance.lane(lane);
                 }
-                self.lit[at] = arriving[g].lane(lane);
+                self.lit[at] = light[g].lane(lane);
             }
         }
     }

@@ -1,20 +1,22 @@
 //! Frames with soft shadows. Penumbras reach from block to block, so all blocks find their
 //! shadows before the first one blurs them, layer after layer.
 
-use crate::block::{FrameContext, Shadows, resolved, store};
+use crate::block::{resolved, store};
 use crate::clock::{Clock, LAYERS};
+use crate::context::FrameContext;
 use crate::instruction_set::{InstructionSet, LaneTask};
 use crate::planes::{OF_SURFACE, Planes, Rows, count};
-use crate::records::{RawShadows, Records};
+use crate::records::{Found, RawShadows, Records};
+use crate::shadows::Shadows;
 use crate::wide::Wide;
 use rayon::iter::repeat_n;
 use rayon::prelude::*;
 use rtrt_core::grid::{BLOCK, BLOCK_RAYS, RayIndex, number};
-use rtrt_core::kernel::traverse::ClosestHit;
+use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::lane::{Bits, Mask, Row, Select, groups};
 use rtrt_core::layout::{Frame, NONE};
-use rtrt_core::stage::blocker_search::blocker_search;
-use rtrt_core::stage::occlusion::potentially_lit;
+use rtrt_core::stage::context::Context;
+use rtrt_core::stage::occlusion::{Arrival, potentially_lit, transmittance};
 use rtrt_core::stage::peel::is_covered;
 use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, are_soft, common, edges_at, span};
 use rtrt_core::stage::penumbra_filter::filter_penumbra;
@@ -59,11 +61,12 @@ impl Soft {
         records: &mut [Option<Records<'_>>],
         mut kept: Option<RawShadows<'_>>,
     ) -> Clock {
-        self.reset(context.frame);
-        let blocks = context.frame.grid().blocks() as usize;
+        self.reset(context.trace.frame);
+        let blocks = context.trace.frame.grid().blocks() as usize;
         let mut clock = Clock::default();
-        for number in 0..context.frame.layers.max(1) {
-            let frame = Frame { layers: context.frame.layers.saturating_sub(number), ..*context.frame };
+        for number in 0..context.trace.frame.layers.max(1) {
+            let frame =
+                Frame { layers: context.trace.frame.layers.saturating_sub(number), ..*context.trace.frame };
             let shared = Shared { context, frame: &frame, number: number as usize };
             clock = clock.plus(self.find(level, shared));
             if let Some(kept) = kept.take() {
@@ -252,8 +255,8 @@ impl LaneTask for Find<'_> {
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
         let Self { shared, index, hits, cells, edges } = self;
         let Shared { context, frame, .. } = shared;
-        let FrameContext { views, lists, geometry, .. } = context;
-        let camera = &views[Frame::CAMERA as usize];
+        let camera = context.trace.camera();
+        let layer = Context { frame, ..context.trace };
         let (mut clock, mut start) = (Clock::default(), Instant::now());
         for first in (0..RAYS).step_by(L::WIDTH * G) {
             let ray = RayIndex(index * BLOCK_RAYS + first as u32);
@@ -286,23 +289,23 @@ impl LaneTask for Find<'_> {
                 |g| surfaces[g].origin,
             );
             for light in 0..frame.lights {
-                let asked = groups(
+                let active = groups(
                     #[inline(always)]
                     |g| {
                         let ray = RayIndex(ray.0 + (g * L::WIDTH) as u32);
-                        potentially_lit(frame, views, light, ray, &surfaces[g])
+                        potentially_lit(frame, layer.views, light, ray, &surfaces[g])
                     },
                 );
-                let found = L::outlined(
+                let arrivals = L::outlined(
                     token,
                     #[inline(always)]
-                    || blocker_search::<L, G>(frame, views, lists, geometry, light, ray, &origins, &asked),
+                    || transmittance::<L, true, G>(&layer, light, ray, &origins, &active),
                 );
                 let plane = (OF_SURFACE + 2 * light as usize) * RAYS;
-                for (g, (word, size)) in found.into_iter().enumerate() {
+                for (g, Arrival { transmittance, penumbra_radius }) in arrivals.into_iter().enumerate() {
                     let at = plane + first + g * L::WIDTH;
-                    L::store(word, &mut cells[at..]);
-                    L::store(size.to_bits(), &mut cells[at + RAYS..]);
+                    L::store(transmittance, &mut cells[at..]);
+                    L::store(penumbra_radius.to_bits(), &mut cells[at + RAYS..]);
                 }
             }
             clock.lap(shared.stage(5), &mut start);
@@ -352,7 +355,7 @@ impl LaneTask for Blur<'_> {
                     let words = L::outlined(
                         token,
                         #[inline(always)]
-                        || filter_penumbra::<L, _>(frame, shared.context.views, &rows, light as u32),
+                        || filter_penumbra::<L, _>(frame, shared.context.trace.views, &rows, light as u32),
                     );
                     let words = words.row();
                     for lane in 0..L::WIDTH {
@@ -386,7 +389,7 @@ impl LaneTask for Lighten<'_, '_> {
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
         let Self { shared, index, hits, is_done, transmittance, colors, mut records } = self;
         let Shared { context, frame, number } = shared;
-        let camera = &context.views[Frame::CAMERA as usize];
+        let camera = context.trace.camera();
         let (mut clock, mut start) = (Clock::default(), Instant::now());
         *is_done = true;
         for first in (0..RAYS).step_by(L::WIDTH * G) {
@@ -417,7 +420,9 @@ impl LaneTask for Lighten<'_, '_> {
             context.shade(token, frame, &directions, &surfaces, &arriving, &mut sums);
             store(&sums, &mut colors[first..]);
             if let Some(records) = &mut records {
-                records.keep(context.frame, number, first, &best, &surfaces, &shadows, &arriving);
+                let found =
+                    Found { closest: &best, surfaces: &surfaces, shadows: &shadows, light: &arriving };
+                records.keep(context.trace.frame, number, first, &found);
             }
             for g in 0..G {
                 let instance = best[g].instance;

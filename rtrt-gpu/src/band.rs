@@ -1,18 +1,18 @@
 //! A frame in parts, for devices whose buffers are limited.
 
 use rtrt_core::grid::BLOCK_RAYS;
-use rtrt_core::layout::{Frame, Surface};
+use rtrt_core::layout::{Frame, ShadowBuffer, Surface};
 use rtrt_core::stage::penumbra_blocks::around;
 use std::ops::Range;
 
-/// Words a ray of the shadows and of the transmittance: where either is bound with the starts of shadow
-/// rays, these are behind the rest.
+/// Words a ray of the buffers `Shadows` and `Transmittance`. The one that shadow rays are traced in is a
+/// [`ShadowBuffer`].
 pub fn shadow_words(frame: &Frame) -> [u64; 2] {
-    let lights = u64::from(frame.lights);
+    let (lights, traced) = (u64::from(frame.lights), u64::from(ShadowBuffer::new(frame).words_per_ray()));
     match (frame.penumbra_window, frame.layers) {
         (0, 0) => [0, 0],
-        (0, _) => [0, lights + 3],
-        _ => [2 * lights + 3, lights],
+        (0, _) => [0, traced],
+        _ => [traced, lights],
     }
 }
 

@@ -6,7 +6,7 @@ use crate::buffers::Slot;
 use crate::frame::Renderer;
 use bytemuck::Pod;
 use rtrt_core::backend::Deferred;
-use rtrt_core::layout::Hit;
+use rtrt_core::layout::{Hit, ShadowBuffer};
 use std::ops::Range;
 
 impl Renderer {
@@ -25,10 +25,10 @@ impl Renderer {
         self.fetch(Slot::Lit, band.kept(1), &mut deferred.lit)?;
         self.fetch(Slot::Transmittance, band.kept(transmittance), &mut deferred.transmittance)?;
         if frame.penumbra_window > 0 {
-            let (left, behind) = (band.kept(transmittance), frame.rays as usize * transmittance as usize);
-            self.fetch(Slot::Shadows, left.clone(), &mut deferred.raw_transmittance)?;
-            let sizes = left.start + behind..left.end + behind;
-            self.fetch(Slot::Shadows, sizes, &mut deferred.penumbra_radii)?;
+            let (words, radii) = (band.kept(transmittance), ShadowBuffer::new(frame).penumbra_radius(0, 0));
+            self.fetch(Slot::Shadows, words.clone(), &mut deferred.raw_transmittance)?;
+            let radii = words.start + radii..words.end + radii;
+            self.fetch(Slot::Shadows, radii, &mut deferred.penumbra_radii)?;
         }
         Ok(())
     }

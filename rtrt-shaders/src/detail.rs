@@ -1,8 +1,8 @@
 //! Detail: one invocation a ray.
 
 use crate::index;
+use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::kernel::texture::Maps;
-use rtrt_core::kernel::traverse::ClosestHit;
 use rtrt_core::layout::{Attribute, Frame, Hit, Instance, MaterialRecord, Surface};
 use rtrt_core::stage;
 use rtrt_core::stage::surface::{Surfaces, Vertices};

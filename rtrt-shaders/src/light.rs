@@ -4,9 +4,9 @@ use crate::index;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::lane::Word;
-use rtrt_core::layout::{Frame, Lit, MaterialRecord, Surface, View};
+use rtrt_core::layout::{Frame, Lit, MaterialRecord, ShadowBuffer, Surface, View};
 use rtrt_core::stage;
-use rtrt_core::stage::blocker_search::transmittance_at;
+use rtrt_core::stage::light::ShadowTerms;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
@@ -31,9 +31,11 @@ pub fn light(
         let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let mask = |word: u32| Word(masks[(index * frame.mask_words + word) as usize]);
-        let tint = |light: u32| Word(transmittance[transmittance_at(frame, index, light)]);
+        let buffer = ShadowBuffer::new(frame);
+        let transmittance = |light: u32| Word(transmittance[buffer.transmittance(index, light)]);
+        let shadows = ShadowTerms::new(mask, transmittance);
         let maps = Maps { materials, texels };
-        let arriving = stage::light::light(frame, views, &maps, mask, tint, ray, direction, &surface);
+        let arriving = stage::light::light(frame, views, &maps, &shadows, ray, direction, &surface);
         lit[index as usize] = arriving.lane(0);
     }
 }

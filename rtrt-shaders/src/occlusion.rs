@@ -2,10 +2,11 @@
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::lists::BlockLists;
-use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::layout::{Frame, Instance, Node, Surface, View};
 use rtrt_core::stage;
+use rtrt_core::stage::context::Context;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::arch::atomic_or;
 use spirv_std::glam::UVec3;
@@ -38,9 +39,10 @@ pub fn occlusion(
             texels: mesh_data,
             magnitude: frame.magnitude,
         };
+        let context = Context { frame, views, lists, geometry };
         let ray = RayIndex(frame.first_ray + index);
         let surface = [Surfaces::new(&surfaces[index as usize])];
-        let lit = stage::occlusion::occlusion(frame, views, &lists, &geometry, light, ray, &surface);
+        let lit = stage::occlusion::occlusion(&context, light, ray, &surface);
         if lit[0].0 == 1 {
             let (word, bit) = stage::occlusion::place(frame, index, light);
             // SAFETY: the word is in a storage buffer, and every access to it during the

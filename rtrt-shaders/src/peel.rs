@@ -2,11 +2,13 @@
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::closest_hit::ClosestHit;
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::texture::Maps;
-use rtrt_core::kernel::traverse::{ClosestHit, Geometry};
 use rtrt_core::layout::{Frame, Hit, Instance, Lit, MaterialRecord, Node, Surface, View};
 use rtrt_core::stage;
+use rtrt_core::stage::context::Context;
 use rtrt_core::stage::light::IncomingLight;
 use rtrt_core::stage::raster::is_untraced;
 use rtrt_core::stage::surface::Surfaces;
@@ -47,9 +49,10 @@ pub fn peel(
         let lists = BlockLists { data: lists, blocks: frame.blocks };
         let geometry =
             Geometry { instances, nodes, mesh_data, positions, texels, magnitude: frame.magnitude };
+        let context = Context { frame, views, lists, geometry };
         let ray = RayIndex(frame.first_ray + index);
         let last = [ClosestHit::new(&hits[index as usize])];
-        let found = stage::peel::peel::<f32, 1>((), frame, views, &lists, &geometry, ray, &last);
+        let found = stage::peel::peel::<f32, 1>((), &context, ray, &last);
         hits[index as usize] = stage::visibility::hit(&found[0], 0);
     }
 }

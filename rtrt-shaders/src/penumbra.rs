@@ -1,20 +1,19 @@
 //! Penumbra: the shadows of lights with a radius.
 
 use crate::index;
-use crate::transmittance::start_at;
+use crate::transmittance::shadow_ray;
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::lists::BlockLists;
-use rtrt_core::kernel::traverse::Geometry;
-use rtrt_core::lane::{V3, Word};
-use rtrt_core::layout::{Frame, Instance, Node, Surface, View};
+use rtrt_core::layout::{Frame, Instance, Node, ShadowBuffer, Surface, View};
 use rtrt_core::stage;
-use rtrt_core::stage::blocker_search::{penumbra_at, transmittance_at};
+use rtrt_core::stage::context::Context;
 use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, edges_at};
 use rtrt_core::stage::penumbra_filter::Band;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
-/// What is left of each light, and how wide the penumbras are: one invocation a ray and light.
+/// The transmittance of each light, and the radii of penumbras: one invocation a ray and light.
 #[spirv(compute(threads(64), entry_point_name = "blocker_search"))]
 pub fn blocker_search(
     #[spirv(global_invocation_id)] id: UVec3,
@@ -30,28 +29,15 @@ pub fn blocker_search(
 ) {
     let (index, light) = (index(id), id.z);
     if index < frame.rays {
-        let at = transmittance_at(frame, index, light);
         let lists = BlockLists { data: lists, blocks: frame.blocks };
         let geometry =
             Geometry { instances, nodes, mesh_data, positions, texels, magnitude: frame.magnitude };
-        let start = start_at(frame, index);
-        let origin = [V3 {
-            x: f32::from_bits(shadows[start]),
-            y: f32::from_bits(shadows[start + 1]),
-            z: f32::from_bits(shadows[start + 2]),
-        }];
-        let asked = [Word(shadows[at])];
-        let ray = RayIndex(frame.first_ray + index);
-        let found = stage::blocker_search::blocker_search::<f32, 1>(
-            frame, views, &lists, &geometry, light, ray, &origin, &asked,
-        );
-        let (left, size) = found[0];
-        shadows[at] = left.0;
-        shadows[penumbra_at(frame, index, light)] = size.to_bits();
+        let context = Context { frame, views, lists, geometry };
+        shadow_ray::<true>(&context, index, light, shadows);
     }
 }
 
-/// What the shadows of each block have in common: one invocation a block and light.
+/// A summary of the penumbras in each block: one invocation a block and light.
 #[spirv(compute(threads(64), entry_point_name = "summarize_penumbras"))]
 pub fn summarize_penumbras(
     #[spirv(global_invocation_id)] id: UVec3,
@@ -65,7 +51,7 @@ pub fn summarize_penumbras(
     }
 }
 
-/// Whether the shadows of each block are blurred: one invocation a block and light.
+/// Whether the shadows of each block are filtered: one invocation a block and light.
 #[spirv(compute(threads(64), entry_point_name = "select_filter_blocks"))]
 pub fn select_filter_blocks(
     #[spirv(global_invocation_id)] id: UVec3,
@@ -79,7 +65,7 @@ pub fn select_filter_blocks(
     }
 }
 
-/// What is left of each light, blurred as far as the penumbras reach: one invocation a ray and light.
+/// The transmittance of each light, filtered as far as penumbras reach: one invocation a ray and light.
 #[spirv(compute(threads(64), entry_point_name = "filter_penumbra"))]
 pub fn filter_penumbra(
     #[spirv(global_invocation_id)] id: UVec3,
@@ -92,7 +78,7 @@ pub fn filter_penumbra(
 ) {
     let (index, light) = (index(id), id.z);
     if index < frame.rays {
-        let at = transmittance_at(frame, index, light);
+        let at = ShadowBuffer::new(frame).transmittance(index, light);
         if soft[edges_at(frame, index / BLOCK_RAYS, light)] == 0 {
             transmittance[at] = shadows[at];
         } else {

@@ -2,7 +2,8 @@
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
-use rtrt_core::kernel::traverse::{ClosestHit, Geometry};
+use rtrt_core::kernel::closest_hit::ClosestHit;
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::layout::{Attribute, Frame, Hit, Instance, Node, Surface, View};
 use rtrt_core::stage;
 use spirv_std::glam::UVec3;

@@ -1,51 +1,43 @@
-//! Tint: the colors of shadows, where not every instance is opaque.
+//! Shadow rays in frames whose shadows are not bits.
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::lists::BlockLists;
-use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::lane::{V3, Word};
-use rtrt_core::layout::{Frame, Instance, Node, Surface, View};
+use rtrt_core::layout::{Frame, Instance, Node, ShadowBuffer, Surface, View};
 use rtrt_core::stage;
-use rtrt_core::stage::blocker_search::transmittance_at;
+use rtrt_core::stage::context::Context;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
-/// Where, in the transmittance (or, where lights have a radius, in the shadows), the place is where a
-/// ray's shadow rays start. It is behind all else: an entry point may bind eight buffers, and
-/// with those of the surfaces there would be nine.
-pub(crate) fn start_at(frame: &Frame, ray: u32) -> usize {
-    let mesh_data = if frame.penumbra_window == 0 { frame.lights } else { 2 * frame.lights };
-    (frame.rays * mesh_data + 3 * ray) as usize
-}
-
-/// Where each ray's shadow rays start, and whether they are to be asked for: one invocation a
-/// ray and light.
+/// Where each ray's shadow rays start, and whether they are to be traced: one invocation a ray and light.
 #[spirv(compute(threads(64), entry_point_name = "potentially_lit"))]
 pub fn potentially_lit(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] surfaces: &[Surface],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] transmittance: &mut [u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] shadows: &mut [u32],
 ) {
     let (index, light) = (index(id), id.z);
     if index < frame.rays {
         let surface = Surfaces::new(&surfaces[index as usize]);
         let ray = RayIndex(frame.first_ray + index);
-        let asked = stage::occlusion::potentially_lit(frame, views, light, ray, &surface).0;
-        transmittance[transmittance_at(frame, index, light)] = asked;
+        let buffer = ShadowBuffer::new(frame);
+        let active = stage::occlusion::potentially_lit(frame, views, light, ray, &surface).0;
+        shadows[buffer.transmittance(index, light)] = active;
         if light == 0 {
-            let start = start_at(frame, index);
-            transmittance[start] = surface.origin.x.to_bits();
-            transmittance[start + 1] = surface.origin.y.to_bits();
-            transmittance[start + 2] = surface.origin.z.to_bits();
+            let origin = buffer.origin(index);
+            shadows[origin] = surface.origin.x.to_bits();
+            shadows[origin + 1] = surface.origin.y.to_bits();
+            shadows[origin + 2] = surface.origin.z.to_bits();
         }
     }
 }
 
-/// What is left of each light: one invocation a ray and light.
+/// The transmittance of each light: one invocation a ray and light.
 #[spirv(compute(threads(64), entry_point_name = "transmittance"))]
 pub fn transmittance(
     #[spirv(global_invocation_id)] id: UVec3,
@@ -61,22 +53,36 @@ pub fn transmittance(
 ) {
     let (index, light) = (index(id), id.z);
     if index < frame.rays {
-        let at = transmittance_at(frame, index, light);
         let lists = BlockLists { data: lists, blocks: frame.blocks };
         let geometry =
             Geometry { instances, nodes, mesh_data, positions, texels, magnitude: frame.magnitude };
-        let start = start_at(frame, index);
-        let origin = [V3 {
-            x: f32::from_bits(transmittance[start]),
-            y: f32::from_bits(transmittance[start + 1]),
-            z: f32::from_bits(transmittance[start + 2]),
-        }];
-        let asked = [Word(transmittance[at])];
-        let ray = RayIndex(frame.first_ray + index);
-        let left = stage::occlusion::transmittance::<f32, 1>(
-            frame, views, &lists, &geometry, light, ray, &origin, &asked,
-        );
-        transmittance[at] = left[0].0;
+        let context = Context { frame, views, lists, geometry };
+        shadow_ray::<false>(&context, index, light, transmittance);
+    }
+}
+
+/// Traces the shadow ray of a ray and light, if it is to be, and stores what arrives in the shadow buffer;
+/// the radius of the penumbra only with `BLOCKER`.
+pub(crate) fn shadow_ray<const BLOCKER: bool>(
+    context: &Context<'_>,
+    index: u32,
+    light: u32,
+    shadows: &mut [u32],
+) {
+    let buffer = ShadowBuffer::new(context.frame);
+    let (at, origin) = (buffer.transmittance(index, light), buffer.origin(index));
+    let origins = [V3 {
+        x: f32::from_bits(shadows[origin]),
+        y: f32::from_bits(shadows[origin + 1]),
+        z: f32::from_bits(shadows[origin + 2]),
+    }];
+    let active = [Word(shadows[at])];
+    let ray = RayIndex(context.frame.first_ray + index);
+    let [arrival] =
+        stage::occlusion::transmittance::<f32, BLOCKER, 1>(context, light, ray, &origins, &active);
+    shadows[at] = arrival.transmittance.0;
+    if BLOCKER {
+        shadows[buffer.penumbra_radius(index, light)] = arrival.penumbra_radius.to_bits();
     }
 }
 
@@ -90,10 +96,11 @@ pub fn mask(
 ) {
     let index = index(id);
     if index < frame.rays {
-        let tint = |light: u32| Word(transmittance[transmittance_at(frame, index, light)]);
+        let buffer = ShadowBuffer::new(frame);
+        let transmittance = |light: u32| Word(transmittance[buffer.transmittance(index, light)]);
         let mut word = 0;
         while word < frame.mask_words {
-            let mask = stage::occlusion::mask(frame, word, Word(0), tint).0;
+            let mask = stage::occlusion::mask(frame, word, Word(0), transmittance).0;
             masks[(index * frame.mask_words + word) as usize] = mask;
             word += 1;
         }

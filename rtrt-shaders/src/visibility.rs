@@ -2,10 +2,11 @@
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::lists::BlockLists;
-use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::layout::{Frame, Hit, Instance, Node, View};
 use rtrt_core::stage;
+use rtrt_core::stage::context::Context;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
@@ -33,8 +34,9 @@ pub fn visibility(
             texels: mesh_data,
             magnitude: frame.magnitude,
         };
+        let context = Context { frame, views, lists, geometry };
         let ray = RayIndex(frame.first_ray + index);
-        let best = stage::visibility::visibility::<f32, 1>((), frame, views, &lists, &geometry, ray);
+        let best = stage::visibility::visibility::<f32, 1>((), &context, ray);
         hits[index as usize] = stage::visibility::hit(&best[0], 0);
     }
 }

@@ -3,8 +3,8 @@
 
 use crate::layers::Layers;
 use rtrt_core::backend::{Picture, Request};
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::lists::BlockLists;
-use rtrt_core::kernel::traverse::Geometry;
 use rtrt_core::kernel::view::camera_ray;
 use rtrt_core::layout::{Frame, NONE};
 use rtrt_core::num::srgb_encode;

@@ -4,13 +4,15 @@
 use rtrt_core::backend::{Picture, Request};
 use rtrt_core::compare::{Difference, compare};
 use rtrt_core::grid::RayIndex;
+use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::kernel::frustum::is_near;
-use rtrt_core::kernel::penumbra::Nearest;
+use rtrt_core::kernel::geometry::Geometry;
+use rtrt_core::kernel::hit_filter::HitFilter;
+use rtrt_core::kernel::penumbra::penumbra_radius;
 use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::sphere::{Chord, ENTRY};
 use rtrt_core::kernel::transmittance::{Transmittance, WHITE};
-use rtrt_core::kernel::transparency::{cutoff, mode, tint_and_alpha};
-use rtrt_core::kernel::traverse::{ClosestHit, Geometry, HitFilter};
+use rtrt_core::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
 use rtrt_core::kernel::triangle::{Intersection, intersect};
 use rtrt_core::kernel::view::camera_ray;
 use rtrt_core::layout::{AlphaKind, Frame, Hit, NONE, Surface, ViewKind};
@@ -97,14 +99,20 @@ impl<'a> Brute<'a> {
         }
     }
 
+    /// The [`AlphaKind`] of an instance.
+    fn alpha_mode(&self, instance: u32) -> u32 {
+        let geometry = self.geometry();
+        alpha_mode(&geometry.instances[instance as usize], geometry.mesh_data)
+    }
+
     /// Whether anything is there where a ray has met an instance: what a mask leaves.
     fn is_there(&self, instance: u32, triangle: u32, found: &Intersection<f32>) -> bool {
         let geometry = self.geometry();
-        if mode(&geometry, instance) != AlphaKind::Mask as u32 {
+        if self.alpha_mode(instance) != AlphaKind::Mask as u32 {
             return true;
         }
         let [_, _, _, alpha] = tint_and_alpha(&geometry, instance, triangle, found);
-        alpha >= cutoff(&geometry, instance)
+        passes_mask(&geometry, instance, alpha)
     }
 
     /// The surfaces along a camera ray up to `count` of them, nearest first: of all hits in
@@ -151,7 +159,7 @@ impl<'a> Brute<'a> {
         let mut met = Vec::new();
         self.between(&ray, limit, light, |instance, triangle, found| met.push((instance, triangle, *found)));
         let geometry = self.geometry();
-        let mut crossing = Transmittance::new(0.0_f32);
+        let mut crossing = Transmittance::<f32, false>::new(0.0);
         for (instance, triangle, found) in met.iter().rev() {
             let mut best = ClosestHit::new(&Hit::MISS);
             crossing.accept(&geometry, *instance, *triangle, found, &mut best);
@@ -165,28 +173,25 @@ impl<'a> Brute<'a> {
     /// What is left of the light at the surface, and the radius of the penumbra there, before
     /// shadows are blurred.
     pub fn near(&self, ray: RayIndex, surface: &Surface, light: u32) -> (u32, f32) {
-        let left = self.transmittance(ray, surface, light);
+        let transmittance = self.transmittance(ray, surface, light);
         let frame = &self.setup.frame;
         let view = &self.setup.views[frame.light_view(light) as usize];
         let surface = Surfaces::new(surface);
         let limit = limit(frame, view, ray, &surface);
         let cast = Ray::new(surface.origin, to_light(frame, view, ray, surface.origin).0);
         let geometry = self.geometry();
-        let mut nearest: Option<(u32, u32, Intersection<f32>)> = None;
+        let mut nearest: Option<f32> = None;
         if limit > 0.0 {
             self.between(&cast, limit, light, |instance, triangle, found| {
-                let is_nearer = nearest.is_none_or(|(_, _, nearest)| found.t < nearest.t);
-                let is_seen = mode(&geometry, instance) != AlphaKind::Blend as u32
+                let is_nearer = nearest.is_none_or(|nearest| found.t < nearest);
+                let is_seen = self.alpha_mode(instance) != AlphaKind::Blend as u32
                     || tint_and_alpha(&geometry, instance, triangle, found)[3] > 0.0;
                 if is_nearer && is_seen && self.is_there(instance, triangle, found) {
-                    nearest = Some((instance, triangle, *found));
+                    nearest = Some(found.t);
                 }
             });
         }
-        let Some((instance, triangle, found)) = nearest else { return (left, -1.0) };
-        let mut search = Nearest::new(0.0_f32);
-        search.accept(&geometry, instance, triangle, &found, &mut ClosestHit::new(&Hit::MISS));
-        (left, search.penumbra(view))
+        (transmittance, nearest.map_or(-1.0, |t| penumbra_radius(view, t)))
     }
 
     /// The closest hit of a camera ray: the least `(t, instance, triangle)`.

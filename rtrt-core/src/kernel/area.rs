@@ -82,7 +82,7 @@ fn part<L: Lane>(token: L::Token, frame: &Frame, light: &View, first: RayIndex) 
 /// ```
 #[inline(always)]
 pub fn disc<L: Lane>(a: L, b: L) -> [L; 2] {
-    let is_wide = b.abs().le(a.abs());
+    let is_wide = a.abs().ge(b.abs());
     let (radius, other) = (is_wide.select(a, b), is_wide.select(b, a));
     let [sine, cosine] = sine_and_cosine(other * recip(radius));
     let (along, across) = (radius * cosine, radius * sine);

@@ -164,7 +164,7 @@ fn corner(words: &[u32], index: u32) -> [f32; 3] {
 fn bits<L: Lane>(value: L) -> L::Bits {
     let bits = value.to_bits();
     let size = value.abs().to_bits();
-    bits.broadcast(0x7f80_0000).lt(size).select(bits.broadcast(0x7fc0_0000), bits)
+    size.gt(bits.broadcast(0x7f80_0000)).select(bits.broadcast(0x7fc0_0000), bits)
 }
 
 /// A coordinate as a mesh may have it: 0 or of a magnitude within 2⁻⁶⁰ ..= 2³⁰; NaN is 0.

@@ -8,23 +8,11 @@
 
 use crate::kernel::texture::Maps;
 use crate::lane::{Bits, Lane, Row, Select, V3};
+use crate::layout::Sky;
 use crate::num::{clamp, floor, recip, to_integer};
 
 /// Side of the square that holds the light on a surface from its whole hemisphere.
 pub const IRRADIANCE_SIDE: u32 = 16;
-
-/// Where an environment's squares lie in the texels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Sky {
-    /// The word that says where the sharpest square starts; those of the others follow it,
-    /// the last one for diffuse surfaces. 0 for no environment.
-    pub first: u32,
-    /// Texels along a side of the sharpest square, without its border: a power of two. Each
-    /// square is half as large as the one before.
-    pub side: u32,
-    /// Squares for mirrors, from smooth to rough; at least two.
-    pub levels: u32,
-}
 
 /// The place of a direction of any length in a square, `0 ..= 1` each. `y` is up; from above,
 /// columns run along `x` and rows along `z`.

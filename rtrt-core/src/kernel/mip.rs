@@ -16,7 +16,7 @@ use crate::num::{FLOOR, floor, log2, sqrt};
 #[inline(always)]
 pub fn footprint<L: Lane>(world_footprint: L, uv_area: L, world_area: L) -> L {
     let density = sqrt(uv_area.abs() * crate::num::recip(world_area));
-    world_area.broadcast(FLOOR).lt(world_area).select(world_footprint * density, world_area.broadcast(0.0))
+    world_area.gt(world_area.broadcast(FLOOR)).select(world_footprint * density, world_area.broadcast(0.0))
 }
 
 /// Two neighboring levels and the share of the coarser one; the finer has the rest.
@@ -39,7 +39,7 @@ pub struct Levels<L> {
 pub fn levels<L: Lane>(footprint: L, log_size: L, count: L) -> Levels<L> {
     let zero = footprint.broadcast(0.0);
     let last = count - 1.0;
-    let is_seen = footprint.broadcast(FLOOR).lt(footprint);
+    let is_seen = footprint.gt(footprint.broadcast(FLOOR));
     let wanted = is_seen.select(log2(footprint) + log_size, zero).max(zero).min(last);
     let fine = floor(wanted);
     Levels { fine, coarse: (fine + 1.0).min(last), share: wanted - fine }

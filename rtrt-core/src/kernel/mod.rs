@@ -3,14 +3,18 @@
 pub(crate) mod area;
 #[doc(hidden)]
 pub mod canary;
+pub mod closest_hit;
 pub(crate) mod cone;
 pub(crate) mod environment;
 pub mod falloff;
 pub mod frustum;
+pub mod geometry;
+pub mod hit_filter;
 pub(crate) mod interpolate;
 pub mod lists;
 pub(crate) mod mip;
 pub(crate) mod offset;
+pub mod packet;
 pub mod penumbra;
 pub mod project;
 pub mod ray;

@@ -90,7 +90,7 @@ impl<L: Lane> Chord<L> {
     pub fn side(&self, ray_direction: V3<L>, side: u32, limit: L) -> Intersection<L> {
         let half = if side == ENTRY { -self.half } else { self.half };
         let t = (self.middle + half).min(self.far).max(self.near);
-        let mask = self.mask & t.broadcast(TINY).lt(t) & t.le(limit);
+        let mask = self.mask & t.gt(t.broadcast(TINY)) & t.le(limit);
         let [u, v] = octahedral(self.nearest + ray_direction.scale(half));
         Intersection { mask, t, u: flush(u), v: flush(v) }
     }

@@ -61,7 +61,7 @@ pub fn bumped<L: Lane>(
     let along = normalize(tangent).scale(map[0]) + normalize(bitangent).scale(map[1]);
     let sum = V3::select(behind, -along, along) + normal.scale(map[2]);
     let length = sum.dot(sum);
-    V3::select(length.broadcast(TINY).lt(length), normalize(sum), normal)
+    V3::select(length.gt(length.broadcast(TINY)), normalize(sum), normal)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::kernel::mip::{Levels, levels};
 use crate::lane::{Bits, Lane, Mask, Row, Select, Word, groups};
-use crate::layout::{MaterialRecord, Wrap};
+use crate::layout::{FinestLevel, MaterialRecord, Wrap};
 use crate::num::{clamp, floor, from_integer, to_integer};
 
 /// Words at the start of the scene's texels: for each byte of an sRGB color, the bits of
@@ -148,20 +148,6 @@ pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
     )
 }
 
-/// The finest level of a texture.
-pub struct FinestLevel {
-    /// See [`crate::layout::Texture`].
-    pub first: u32,
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// [`Wrap`] of the columns.
-    pub wrap_u: u32,
-    /// [`Wrap`] of the rows.
-    pub wrap_v: u32,
-}
-
 /// Linear RGB and alpha of a texture of colors at one point, bilinear in its finest level.
 #[inline(always)]
 pub fn finest(texels: &[u32], map: &FinestLevel, uv: [f32; 2]) -> [f32; 4] {
@@ -266,13 +252,13 @@ pub fn half(size: u32) -> u32 {
 fn neighbors<L: Lane>(coordinate: L, size: L, wrap: L) -> ([L::Bits; 2], L) {
     let (zero, one) = (size.broadcast(0.0), size.broadcast(1.0));
     let repeats = wrap.le(size.broadcast(Wrap::Repeat as u32 as f32));
-    let mirrors = size.broadcast(Wrap::Mirror as u32 as f32).le(wrap);
+    let mirrors = wrap.ge(size.broadcast(Wrap::Mirror as u32 as f32));
     // Beyond 2^20 a coordinate has no fraction worth having; NaN becomes 0.
     let c = Lane::abs(coordinate).lt(size.broadcast(1_048_576.0)).select(coordinate, zero);
     // Folding into one period first keeps the texel number small.
     let half = c * 0.5;
     let pair = (half - floor(half)) * 2.0;
-    let mirrored = one.lt(pair).select(pair.broadcast(2.0) - pair, pair);
+    let mirrored = pair.gt(one).select(pair.broadcast(2.0) - pair, pair);
     let c = repeats.select(c - floor(c), mirrors.select(mirrored, clamp(c, 0.0, 1.0)));
     let size = size.max(one);
     let position = c * size - 0.5;
@@ -281,7 +267,7 @@ fn neighbors<L: Lane>(coordinate: L, size: L, wrap: L) -> ([L::Bits; 2], L) {
     let last = size - 1.0;
     // -1 and `size` are the neighbors across the edge.
     let outside = before.lt(zero);
-    let at_end = last.le(before);
+    let at_end = before.ge(last);
     let x = outside.select(repeats.select(last, zero), before.min(last));
     let next = outside.select(zero, at_end.select(repeats.select(zero, last), before + 1.0));
     ([to_integer(x), to_integer(next)], share)

@@ -1,9 +1,9 @@
 //! The rays of a packet in tiles, each bounded by intervals: one test finds all tiles that may hit a
 //! box.
 
+use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::STRETCH;
-use crate::kernel::traverse::ClosestHit;
 use crate::lane::{Lane, Mask, V3};
 
 /// Rays in a tile: 16 neighbors in number, 4 × 4 of the grid.
@@ -17,25 +17,25 @@ const VECTORS: usize = 2;
 /// `i / L::WIDTH`.
 ///
 /// Every bound is taken over the very numbers that [`crate::kernel::slab::slab`] uses, and
-/// rounding is monotone, so [`Tiles::hit_mask`] is exact interval arithmetic: it never passes
-/// over a box that one of the rays would enter, without any epsilon (after Boulos, Wald and
+/// rounding is monotone, so [`Tiles::hit_mask`] is exact interval arithmetic: it never culls
+/// a box that one of the rays would enter, without any epsilon (after Boulos, Wald and
 /// Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006).
 #[derive(Clone, Copy)]
 pub struct Tiles<L, const G: usize> {
     origin: [Range<L>; VECTORS],
     inverse: [Range<L>; VECTORS],
-    /// Where the rays start, if all start at one point.
+    /// The rays' origin, if they have one in common.
     start: [f32; 3],
-    /// The way that all rays go along each axis.
-    ways: [Way; 3],
+    /// The signs of the directions along each axis.
+    signs: [Sign; 3],
 }
 
 /// The sign of the reciprocal directions along an axis.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
-    Up,
-    Down,
-    Both,
+enum Sign {
+    Positive,
+    Negative,
+    Mixed,
 }
 
 /// The smallest and the largest of some vectors, component by component.
@@ -51,9 +51,8 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
     /// Vectors of tiles in the packet.
     const VECTORS: usize = G / TILE;
 
-    /// The bounds of those rays whose limit is not negative, in the tiles whose bits are set
-    /// in `active`, at least one; each of them has such a ray. Nothing for a packet of one group, which needs
-    /// none.
+    /// The bounds of the rays whose limit is not negative, in the active tiles: at least one, each with such
+    /// a ray. Zeros for a packet of one group, which reads none.
     #[inline(always)]
     pub fn of<O: Lane>(rays: &[Ray<L, O>; G], best: &[ClosestHit<L>; G], active: u32) -> Self {
         let like = best[0].t;
@@ -61,14 +60,14 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
             let zero = like.broadcast(0.0);
             let zero = V3 { x: zero, y: zero, z: zero };
             let nothing = [Range { low: zero, high: zero }; VECTORS];
-            return Self { origin: nothing, inverse: nothing, start: [0.0; 3], ways: [Way::Both; 3] };
+            return Self { origin: nothing, inverse: nothing, start: [0.0; 3], signs: [Sign::Mixed; 3] };
         }
         let mut rows = [[0.0_f32; TILES]; 12];
         let (mut least, mut most) = ([f32::MAX; 3], [-f32::MAX; 3]);
-        let mut left = active;
-        while left != 0 {
-            let tile = left.trailing_zeros() as usize;
-            left &= left - 1;
+        let mut remaining = active;
+        while remaining != 0 {
+            let tile = remaining.trailing_zeros() as usize;
+            remaining &= remaining - 1;
             let first = tile * Self::GROUPS;
             let inverse = Range::of(
                 best,
@@ -100,25 +99,25 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
         }
         let last = if Self::VECTORS > 1 { 1 } else { 0 };
         let (token, rows) = (like.token(), &rows);
-        let way = |axis: usize| {
+        let sign = |axis: usize| {
             if least[axis] > 0.0 {
-                Way::Up
+                Sign::Positive
             } else if most[axis] < 0.0 {
-                Way::Down
+                Sign::Negative
             } else {
-                Way::Both
+                Sign::Mixed
             }
         };
         Self {
             start: rays[active.trailing_zeros() as usize * Self::GROUPS].origin.lane(0),
-            ways: [way(0), way(1), way(2)],
+            signs: [sign(0), sign(1), sign(2)],
             inverse: [Range::load(token, rows, 0, 0), Range::load(token, rows, 0, last)],
             origin: [Range::load(token, rows, 6, 0), Range::load(token, rows, 6, last)],
         }
     }
 
-    /// The tiles of `active` in which a ray may meet the box at some `0 ≤ t ≤` the tile's
-    /// limit: every tile in which one does, and few more. `O` is the rays' origin.
+    /// The tiles of `active` in which a ray may hit the box at some `0 ≤ t ≤` the tile's
+    /// limit: every tile in which one does, and few more. `O` is the type of the rays' origin. NaN misses.
     #[inline(always)]
     pub fn hit_mask<O: Lane>(
         &self,
@@ -139,17 +138,17 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
                     let start = &self.start;
                     let to = |axis: usize| [low[axis] - start[axis], high[axis] - start[axis]];
                     (
-                        common_origin(self.ways[0], to(0), i.x, j.x),
-                        common_origin(self.ways[1], to(1), i.y, j.y),
-                        common_origin(self.ways[2], to(2), i.z, j.z),
+                        common_origin(self.signs[0], to(0), i.x, j.x),
+                        common_origin(self.signs[1], to(1), i.y, j.y),
+                        common_origin(self.signs[2], to(2), i.z, j.z),
                     )
                 } else {
                     let a = V3::splat(token, *low) - origin.high;
                     let b = V3::splat(token, *high) - origin.low;
                     (
-                        separate_origins(self.ways[0], [a.x, b.x], i.x, j.x),
-                        separate_origins(self.ways[1], [a.y, b.y], i.y, j.y),
-                        separate_origins(self.ways[2], [a.z, b.z], i.z, j.z),
+                        separate_origins(self.signs[0], [a.x, b.x], i.x, j.x),
+                        separate_origins(self.signs[1], [a.y, b.y], i.y, j.y),
+                        separate_origins(self.signs[2], [a.z, b.z], i.z, j.z),
                     )
                 };
                 let near = x0.max(y0).max(z0);
@@ -201,15 +200,15 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
 
     /// The tiles whose limit is not negative.
     #[inline(always)]
-    pub fn searching(token: L::Token, limits: &[f32; TILES]) -> u32 {
-        let mut searching = 0;
+    pub fn active(token: L::Token, limits: &[f32; TILES]) -> u32 {
+        let mut active = 0;
         let mut v = 0;
         while v < Self::VECTORS {
             let limit = vector::<L>(token, limits, v);
-            searching |= limit.ge(limit.broadcast(0.0)).bits() << (v * L::WIDTH);
+            active |= limit.ge(limit.broadcast(0.0)).bits() << (v * L::WIDTH);
             v += 1;
         }
-        searching
+        active
     }
 
     /// The tile that a group is in.
@@ -235,29 +234,31 @@ fn vector<L: Lane>(token: L::Token, numbers: &[f32; TILES], v: usize) -> L {
     )
 }
 
-/// Where rays that start at one point are between two planes across an axis, at least and at
-/// most: `to` are the ways to the planes, `low` and `high` the smallest and the largest
-/// reciprocal direction of each tile.
+/// Bounds on where rays from one origin enter and leave the slab between two planes across an axis: `to` are
+/// the distances of the planes, `low` and `high` the smallest and the largest reciprocal direction of each
+/// tile.
 #[inline(always)]
-fn common_origin<L: Lane>(way: Way, to: [f32; 2], low: L, high: L) -> (L, L) {
-    let [entry, exit] = match way {
-        Way::Up => to,
-        Way::Down => [to[1], to[0]],
-        Way::Both => return separate_origins(way, [low.broadcast(to[0]), low.broadcast(to[1])], low, high),
+fn common_origin<L: Lane>(sign: Sign, to: [f32; 2], low: L, high: L) -> (L, L) {
+    let [entry, exit] = match sign {
+        Sign::Positive => to,
+        Sign::Negative => [to[1], to[0]],
+        Sign::Mixed => {
+            return separate_origins(sign, [low.broadcast(to[0]), low.broadcast(to[1])], low, high);
+        }
     };
     let near = if entry >= 0.0 { low } else { high };
     let far = if exit >= 0.0 { high } else { low };
     (near * entry, far * exit)
 }
 
-/// The same for rays that start apart: `to` are the least way to the first plane and the
-/// largest to the second.
+/// The same for rays with origins of their own: `to` are the least distance of the first plane and the
+/// largest of the second.
 #[inline(always)]
-fn separate_origins<L: Lane>(way: Way, to: [L; 2], low: L, high: L) -> (L, L) {
-    let [entry, exit] = match way {
-        Way::Up => to,
-        Way::Down => [to[1], to[0]],
-        Way::Both => {
+fn separate_origins<L: Lane>(sign: Sign, to: [L; 2], low: L, high: L) -> (L, L) {
+    let [entry, exit] = match sign {
+        Sign::Positive => to,
+        Sign::Negative => [to[1], to[0]],
+        Sign::Mixed => {
             let (p, q, r, s) = (to[0] * low, to[0] * high, to[1] * low, to[1] * high);
             return (p.min(q).min(r.min(s)), p.max(q).max(r.max(s)));
         }

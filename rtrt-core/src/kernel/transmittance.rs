@@ -1,13 +1,15 @@
 //! Transmittance: the color of a light behind transparent surfaces.
 
-use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};
-use crate::kernel::traverse::{ClosestHit, Geometry, HitFilter};
+use crate::kernel::closest_hit::ClosestHit;
+use crate::kernel::geometry::Geometry;
+use crate::kernel::hit_filter::HitFilter;
+use crate::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select, V3};
 use crate::layout::AlphaKind;
 use crate::num::{clamp, floor, from_integer, recip, sqrt, to_integer};
 
-/// Light that nothing has taken from, as a word.
+/// All of a light, as a word.
 pub const WHITE: u32 = (1 << 30) - 1;
 
 /// What counts as 1 in sums.
@@ -19,28 +21,42 @@ const UNIT: f32 = 1.0 / ONE as f32;
 /// What one in a channel stands for.
 const STEP: f32 = 1.0 / MOST;
 
-/// A search for everything between a surface and a light: the panes' alphas, and their transmittance
-/// times their alphas, summed as whole numbers of 2⁻¹⁶, so that no order of the panes and no
-/// order of the search can change them. A ray is done at what is opaque, and when the alphas
-/// reach 1: what is then missing from the sums no longer matters.
+/// What lies between surfaces and a light: everything that is not opaque everywhere dims it, and what is
+/// opaque ends the ray. With `BLOCKER`, also how near the nearest of it is.
+///
+/// Alphas, and tints times alphas, are summed as whole numbers of 2⁻¹⁶, so that no order of traversal can
+/// change the sums. Without `BLOCKER`, a ray also ends where its alphas reach 1: what is then missing from
+/// the sums no longer matters. With it, a ray goes on to the nearest opaque surface, and to nothing behind
+/// that: what lies there changes neither the light nor the nearest blocker.
 #[derive(Clone, Copy)]
-pub struct Transmittance<L: Lane> {
+pub struct Transmittance<L: Lane, const BLOCKER: bool> {
     alpha: L::Bits,
     red: L::Bits,
     green: L::Bits,
     blue: L::Bits,
+    /// Not 0 where no light arrives.
+    dark: L::Bits,
+    /// Where on the ray the nearest blocker is; `f32::MAX` without one.
+    blocker: L,
 }
 
-impl<L: Lane> Transmittance<L> {
-    /// Nothing crossed yet; shaped like `like`.
+impl<L: Lane, const BLOCKER: bool> Transmittance<L, BLOCKER> {
+    /// Nothing crossed yet; `like` is any group of the same width.
     #[inline(always)]
     pub fn new(like: L) -> Self {
         let none = like.broadcast_bits(0);
-        Self { alpha: none, red: none, green: none, blue: none }
+        Self {
+            alpha: none,
+            red: none,
+            green: none,
+            blue: none,
+            dark: none,
+            blocker: like.broadcast(f32::MAX),
+        }
     }
 
-    /// What is left of white light, as a word of three channels of 10 bits, red lowest; each
-    /// channel is the square root of its share.
+    /// The transmittance of the ray, as a word of three channels of 10 bits, red lowest; each channel is
+    /// the square root of its share.
     ///
     /// ```text
     /// A     = Σ alpha
@@ -48,23 +64,29 @@ impl<L: Lane> Transmittance<L> {
     /// share = (1 − A) · (1 − A + A · tint)
     /// ```
     ///
-    /// The paper's rule: the colors of the panes are averaged, the average is blended with the
-    /// color of the light, and the light is scaled by what the alphas together leave of it.
-    /// Departure: an average weighted by alpha, so that a pane that cannot be seen has no say.
+    /// The paper's rule: the colors of transparent surfaces are averaged, the average is blended with the
+    /// color of the light, and the light is scaled by what the alphas together do not cover.
+    /// Departure: an average weighted by alpha, so that a surface that cannot be seen does not count.
     #[inline(always)]
     pub fn word(&self) -> L::Bits {
+        let none = self.dark.broadcast(0);
         let sum: L = from_integer(self.alpha);
         let inverse = recip(sum.max(sum.broadcast(1.0)));
         let alpha = sum * UNIT;
-        let left = clamp(sum.broadcast(1.0) - alpha, 0.0, 1.0);
-        packed([
-            share(self.red, inverse, alpha, left),
-            share(self.green, inverse, alpha, left),
-            share(self.blue, inverse, alpha, left),
-        ])
+        let uncovered = clamp(sum.broadcast(1.0) - alpha, 0.0, 1.0);
+        let share = |sum: L::Bits| uncovered * (uncovered + alpha * (from_integer::<L>(sum) * inverse));
+        let word = packed([share(self.red), share(self.green), share(self.blue)]);
+        self.dark.eq(none).select(word, none)
     }
 
-    /// Adds a pane of this tint and alpha; all 0 in the lanes that have met nothing.
+    /// Where on the ray its nearest blocker is; `f32::MAX` without one. What an alpha of 0 leaves
+    /// invisible is none.
+    #[inline(always)]
+    pub fn blocker(&self) -> L {
+        self.blocker
+    }
+
+    /// Adds a surface of this tint and alpha; all 0 in the lanes that do not hit it.
     #[inline(always)]
     pub fn add(&mut self, [red, green, blue, alpha]: [L; 4]) {
         self.alpha = self.alpha + fixed(alpha);
@@ -86,12 +108,6 @@ fn channel<L: Lane>(share: L) -> L::Bits {
     to_integer(floor(sqrt(clamp(share, 0.0, 1.0)) * MOST + 0.5))
 }
 
-/// What is left of a channel of white light: see [`Transmittance::word`].
-#[inline(always)]
-fn share<L: Lane>(transmittance: L::Bits, inverse: L, alpha: L, left: L) -> L {
-    left * (left + alpha * (from_integer::<L>(transmittance) * inverse))
-}
-
 /// A share of 1, as a whole number for sums.
 #[inline(always)]
 fn fixed<L: Lane>(share: L) -> L::Bits {
@@ -108,8 +124,8 @@ pub fn color<L: Lane>(word: L::Bits) -> V3<L> {
     V3 { x: channel(0), y: channel(10), z: channel(20) }
 }
 
-impl<L: Lane> HitFilter<L> for Transmittance<L> {
-    const TERMINATES: bool = true;
+impl<L: Lane, const BLOCKER: bool> HitFilter<L> for Transmittance<L, BLOCKER> {
+    const TERMINATES: bool = !BLOCKER;
     const CULLS_BACK_FACES: bool = false;
 
     #[inline(always)]
@@ -117,25 +133,36 @@ impl<L: Lane> HitFilter<L> for Transmittance<L> {
         &mut self,
         geometry: &Geometry<'_>,
         instance: u32,
-        id: u32,
-        found: &Intersection<L>,
-        best: &mut ClosestHit<L>,
+        triangle: u32,
+        intersection: &Intersection<L>,
+        closest: &mut ClosestHit<L>,
     ) -> bool {
-        if !found.mask.any() {
+        if !intersection.mask.any() {
             return false;
         }
-        let mode = mode(geometry, instance);
-        let mut ended = found.mask;
+        // The lanes in which there is something, and those in which it ends the ray.
+        let (mut visible, mut ended) = (intersection.mask, intersection.mask);
+        let mode = alpha_mode(&geometry.instances[instance as usize], geometry.mesh_data);
         if mode != AlphaKind::Opaque as u32 {
-            let pane = tint_and_alpha(geometry, instance, id, found);
+            let surface = tint_and_alpha(geometry, instance, triangle, intersection);
+            let alpha = surface[3];
             if mode == AlphaKind::Mask as u32 {
-                ended = ended & pane[3].broadcast(cutoff(geometry, instance)).le(pane[3]);
+                visible = visible & passes_mask(geometry, instance, alpha);
+                ended = visible;
             } else {
-                self.add(pane);
-                ended = ended & !self.alpha.lt(self.alpha.broadcast(ONE));
+                self.add(surface);
+                visible = visible & alpha.gt(alpha.broadcast(0.0));
+                let covered = !self.alpha.lt(self.alpha.broadcast(ONE));
+                ended = if BLOCKER { visible & !visible } else { ended & covered };
             }
         }
-        best.t = ended.select(best.t.broadcast(-1.0), best.t);
+        self.dark = ended.select(self.dark.broadcast(1), self.dark);
+        if BLOCKER {
+            self.blocker = visible.select(intersection.t.min(self.blocker), self.blocker);
+            closest.t = ended.select(intersection.t, closest.t);
+        } else {
+            closest.t = ended.select(closest.t.broadcast(-1.0), closest.t);
+        }
         ended.any()
     }
 }
@@ -144,30 +171,30 @@ impl<L: Lane> HitFilter<L> for Transmittance<L> {
 mod tests {
     use super::*;
 
-    fn crossed(panes: &[([f32; 3], f32)]) -> [f32; 3] {
-        let mut crossing = Transmittance::new(0.0_f32);
-        for &([red, green, blue], alpha) in panes {
-            crossing.add([red, green, blue, alpha]);
+    fn crossed(surfaces: &[([f32; 3], f32)]) -> [f32; 3] {
+        let mut transmittance = Transmittance::<f32, false>::new(0.0);
+        for &([red, green, blue], alpha) in surfaces {
+            transmittance.add([red, green, blue, alpha]);
         }
-        let V3 { x, y, z } = color::<f32>(crossing.word());
+        let V3 { x, y, z } = color::<f32>(transmittance.word());
         [x, y, z]
     }
 
     #[test]
     fn light_that_crosses_nothing_stays_as_it_is() {
-        assert_eq!(Transmittance::new(0.0_f32).word().0, WHITE);
+        assert_eq!(Transmittance::<f32, false>::new(0.0).word().0, WHITE);
         assert_eq!(crossed(&[]), [1.0; 3]);
         assert_eq!(crossed(&[([0.3, 0.0, 1.0], 0.0)]), [1.0; 3]);
     }
 
     #[test]
-    fn panes_commute_average_and_add_up() {
+    fn surfaces_commute_average_and_add_up() {
         let (red, blue) = (([1.0, 0.0, 0.0], 0.25), ([0.0, 0.0, 1.0], 0.5));
         assert_eq!(crossed(&[red, blue]), crossed(&[blue, red]));
         // A = 0.75, tint = (1/3, 0, 2/3).
         let expected = [0.25 * (0.25 + 0.25), 0.25 * 0.25, 0.25 * (0.25 + 0.5)];
-        for (found, expected) in crossed(&[red, blue]).into_iter().zip(expected) {
-            assert!((found - expected).abs() < 1.5e-3, "{found} {expected}");
+        for (share, expected) in crossed(&[red, blue]).into_iter().zip(expected) {
+            assert!((share - expected).abs() < 1.5e-3, "{share} {expected}");
         }
         assert_eq!(crossed(&[red, ([1.0; 3], 0.75)]), [0.0; 3]);
     }

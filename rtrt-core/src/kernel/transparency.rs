@@ -5,148 +5,127 @@
 //! vertices of its mesh. Only the texels lie elsewhere. (A search that bound materials and attributes
 //! would exceed the eight storage buffers that WebGPU promises.)
 
+use crate::kernel::geometry::Geometry;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::sphere::{longitude_and_latitude, point};
-use crate::kernel::texture::{BYTE, FinestLevel, finest};
-use crate::kernel::traverse::Geometry;
+use crate::kernel::texture::{BYTE, finest};
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Lane, Mask, Row};
-use crate::layout::Instance;
+use crate::layout::{AlphaKind, Instance, Transparency, TransparencyVertex};
 use crate::num::{clamp, flush};
 
-/// Words of a record.
-pub const RECORD: u32 = 18;
-/// Words of a vertex: texture coordinates, color.
-pub const VERTEX: u32 = 3;
-
-/// In a record: the [`crate::layout::AlphaKind`].
-pub const MODE: u32 = 0;
-/// In a record: the least alpha of what is there, in a mask.
-pub const CUTOFF: u32 = 1;
-/// In a record: linear RGB and alpha of the material.
-pub const BASE: u32 = 2;
-/// In a record: where the first of the mesh's vertices is in the scene's mesh_data.
-pub const VERTICES: u32 = 6;
-/// In a record: what [`crate::layout::Texture`] says of the base color's texture. Where it
-/// starts, columns, rows (0 without a texture), wrapping, `turn`, `shift`.
-pub const TEXTURE: u32 = 7;
-
-/// A number in the scene's mesh_data.
+/// The [`AlphaKind`] of an instance, as a number; `mesh_data` is the scene's.
 #[inline(always)]
-fn number(geometry: &Geometry<'_>, at: u32) -> f32 {
-    f32::from_bits(geometry.mesh_data[at as usize])
+pub fn alpha_mode(instance: &Instance, mesh_data: &[u32]) -> u32 {
+    if instance.transparency == 0 {
+        AlphaKind::Opaque as u32
+    } else {
+        Transparency::load_alpha_mode(mesh_data, instance.transparency)
+    }
 }
 
-/// The least alpha of what is there of an instance that is masked.
+/// The lanes in which the mask of an instance with [`AlphaKind::Mask`] leaves a surface of this alpha in
+/// place.
+///
+/// ```text
+/// alpha ≥ cutoff
+/// ```
+///
+/// NaN is cut out.
 #[inline(always)]
-pub fn cutoff(geometry: &Geometry<'_>, instance: u32) -> f32 {
-    number(geometry, geometry.instances[instance as usize].transparency + CUTOFF)
+pub fn passes_mask<L: Lane>(geometry: &Geometry<'_>, instance: u32, alpha: L) -> L::Mask {
+    let at = geometry.instances[instance as usize].transparency;
+    alpha.ge(alpha.broadcast(Transparency::load_cutoff(geometry.mesh_data, at)))
 }
 
-/// The [`crate::layout::AlphaKind`] of an instance, as a number.
-#[inline(always)]
-pub fn mode(geometry: &Geometry<'_>, instance: u32) -> u32 {
-    alpha_mode_of(&geometry.instances[instance as usize], geometry.mesh_data)
-}
-
-/// The same of an instance, where `mesh_data` are the scene's.
-#[inline(always)]
-pub fn alpha_mode_of(instance: &Instance, mesh_data: &[u32]) -> u32 {
-    if instance.transparency == 0 { 0 } else { mesh_data[(instance.transparency + MODE) as usize] }
-}
-
-/// Where rays have met a triangle of an instance that is not opaque.
-struct Met<L: Lane> {
-    instance: u32,
-    triangle: u32,
-    lanes: u32,
-    u: L::Row,
-    v: L::Row,
-}
-
-/// Tint (linear RGB, 0 ..= 1) and alpha (0 ..= 1) of an instance with a pane, where rays have met
-/// its triangle; all 0 in the other lanes.
+/// Linear RGB (0 ..= 1) and alpha (0 ..= 1) of an instance that is not opaque everywhere, where rays hit
+/// a triangle of it; all 0 in the other lanes.
 ///
 /// ```text
 /// material · texture · vertex color
 /// ```
 ///
-/// The texture is taken at its finest level, bilinear: a search knows no footprint.
+/// The texture is sampled at its finest level, bilinear: a ray in traversal has no footprint.
 #[inline(always)]
 pub fn tint_and_alpha<L: Lane>(
     geometry: &Geometry<'_>,
     instance: u32,
     triangle: u32,
-    found: &Intersection<L>,
+    intersection: &Intersection<L>,
 ) -> [L; 4] {
-    let met = Met::<L> { instance, triangle, lanes: found.mask.bits(), u: found.u.row(), v: found.v.row() };
+    let instance = &geometry.instances[instance as usize];
+    let [a, b, c] = geometry.corners(instance, triangle);
+    let hits = TriangleHits::<L> {
+        lanes: intersection.mask.bits(),
+        u: intersection.u.row(),
+        v: intersection.v.row(),
+        corners: [a - instance.first_vertex, b - instance.first_vertex, c - instance.first_vertex],
+        is_sphere: instance.is_sphere(),
+        record: Transparency::load(geometry.mesh_data, instance.transparency),
+    };
     L::gather(
-        found.t.token(),
+        intersection.t.token(),
         #[inline(always)]
-        |lane| met.at(geometry, lane),
+        |lane| hits.tint_and_alpha(geometry, lane),
     )
 }
 
-impl<L: Lane> Met<L> {
-    /// [`pane`] in one lane.
+/// Where a group of rays hits a triangle.
+struct TriangleHits<L: Lane> {
+    /// The lanes that do, as bits.
+    lanes: u32,
+    u: L::Row,
+    v: L::Row,
+    /// The triangle's corners, among the mesh's vertices.
+    corners: [u32; 3],
+    is_sphere: bool,
+    record: Transparency,
+}
+
+impl<L: Lane> TriangleHits<L> {
+    /// [`tint_and_alpha`] in one lane.
     #[inline(always)]
-    fn at(&self, geometry: &Geometry<'_>, lane: usize) -> [f32; 4] {
+    fn tint_and_alpha(&self, geometry: &Geometry<'_>, lane: usize) -> [f32; 4] {
         if self.lanes >> lane & 1 == 0 {
             return [0.0; 4];
         }
-        let instance = &geometry.instances[self.instance as usize];
-        let pane = instance.transparency;
-        let [a, b, c] = geometry.corners(instance, self.triangle);
-        let first = geometry.mesh_data[(pane + VERTICES) as usize];
-        let a = first + VERTEX * (a - instance.first_vertex);
-        let b = first + VERTEX * (b - instance.first_vertex);
-        let c = first + VERTEX * (c - instance.first_vertex);
+        let Transparency { base, first_vertex, texture, .. } = self.record;
+        let mesh_data = geometry.mesh_data;
+        // Moved: shaders cannot load through a pointer in a closure.
+        let vertex = move |corner: u32| {
+            TransparencyVertex::load(mesh_data, first_vertex + TransparencyVertex::WORDS * corner)
+        };
+        let [a, b, c] = self.corners;
+        let (a, b, c) = (vertex(a), vertex(b), vertex(c));
         let weights = Weights::new(self.u.at(lane), self.v.at(lane));
-        let [u, v] = if instance.is_sphere() {
+        let [u, v] = if self.is_sphere {
             longitude_and_latitude(point(self.u.at(lane), self.v.at(lane)))
         } else {
-            [
-                weights.mix(number(geometry, a), number(geometry, b), number(geometry, c)),
-                weights.mix(number(geometry, a + 1), number(geometry, b + 1), number(geometry, c + 1)),
-            ]
+            [weights.mix(a.uv[0], b.uv[0], c.uv[0]), weights.mix(a.uv[1], b.uv[1], c.uv[1])]
         };
-        let (a, b, c) = (
-            geometry.mesh_data[a as usize + 2],
-            geometry.mesh_data[b as usize + 2],
-            geometry.mesh_data[c as usize + 2],
-        );
-        let t = pane + TEXTURE;
-        let uv = [
-            flush(u * number(geometry, t + 5) + v * number(geometry, t + 6) + number(geometry, t + 9)),
-            flush(u * number(geometry, t + 7) + v * number(geometry, t + 8) + number(geometry, t + 10)),
-        ];
-        let texture = FinestLevel {
-            first: geometry.mesh_data[t as usize],
-            width: geometry.mesh_data[t as usize + 1],
-            height: geometry.mesh_data[t as usize + 2],
-            wrap_u: geometry.mesh_data[t as usize + 3],
-            wrap_v: geometry.mesh_data[t as usize + 4],
-        };
+        let ([to_u, to_v], shift) = (texture.turn, texture.shift);
+        let uv = [flush(u * to_u[0] + v * to_u[1] + shift[0]), flush(u * to_v[0] + v * to_v[1] + shift[1])];
         let texel = if texture.height == 0 { [1.0; 4] } else { finest(geometry.texels, &texture, uv) };
+        let colors = [a.color, b.color, c.color];
         [
-            share(number(geometry, pane + BASE) * texel[0] * painted(&weights, a, b, c, 0)),
-            share(number(geometry, pane + BASE + 1) * texel[1] * painted(&weights, a, b, c, 8)),
-            share(number(geometry, pane + BASE + 2) * texel[2] * painted(&weights, a, b, c, 16)),
-            share(number(geometry, pane + BASE + 3) * texel[3] * painted(&weights, a, b, c, 24)),
+            share(base[0] * texel[0] * vertex_channel(&weights, colors, 0)),
+            share(base[1] * texel[1] * vertex_channel(&weights, colors, 8)),
+            share(base[2] * texel[2] * vertex_channel(&weights, colors, 16)),
+            share(base[3] * texel[3] * vertex_channel(&weights, colors, 24)),
         ]
     }
-}
-
-/// A channel of the vertices' colors.
-#[inline(always)]
-fn painted(weights: &Weights<f32>, a: u32, b: u32, c: u32, shift: u32) -> f32 {
-    let part = |color: u32| (color >> shift & 255) as f32 * BYTE;
-    // Weights sum to 1 but for rounding, and alpha may have to equal a cutoff.
-    if a == b && b == c { part(a) } else { weights.mix(part(a), part(b), part(c)) }
 }
 
 /// Within 0 ..= 1.
 #[inline(always)]
 fn share(x: f32) -> f32 {
     flush(clamp(x, 0.0, 1.0))
+}
+
+/// A channel of the vertices' colors, interpolated; `shift` is where its 8 bits are.
+#[inline(always)]
+fn vertex_channel(weights: &Weights<f32>, [a, b, c]: [u32; 3], shift: u32) -> f32 {
+    let channel = |color: u32| (color >> shift & 255) as f32 * BYTE;
+    // Weights sum to 1 but for rounding, and alpha may have to equal a cutoff.
+    if a == b && b == c { channel(a) } else { weights.mix(channel(a), channel(b), channel(c)) }
 }

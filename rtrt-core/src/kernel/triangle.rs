@@ -90,7 +90,7 @@ impl<O: Lane> RelativeTriangle<O> {
     /// 3.7.4).
     #[inline(always)]
     pub fn front<L: Lane + Mul<O, Output = L>>(&self, like: L) -> L::Mask {
-        like.broadcast(0.0).lt(like.broadcast(1.0) * self.distance)
+        (like.broadcast(1.0) * self.distance).gt(like.broadcast(0.0))
     }
 }
 
@@ -148,7 +148,7 @@ pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
     // Cheap, and wider than the test below by more than any flushing: most rays end here.
     let below = size.broadcast(-2.0 * FLOOR);
     let mut mask =
-        below.lt(u) & below.lt(v) & size.broadcast(DETERMINANT_FLOOR).le(size) & ((u + v) * 0.999).le(size);
+        u.gt(below) & v.gt(below) & size.ge(size.broadcast(DETERMINANT_FLOOR)) & ((u + v) * 0.999).le(size);
     let mut t = limit;
     let (mut weight_u, mut weight_v) = (u, v);
     if mask.any() {
@@ -164,8 +164,8 @@ pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
             & v.ge(zero)
             & (u + v).le(size)
             & near.le(far)
-            & zero.lt(zero.broadcast(1.0).flip_sign(sign) * seen.distance)
-            & zero.broadcast(TINY).lt(t)
+            & (zero.broadcast(1.0).flip_sign(sign) * seen.distance).gt(zero)
+            & t.gt(zero.broadcast(TINY))
             & t.le(limit);
         weight_u = flush(u * inverse);
         weight_v = flush(v * inverse);

@@ -65,8 +65,8 @@ pub fn light_block<L: Lane>(light: &View, point: V3<L>) -> L::Bits {
     // Not `== Point`: the first face of a spot light's cube may be off.
     let (column, row, face) = if light.kind != ViewKind::Sun as u32 {
         let (x, y, z) = (offset.x, offset.y, offset.z);
-        let in_x = y.abs().le(x.abs()) & z.abs().le(x.abs());
-        let in_y = z.abs().le(y.abs());
+        let in_x = x.abs().ge(y.abs()) & x.abs().ge(z.abs());
+        let in_y = y.abs().ge(z.abs());
         let major = in_x.select(x, in_y.select(y, z));
         let inverse = recip(major.abs());
         let half = light.width as f32 * 0.5;

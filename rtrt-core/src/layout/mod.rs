@@ -5,6 +5,8 @@ mod geometry;
 mod hit;
 mod material;
 mod probe;
+mod shadow_buffer;
+mod transparency;
 mod view;
 
 pub use geometry::{Attribute, Instance, Kind, Node};
@@ -12,4 +14,6 @@ pub use hit::{Hit, Lit, NONE, Surface};
 pub use material::{AlphaKind, COLOR_LIMIT, LIGHT_LIMIT, MaterialRecord, Texture, Wrap};
 #[doc(hidden)]
 pub use probe::{PROBES, probe};
-pub use view::{Backdrop, Frame, View, ViewKind};
+pub use shadow_buffer::ShadowBuffer;
+pub use transparency::{FinestLevel, Transparency, TransparencyVertex};
+pub use view::{Backdrop, Frame, Sky, View, ViewKind};

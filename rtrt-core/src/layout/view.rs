@@ -1,6 +1,6 @@
 //! Viewpoints (the camera and the lights) and the numbers of a frame.
 
-use crate::grid::BlockIndex;
+use crate::grid::{BlockIndex, Grid};
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;
 
@@ -116,6 +116,19 @@ pub enum Backdrop {
     Nothing = 2,
 }
 
+/// Where an environment's squares lie in the texels (see [`environment`](crate::kernel::environment)).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Sky {
+    /// The word that says where the sharpest square starts; those of the others follow it,
+    /// the last one for diffuse surfaces. 0 for no environment.
+    pub first: u32,
+    /// Texels along a side of the sharpest square, without its border: a power of two. Each
+    /// square is half as large as the one before.
+    pub side: u32,
+    /// Squares for mirrors, from smooth to rough; at least two.
+    pub levels: u32,
+}
+
 /// The numbers of one frame. Scalars only, so that it may be a uniform block.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -162,7 +175,7 @@ pub struct Frame {
     pub magnitude: f32,
     /// 1 where a material asks for normal maps or a second set of texture coordinates.
     pub details: u32,
-    /// The environment, see `kernel::environment::Sky`: where it starts.
+    /// The environment, see [`Sky`]: where it starts.
     pub sky_first: u32,
     /// Side of its sharpest square.
     pub sky_side: u32,
@@ -171,7 +184,7 @@ pub struct Frame {
     /// The most layers of surfaces that a ray still looks at, those of this dispatch included;
     /// 0 where every instance is opaque everywhere.
     pub layers: u32,
-    /// The most rays that a penumbra reaches aside (see [`penumbra`](crate::stage::blocker_search));
+    /// The most rays that a penumbra reaches aside (see [`penumbra`](crate::stage::penumbra_filter));
     /// 0 for a frame without soft shadows.
     pub penumbra_window: u32,
     /// How many instances, or parts of instances, the camera's lists choose from.
@@ -213,17 +226,13 @@ impl Frame {
 
     /// The frame's grid of rays.
     #[inline(always)]
-    pub fn grid(&self) -> crate::grid::Grid {
-        crate::grid::Grid { width: self.width, height: self.height, side: self.side }
+    pub fn grid(&self) -> Grid {
+        Grid { width: self.width, height: self.height, side: self.side }
     }
     /// The environment.
     #[inline(always)]
-    pub fn sky(&self) -> crate::kernel::environment::Sky {
-        crate::kernel::environment::Sky {
-            first: self.sky_first,
-            side: self.sky_side,
-            levels: self.sky_levels,
-        }
+    pub fn sky(&self) -> Sky {
+        Sky { first: self.sky_first, side: self.sky_side, levels: self.sky_levels }
     }
     /// Whether shadows have colors, or shares, instead of a bit.
     #[inline(always)]

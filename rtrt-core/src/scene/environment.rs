@@ -1,7 +1,8 @@
 //! From a panorama or a cube to the blurred squares of an environment map.
 
-use crate::kernel::environment::{IRRADIANCE_SIDE, Sky, octahedral};
+use crate::kernel::environment::{IRRADIANCE_SIDE, octahedral};
 use crate::lane::V3;
+use crate::layout::Sky;
 use crate::scene::{Cube, CubeError};
 use alloc::vec;
 use alloc::vec::Vec;

@@ -6,8 +6,7 @@ mod meshes;
 mod textures;
 mod transparency;
 
-use crate::kernel::environment::Sky;
-use crate::layout::{AlphaKind, Attribute, Backdrop, COLOR_LIMIT, Instance, Kind, MaterialRecord, Node};
+use crate::layout::{AlphaKind, Attribute, Backdrop, COLOR_LIMIT, Instance, Kind, MaterialRecord, Node, Sky};
 use crate::scene::bvh::Bounds;
 use crate::scene::image::decode_words;
 use crate::scene::levels::LodLevel;

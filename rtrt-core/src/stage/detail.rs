@@ -5,10 +5,10 @@
 //! read after it. `surface` itself would bind more than 8 buffers with textures. Tangents take one word
 //! a vertex, stored only for meshes that need them.
 
+use crate::kernel::closest_hit::{ClosestHit, ClosestHitRows};
 use crate::kernel::interpolate::Weights;
 use crate::kernel::tangent::{bumped, direction, unpack};
 use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, sample};
-use crate::kernel::traverse::{ClosestHit, ClosestHitRows};
 use crate::lane::{Bits, Lane, Mask, Select, V3};
 use crate::layout::{Instance, MaterialRecord, NONE};
 use crate::num::{FLOOR, flush, flush3, recip, sqrt};
@@ -55,7 +55,7 @@ fn with_second_set<L: Lane>(
     let weights = Weights::new(best.u, best.v);
     let second_area = ((sb - sa) * (tc - ta) - (sc - sa) * (tb - ta)).abs();
     let footprint = surfaces.footprint * sqrt(second_area * recip(area.abs()));
-    let footprint = zero.broadcast(FLOOR).lt(area.abs()).select(footprint, zero);
+    let footprint = area.abs().gt(zero.broadcast(FLOOR)).select(footprint, zero);
     Surfaces {
         second_uv: [
             has.select(flush(weights.mix(sa, sb, sc)), zero),

@@ -1,11 +1,13 @@
 //! Inspect: what it takes to find the closest hit of one ray, counted. For pictures of how the
 //! lists work, never for frames.
 
+use crate::kernel::closest_hit::ClosestHit;
+use crate::kernel::geometry::Geometry;
 use crate::kernel::lists::BlockLists;
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{RelativeBox, intersects};
 use crate::kernel::sphere::{Chord, ENTRY, EXIT};
-use crate::kernel::traverse::{ClosestHit, Geometry, STACK};
+use crate::kernel::traverse::STACK;
 use crate::kernel::triangle::{Intersection, intersect};
 use crate::lane::{V3, Word};
 use crate::layout::{Hit, Instance, Node};

@@ -12,7 +12,7 @@ use crate::num::{flush3, normalize, sqrt};
 use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
 use crate::stage::surface::Surfaces;
 
-/// The light that arrives at a group of surfaces; see [`Lit`].
+/// The light that arrives at a group of surfaces (see [`Lit`]).
 #[derive(Clone, Copy)]
 pub struct IncomingLight<L> {
     /// For the diffuse color.
@@ -42,19 +42,19 @@ impl<L: Lane> IncomingLight<L> {
     }
     /// The lanes one by one. Take them out once, before a loop over lanes.
     #[inline(always)]
-    pub fn rows(&self) -> ArrivingRows<L> {
-        ArrivingRows { diffuse: self.diffuse.row(), specular: self.specular.row() }
+    pub fn rows(&self) -> IncomingLightRows<L> {
+        IncomingLightRows { diffuse: self.diffuse.row(), specular: self.specular.row() }
     }
 }
 
 /// An [`IncomingLight`] whose lanes are in memory, one after another.
 #[derive(Clone, Copy)]
-pub struct ArrivingRows<L: Lane> {
+pub struct IncomingLightRows<L: Lane> {
     diffuse: V3<L::Row>,
     specular: V3<L::Row>,
 }
 
-impl<L: Lane> ArrivingRows<L> {
+impl<L: Lane> IncomingLightRows<L> {
     /// The record of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Lit {
@@ -62,22 +62,36 @@ impl<L: Lane> ArrivingRows<L> {
     }
 }
 
-/// The light that arrives at a group of surfaces from all lights, in their order.
-/// `mask(word)` is a word of the shadow mask; in frames whose shadows are not bits,
-/// `transmittance(light)`, the color of a light's shadow, is asked instead. The rays that found the surfaces
-/// are numbered from `first` on, and have these directions.
+/// Which lights reach a group of surfaces, as two functions.
+#[derive(Clone, Copy)]
+pub struct ShadowTerms<M, T> {
+    mask: M,
+    transmittance: T,
+}
+
+impl<M: Fn(u32) -> B, T: Fn(u32) -> B, B> ShadowTerms<M, T> {
+    /// `mask` gives a word of the shadow mask by its number, in frames whose shadows are bits.
+    /// `transmittance` gives that of a light by its number, as a word (see
+    /// [`crate::kernel::transmittance`]), in the other frames (see [`Frame::has_transmittance`]).
+    #[inline(always)]
+    pub fn new(mask: M, transmittance: T) -> Self {
+        Self { mask, transmittance }
+    }
+}
+
+/// The light that arrives at a group of surfaces from all lights, in their order. The rays that hit the
+/// surfaces are numbered from `first` on, and have these directions.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
 pub fn light<L: Lane>(
     frame: &Frame,
     views: &[View],
     maps: &Maps<'_>,
-    mask: impl Fn(u32) -> L::Bits,
-    transmittance: impl Fn(u32) -> L::Bits,
+    shadows: &ShadowTerms<impl Fn(u32) -> L::Bits, impl Fn(u32) -> L::Bits>,
     first: RayIndex,
     direction: V3<L>,
     surfaces: &Surfaces<L>,
 ) -> IncomingLight<L> {
+    let ShadowTerms { mask, transmittance } = shadows;
     let mut sum = IncomingLight::dark(surfaces.footprint.token());
     let none = surfaces.material.broadcast(0);
     let mut lit = none;
@@ -91,22 +105,22 @@ pub fn light<L: Lane>(
         return sum;
     }
     let shininess = exponent(maps, lit.select(surfaces.material, none), &surfaces.tex_coords());
+    let receiver = Receiver { first, direction, surfaces, shininess };
     let mut light = 0;
     while light < frame.lights {
-        let left = if frame.has_transmittance() {
+        let transmittance = if frame.has_transmittance() {
             transmittance(light)
         } else {
             let lit = mask(light / LIGHTS_PER_WORD) >> (light % LIGHTS_PER_WORD);
             lit & lit.broadcast(1)
         };
-        sum = add(frame, views, light, left, first, direction, surfaces, shininess, &sum);
+        sum = receiver.add(frame, &views[frame.light_view(light) as usize], transmittance, &sum);
         light += 1;
     }
     sum
 }
 
-/// The exponents of the highlights of surfaces of these materials, at least one; any number
-/// where there is none.
+/// The exponents of the highlights of surfaces, by their materials; any number where there is no material.
 #[inline(always)]
 fn exponent<L: Lane>(maps: &Maps<'_>, materials: L::Bits, tex_coords: &TexCoords<L>) -> L {
     let token = tex_coords.footprint[0].token();
@@ -131,36 +145,43 @@ impl MaterialField<3> for Gloss {
     }
 }
 
-/// `sum` and what the light adds to it, in the lanes where anything of it is `left`: its bit of
-/// the shadow mask, or the color of its shadow in frames whose shadows are not bits.
-#[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
-fn add<L: Lane>(
-    frame: &Frame,
-    views: &[View],
-    light: u32,
-    left: L::Bits,
+/// What lights arrive at: surfaces, and the rays that hit them.
+struct Receiver<'a, L: Lane> {
     first: RayIndex,
     direction: V3<L>,
-    surfaces: &Surfaces<L>,
+    surfaces: &'a Surfaces<L>,
+    /// The exponents of highlights.
     shininess: L,
-    sum: &IncomingLight<L>,
-) -> IncomingLight<L> {
-    let token = surfaces.footprint.token();
-    let reached = left.gt(left.broadcast(0));
-    if !reached.any() {
-        return *sum;
+}
+
+impl<L: Lane> Receiver<'_, L> {
+    /// `sum` plus what a light adds to it in the lanes whose `transmittance` is not 0: a color, or, in
+    /// frames whose shadows are bits, 1.
+    #[inline(always)]
+    fn add(
+        &self,
+        frame: &Frame,
+        light: &View,
+        transmittance: L::Bits,
+        sum: &IncomingLight<L>,
+    ) -> IncomingLight<L> {
+        let Self { first, direction, surfaces, shininess } = *self;
+        let token = surfaces.footprint.token();
+        let reached = transmittance.gt(transmittance.broadcast(0));
+        if !reached.any() {
+            return *sum;
+        }
+        let (to_light, _) = to_light(frame, light, first, surfaces.origin);
+        let toward = normalize(to_light);
+        let strength = lambert(surfaces.normal, toward) * falloff(light, sqrt(to_light.dot(to_light)));
+        let strength = if light.cone_scale == 0.0 { strength } else { strength * cone(light, toward) };
+        let strength = reached.select(strength, strength.broadcast(0.0));
+        let lobe = blinn_phong(surfaces.normal, toward, normalize(-direction), shininess);
+        // Off its peak a lobe is so small that some devices keep its products and others do not.
+        let arriving = V3::splat(token, light.color).scale(strength);
+        let arriving =
+            if frame.has_transmittance() { times(arriving, color(transmittance)) } else { arriving };
+        let diffuse = flush3(arriving);
+        IncomingLight { diffuse: sum.diffuse + diffuse, specular: sum.specular + flush3(diffuse.scale(lobe)) }
     }
-    let view = &views[frame.light_view(light) as usize];
-    let (way, _) = to_light(frame, view, first, surfaces.origin);
-    let toward = normalize(way);
-    let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(way.dot(way)));
-    let strength = if view.cone_scale == 0.0 { strength } else { strength * cone(view, toward) };
-    let strength = reached.select(strength, strength.broadcast(0.0));
-    let lobe = blinn_phong(surfaces.normal, toward, normalize(-direction), shininess);
-    // Off its peak a lobe is so small that some devices keep its products and others do not.
-    let light = V3::splat(token, view.color).scale(strength);
-    let light = if frame.has_transmittance() { times(light, color(left)) } else { light };
-    let diffuse = flush3(light);
-    IncomingLight { diffuse: sum.diffuse + diffuse, specular: sum.specular + flush3(diffuse.scale(lobe)) }
 }

@@ -2,7 +2,7 @@
 //! kernels that backends only dispatch.
 
 pub mod bin;
-pub mod blocker_search;
+pub mod context;
 pub mod detail;
 #[doc(hidden)]
 pub mod inspect;

@@ -5,20 +5,23 @@
 //! summed from front to back, so a ray ends when nothing shines through.
 
 use crate::grid::RayIndex;
-use crate::kernel::lists::BlockLists;
+use crate::kernel::closest_hit::ClosestHit;
+use crate::kernel::geometry::Geometry;
+use crate::kernel::hit_filter::HitFilter;
+use crate::kernel::packet::PacketHits;
 use crate::kernel::ray::Ray;
-use crate::kernel::transparency::{cutoff, mode, tint_and_alpha};
-use crate::kernel::traverse::{ClosestHit, Geometry, HitFilter, keep_closest};
+use crate::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select, groups};
-use crate::layout::{AlphaKind, Backdrop, Frame, NONE, View};
+use crate::layout::{AlphaKind, Backdrop, Frame, NONE};
 use crate::num::flush;
-use crate::stage::visibility::{closest, rays, unfound};
+use crate::stage::context::Context;
+use crate::stage::visibility::{rays, trace, unfound};
 
 /// How much farther than a surface another one of the same instance is at least: 1 + 2⁻²⁰.
 ///
-/// Rays through the edge between two triangles meet both; without this the edges of a pane
-/// would be seen.
+/// Rays through the edge between two triangles hit both; without this the edges in a transparent surface
+/// would be visible.
 const MIN_SEPARATION: f32 = 1.0 + 1.0 / 1_048_576.0;
 
 /// The least hit, by `(t, instance, triangle)`, behind a surface, of what is not cut out by a
@@ -38,43 +41,41 @@ impl<L: Lane> HitFilter<L> for BehindLast<L> {
         &mut self,
         geometry: &Geometry<'_>,
         instance: u32,
-        id: u32,
-        found: &Intersection<L>,
-        best: &mut ClosestHit<L>,
+        triangle: u32,
+        intersection: &Intersection<L>,
+        closest: &mut ClosestHit<L>,
     ) -> bool {
+        let t = intersection.t;
         let number = self.instance.broadcast(instance);
         let own = self.instance.eq(number);
-        let apart = (self.t * MIN_SEPARATION).lt(found.t);
-        let later = self.t.lt(found.t) | (self.t.le(found.t) & self.instance.lt(number));
-        let mut mask = found.mask & ((own & apart) | (!own & later));
-        if mask.any() && mode(geometry, instance) == AlphaKind::Mask as u32 {
-            let [_, _, _, alpha] = tint_and_alpha(geometry, instance, id, found);
-            mask = mask & alpha.broadcast(cutoff(geometry, instance)).le(alpha);
+        let apart = t.gt(self.t * MIN_SEPARATION);
+        let later = t.gt(self.t) | (t.ge(self.t) & number.gt(self.instance));
+        let mut mask = intersection.mask & ((own & apart) | (!own & later));
+        let placed = &geometry.instances[instance as usize];
+        if mask.any() && alpha_mode(placed, geometry.mesh_data) == AlphaKind::Mask as u32 {
+            let [_, _, _, alpha] = tint_and_alpha(geometry, instance, triangle, intersection);
+            mask = mask & passes_mask(geometry, instance, alpha);
         }
         if !mask.any() {
             return false;
         }
-        keep_closest(found, mask, instance, id, best);
+        closest.keep_closest(intersection, mask, instance, triangle);
         true
     }
 }
 
-/// Of the rays numbered from `first` on, all in one block, the closest hits behind the `last`
-/// ones. A ray that had hit nothing looks for nothing; one whose last `t` is 0 has not looked
-/// for anything yet.
+/// The closest hits behind the `last` ones of the rays numbered from `first` on, all in one block. A ray
+/// that has hit nothing is not traced; one whose last `t` is 0 has not been traced yet.
 #[inline(always)]
 pub fn peel<L: Lane, const G: usize>(
     token: L::Token,
-    frame: &Frame,
-    views: &[View],
-    lists: &BlockLists<'_>,
-    geometry: &Geometry<'_>,
+    context: &Context<'_>,
     first: RayIndex,
     last: &[ClosestHit<L>; G],
 ) -> [ClosestHit<L>; G] {
-    let camera = &views[Frame::CAMERA as usize];
+    let (frame, camera) = (context.frame, context.camera());
     let inside = unfound::<L, G>(token, frame, first);
-    let mut best: [ClosestHit<L>; G] = groups(
+    let closest: [ClosestHit<L>; G] = groups(
         #[inline(always)]
         |g| {
             let ended = last[g].instance.eq(last[g].instance.broadcast(NONE));
@@ -85,10 +86,10 @@ pub fn peel<L: Lane, const G: usize>(
         #[inline(always)]
         |g| BehindLast { t: last[g].t, instance: last[g].instance },
     );
+    let mut hits = PacketHits::new(closest);
     let rays: [Ray<L>; G] = rays::<L, G>(token, frame, camera, first);
-    let block = camera.list(frame.grid().block(first));
-    closest(lists, geometry, block, &rays, &mut filters, &mut best);
-    best
+    trace(context, camera.list(frame.grid().block(first)), &rays, &mut hits, &mut filters);
+    hits.closest
 }
 
 /// The color of a group of rays, where `before` is that of the layers before this one, and
@@ -114,7 +115,7 @@ pub fn blend<L: Lane>(frame: &Frame, before: [L; 4], shaded: [L; 4]) -> [L; 4] {
     };
     let share = (one - before[3]) * alpha;
     let sum = |before: L, shaded: L| done.select(before, before + flush(shaded * share));
-    let covered = one.le(alpha).select(one, before[3] + share);
+    let covered = alpha.ge(one).select(one, before[3] + share);
     [
         sum(before[0], shaded[0]),
         sum(before[1], shaded[1]),

@@ -1,89 +1,89 @@
 //! Penumbra blocks: which blocks the penumbra filter can change, and which skip it.
 
 use crate::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, place};
-use crate::layout::Frame;
-use crate::stage::blocker_search::{penumbra_at, transmittance_at};
+use crate::layout::{Frame, ShadowBuffer};
 use crate::stage::penumbra_filter::reach;
 use bytemuck::{Pod, Zeroable};
 
-/// What the shadows of a light have in common, among some rays. A function of the set of rays.
+/// Which transmittances of a light, and which penumbras, a set of rays has.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct PenumbraSummary {
-    /// Those bits of what is left of the light that are 1 at all of the rays.
+    /// The bits of the transmittance that are 1 at all of the rays.
     pub all: u32,
-    /// Those that are 1 at any; and [`PenumbraSummary::PENUMBRA`].
+    /// The bits that are 1 at any of them; and [`PenumbraSummary::PENUMBRA`].
     pub any: u32,
 }
 const _: () = assert!(size_of::<PenumbraSummary>() == 8);
 
 impl PenumbraSummary {
-    /// Those of no rays.
+    /// That of no rays.
     pub const NONE: Self = Self { all: u32::MAX, any: 0 };
-    /// The bit that is 1 where any of the rays lies in a penumbra. What is left has 30 bits.
+    /// The bit that is 1 if any of the rays has a penumbra. A transmittance has 30 bits.
     pub const PENUMBRA: u32 = 1 << 31;
 
-    /// Those of one ray, by what is left of the light and the size of the penumbra.
+    /// That of one ray, by its transmittance and the radius of its penumbra.
     #[inline(always)]
-    pub fn of(left: u32, size: f32) -> Self {
-        Self { all: left, any: left | if size > 0.0 { Self::PENUMBRA } else { 0 } }
+    pub fn of(transmittance: u32, radius: f32) -> Self {
+        let penumbra = if radius > 0.0 { Self::PENUMBRA } else { 0 };
+        Self { all: transmittance, any: transmittance | penumbra }
     }
-    /// Those of both sets of rays.
+    /// That of both sets of rays.
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         Self { all: self.all & other.all, any: self.any | other.any }
     }
-    /// Whether the blur may change anything, if it sees these rays and no others: without a
-    /// penumbra, and where the same is left everywhere, it does not.
+    /// Whether the filter may change anything, if it reads these rays and no others: without a penumbra,
+    /// and where all transmittances are equal, it does not.
     #[inline(always)]
     pub fn are_soft(self) -> bool {
         self.any & Self::PENUMBRA != 0 && self.any != self.all | Self::PENUMBRA
     }
 }
 
-/// Where a block of a band has its edges of a light, and whether its shadows are blurred.
+/// Where the summary of a block of a band and a light is, and whether its shadows are filtered.
 #[inline(always)]
 pub fn edges_at(frame: &Frame, block: u32, light: u32) -> usize {
     (block * frame.lights + light) as usize
 }
 
-/// The edges of a light in a block of a band. `shadows` are the words that [`transmittance_at`] and
-/// [`penumbra_at`] find their ways in.
+/// The summary of a light in a block of a band. `shadows` is its [`ShadowBuffer`].
 #[inline(always)]
 pub fn edges(frame: &Frame, shadows: &[u32], block: u32, light: u32) -> PenumbraSummary {
-    let first = block * BLOCK_RAYS;
+    let (buffer, first) = (ShadowBuffer::new(frame), block * BLOCK_RAYS);
     common(
         frame.grid(),
         RayIndex(frame.first_ray + first),
         #[inline(always)]
         |ray| {
-            let left = shadows[transmittance_at(frame, first + ray, light)];
-            PenumbraSummary::of(left, f32::from_bits(shadows[penumbra_at(frame, first + ray, light)]))
+            let transmittance = shadows[buffer.transmittance(first + ray, light)];
+            let radius = f32::from_bits(shadows[buffer.penumbra_radius(first + ray, light)]);
+            PenumbraSummary::of(transmittance, radius)
         },
     )
 }
 
-/// What those rays of a block have in common that are in the frame: `first` is the block's first,
-/// `of` the edges of each, by its number in the block.
+/// The summary of those rays of a block that are in the frame: `first` is the block's first, `of` gives
+/// the summary of each, by its number in the block.
 #[inline(always)]
 pub fn common(grid: Grid, first: RayIndex, of: impl Fn(u32) -> PenumbraSummary) -> PenumbraSummary {
     let [left, top] = grid.ray(first);
-    let mut edges = PenumbraSummary::NONE;
+    let mut summary = PenumbraSummary::NONE;
     let mut ray = 0;
     while ray < BLOCK_RAYS {
         let [x, y] = place(ray);
         if grid.contains([left + x, top + y]) {
-            edges = edges.and(of(ray));
+            summary = summary.and(of(ray));
         }
         ray += 1;
     }
-    edges
+    summary
 }
 
-/// Whether the shadows of a light in a block of a band are to be blurred: 1, or 0 where the blur
-/// would leave all of them as they are. `edges` are those of all blocks of the band.
+/// Whether the shadows of a light in a block of a band are filtered: 1, or 0 where the filter would change
+/// none of them. `summaries` are those of all blocks of the band.
 #[inline(always)]
-pub fn are_soft(frame: &Frame, edges: &[PenumbraSummary], block: u32, light: u32) -> u32 {
+pub fn are_soft(frame: &Frame, summaries: &[PenumbraSummary], block: u32, light: u32) -> u32 {
     let columns = frame.grid().blocks_x();
     let [left, right] = span(frame, block % columns, columns);
     let [top, bottom] = span(frame, block / columns, frame.rays / BLOCK_RAYS / columns);
@@ -92,7 +92,7 @@ pub fn are_soft(frame: &Frame, edges: &[PenumbraSummary], block: u32, light: u32
     while y < bottom {
         let mut x = left;
         while x < right {
-            seen = seen.and(edges[edges_at(frame, y * columns + x, light)]);
+            seen = seen.and(summaries[edges_at(frame, y * columns + x, light)]);
             x += 1;
         }
         y += 1;
@@ -100,7 +100,7 @@ pub fn are_soft(frame: &Frame, edges: &[PenumbraSummary], block: u32, light: u32
     seen.are_soft() as u32
 }
 
-/// The blocks, along a side of a band, into which rays of one of them look.
+/// The blocks, along a side of a band, that the filter of one of them reads.
 #[inline(always)]
 #[allow(clippy::implicit_saturating_sub, reason = "a comparison and a subtraction on every device")]
 pub fn span(frame: &Frame, at: u32, count: u32) -> [u32; 2] {
@@ -110,7 +110,7 @@ pub fn span(frame: &Frame, at: u32, count: u32) -> [u32; 2] {
     [first, if end < count { end } else { count }]
 }
 
-/// How many blocks aside the blur looks, at most.
+/// How many blocks aside the filter reads, at most.
 #[inline(always)]
 pub fn around(frame: &Frame) -> u32 {
     reach(frame).div_ceil(BLOCK)
@@ -124,7 +124,9 @@ mod tests {
     fn edges_are_soft_where_a_penumbra_is_and_not_all_is_the_same() {
         let of = |rays: &[(u32, f32)]| {
             rays.iter()
-                .fold(PenumbraSummary::NONE, |sum, &(left, size)| sum.and(PenumbraSummary::of(left, size)))
+                .fold(PenumbraSummary::NONE, |sum, &(transmittance, radius)| {
+                    sum.and(PenumbraSummary::of(transmittance, radius))
+                })
                 .are_soft()
         };
         assert!(!of(&[]) && !of(&[(0, -1.0)]) && !of(&[(7, 0.5)]) && !of(&[(0, 0.5), (0, -1.0)]));

@@ -14,7 +14,7 @@
 //! # Order of a frame
 //!
 //! Penumbras reach across blocks. A frame with soft shadows therefore has a barrier in each layer of
-//! surfaces: [`blocker_search`](super::blocker_search) finishes in all blocks before the first block is
+//! surfaces: the blocker search ([`transmittance`](super::occlusion::transmittance)) finishes in all blocks before the first block is
 //! filtered. Frames without soft shadows have no barrier. A GPU filters bands of rows, and each band
 //! also computes the rows around it from which penumbras reach into it.
 //!
@@ -48,9 +48,8 @@
 
 use crate::kernel::transmittance::{color, packed};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3, Word};
-use crate::layout::{Frame, Surface, View};
+use crate::layout::{Frame, ShadowBuffer, Surface, View};
 use crate::num::{clamp, floor, flush, normalize, recip, sqrt, to_integer};
-use crate::stage::blocker_search::{penumbra_at, transmittance_at};
 use crate::stage::occlusion::to_middle;
 
 /// The transmittance where there is no ray.
@@ -58,29 +57,28 @@ pub const MISSING: u32 = u32::MAX;
 
 /// A group of rays, side by side in a row of the frame, and their neighbors, as a backend stores them.
 pub trait Neighborhood<L: Lane> {
-    /// Where rays are kept.
+    /// Where rays are stored.
     type Place: Copy;
 
     /// The place of the rays that many columns and rows aside. Negative numbers wrap.
     fn place(&self, aside: [u32; 2]) -> Self::Place;
-    /// The transmittance there, packed; [`MISSING`] where there is no ray.
-    fn left(&self, place: Self::Place) -> L::Bits;
-    /// Radii of the penumbras there (see [`blocker_search`](super::blocker_search)); −1 where there is no
-    /// ray.
-    fn size(&self, place: Self::Place) -> L;
-    /// The points that these rays hit; anything where there is no ray.
+    /// The transmittance there, as a word; [`MISSING`] where there is no ray.
+    fn transmittance(&self, place: Self::Place) -> L::Bits;
+    /// The radii of the penumbras there (see [`crate::kernel::penumbra`]); −1 where there is no ray.
+    fn penumbra_radius(&self, place: Self::Place) -> L;
+    /// Where the surfaces are that these rays hit; anything where there is no ray.
     fn origin(&self, place: Self::Place) -> V3<L>;
     /// Their normals.
     fn normal(&self, place: Self::Place) -> V3<L>;
 }
 
-/// A ray and its neighbors in the buffers of a band, which [`transmittance_at`] and [`penumbra_at`] index.
+/// A ray, and those around it in the buffers of a band: its [`ShadowBuffer`], and surfaces.
 pub struct Band<'a> {
     /// The frame, with the rays of the band.
     pub frame: &'a Frame,
     /// The surface that each ray has hit.
     pub surfaces: &'a [Surface],
-    /// Transmittances of lights, and radii of penumbras.
+    /// The band's [`ShadowBuffer`].
     pub shadows: &'a [u32],
     /// The light.
     pub light: u32,
@@ -103,19 +101,19 @@ impl Neighborhood<f32> for Band<'_> {
         if ray < self.frame.rays { ray } else { MISSING }
     }
     #[inline(always)]
-    fn left(&self, place: u32) -> Word {
+    fn transmittance(&self, place: u32) -> Word {
         Word(if place == MISSING {
             MISSING
         } else {
-            self.shadows[transmittance_at(self.frame, place, self.light)]
+            self.shadows[ShadowBuffer::new(self.frame).transmittance(place, self.light)]
         })
     }
     #[inline(always)]
-    fn size(&self, place: u32) -> f32 {
+    fn penumbra_radius(&self, place: u32) -> f32 {
         if place == MISSING {
             -1.0
         } else {
-            f32::from_bits(self.shadows[penumbra_at(self.frame, place, self.light)])
+            f32::from_bits(self.shadows[ShadowBuffer::new(self.frame).penumbra_radius(place, self.light)])
         }
     }
     #[inline(always)]
@@ -183,24 +181,24 @@ pub fn filter_penumbra<L: Lane, A: Neighborhood<L>>(
 ) -> L::Bits {
     let (camera, view) = (&views[Frame::CAMERA as usize], &views[frame.light_view(light) as usize]);
     let place = around.place([0, 0]);
-    let own = around.left(place);
+    let own = around.transmittance(place);
     let missing = own.broadcast(MISSING);
-    let asked = is_asked::<L>(own, around.size(place));
-    let mut same = asked;
+    let lit = is_potentially_lit::<L>(own, around.penumbra_radius(place));
+    let mut same = lit;
     let mut lattice = 0;
     while lattice < LATTICES && same.any() {
         let steps = searched(frame, lattice);
         let mut tap = SEARCHED.first();
         while SEARCHED.has(tap) && same.any() {
-            let left = around.left(around.place(aside(steps, tap)));
-            same = same & (left.eq(own) | left.eq(missing));
+            let there = around.transmittance(around.place(aside(steps, tap)));
+            same = same & (there.eq(own) | there.eq(missing));
             tap = SEARCHED.after(tap);
         }
         lattice += 1;
     }
-    let differs = asked & !same;
+    let differs = lit & !same;
     if !differs.any() {
-        return asked.select(own, own.broadcast(0));
+        return lit.select(own, own.broadcast(0));
     }
     let origin = around.origin(place);
     let toward = normalize(to_middle(view, origin));
@@ -220,16 +218,16 @@ pub fn filter_penumbra<L: Lane, A: Neighborhood<L>>(
         let mut tap = SEARCHED.first();
         while SEARCHED.has(tap) {
             let place = around.place(aside(steps, tap));
-            let size = around.size(place);
-            if (differs & size.gt(none)).any() {
+            let radius = around.penumbra_radius(place);
+            if (differs & radius.gt(none)).any() {
                 let square = distance(&here, around.origin(place), around.normal(place));
-                let is_penumbra = size.gt(none) & square.ge(none);
-                let reaches = is_penumbra & square.le(flush(size * size));
-                sum = sum + reaches.select(size, none);
+                let is_penumbra = radius.gt(none) & square.ge(none);
+                let reaches = is_penumbra & square.le(flush(radius * radius));
+                sum = sum + reaches.select(radius, none);
                 count = count + reaches.select(none.broadcast(1.0), none);
-                let far = size + half;
+                let far = radius + half;
                 let is_near = is_penumbra & square.le(flush(far * far));
-                least = is_near.select(least.min(size), least);
+                least = is_near.select(least.min(radius), least);
             }
             tap = SEARCHED.after(tap);
         }
@@ -237,59 +235,58 @@ pub fn filter_penumbra<L: Lane, A: Neighborhood<L>>(
     }
     let blurred = differs & least.lt(least.broadcast(f32::MAX));
     if !blurred.any() {
-        return asked.select(own, own.broadcast(0));
+        return lit.select(own, own.broadcast(0));
     }
 
     let slope = here.normal.dot(here.toward);
     let cell = cell * none.broadcast(LEAST_SLOPE).max(slope);
-    let size = count.gt(none).select(sum * recip(count), least);
-    let radius = size.min(cell * frame.penumbra_window as f32);
+    let radius = count.gt(none).select(sum * recip(count), least);
+    let radius = radius.min(cell * frame.penumbra_window as f32);
     let steps = steps(radius * recip(cell), frame.side);
     let edge = cell.max(radius * SHARE);
     let sharpness = recip(radius * edge) * 0.5;
     let square = radius * radius;
 
     let rows = steps.row();
-    let (mut rest, mut soft) = (blurred, own);
+    let (mut remaining, mut soft) = (blurred, own);
     let mut lane = 0;
     while lane < L::WIDTH {
         let step = rows.at(lane);
-        let now = rest & steps.eq(steps.broadcast(step));
-        if now.any() {
-            if differ(around, step, now, own) {
-                let average = blur(around, &here, step, now, square, sharpness);
-                soft = now.select(average, soft);
+        let active = remaining & steps.eq(steps.broadcast(step));
+        if active.any() {
+            if differ(around, step, active, own) {
+                let average = blur(around, &here, step, active, square, sharpness);
+                soft = active.select(average, soft);
             }
-            rest = rest & !now;
+            remaining = remaining & !active;
         }
         lane += 1;
     }
-    asked.select(soft, own.broadcast(0))
+    lit.select(soft, own.broadcast(0))
 }
 
-/// Whether anything but their own is left around the rays of a mask, whose lattices have these
-/// steps.
+/// Whether the transmittance around active rays, whose lattices have these steps, differs from their own.
 #[inline(always)]
-fn differ<L: Lane, A: Neighborhood<L>>(around: &A, steps: u32, now: L::Mask, own: L::Bits) -> bool {
+fn differ<L: Lane, A: Neighborhood<L>>(around: &A, steps: u32, active: L::Mask, own: L::Bits) -> bool {
     let mut differ = false;
     let mut tap = BLURRED.first();
     while BLURRED.has(tap) && !differ {
         let place = around.place(aside([steps, 1], tap));
-        let left = around.left(place);
-        let other = now & !left.eq(own);
-        differ = other.any() && (other & is_asked::<L>(left, around.size(place))).any();
+        let there = around.transmittance(place);
+        let other = active & !there.eq(own);
+        differ = other.any() && (other & is_potentially_lit::<L>(there, around.penumbra_radius(place))).any();
         tap = BLURRED.after(tap);
     }
     differ
 }
 
-/// The average of what is left around the rays of a mask, whose lattices have these steps.
+/// The average transmittance around active rays, whose lattices have these steps.
 #[inline(always)]
 fn blur<L: Lane, A: Neighborhood<L>>(
     around: &A,
     here: &Here<L>,
     steps: u32,
-    now: L::Mask,
+    active: L::Mask,
     square: L,
     sharpness: L,
 ) -> L::Bits {
@@ -298,13 +295,13 @@ fn blur<L: Lane, A: Neighborhood<L>>(
     let mut tap = BLURRED.first();
     while BLURRED.has(tap) {
         let place = around.place(aside([steps, 1], tap));
-        let left = around.left(place);
-        let asked = now & is_asked::<L>(left, around.size(place));
-        if asked.any() {
-            let there = distance(here, around.origin(place), around.normal(place));
-            let weight = clamp((square - there) * sharpness + 0.5, 0.0, 1.0);
-            let weight = (asked & there.ge(none)).select(weight, none);
-            let light = color::<L>(left);
+        let transmittance = around.transmittance(place);
+        let lit = active & is_potentially_lit::<L>(transmittance, around.penumbra_radius(place));
+        if lit.any() {
+            let distance = distance(here, around.origin(place), around.normal(place));
+            let weight = clamp((square - distance) * sharpness + 0.5, 0.0, 1.0);
+            let weight = (lit & distance.ge(none)).select(weight, none);
+            let light = color::<L>(transmittance);
             total = total + weight;
             red = red + light.x * weight;
             green = green + light.y * weight;
@@ -316,10 +313,11 @@ fn blur<L: Lane, A: Neighborhood<L>>(
     packed([red * inverse, green * inverse, blue * inverse])
 }
 
-/// Whether a light was asked for at rays, by what is left of it there.
+/// Whether shadow rays were traced there: dark rays without a penumbra face away or are out of reach.
 #[inline(always)]
-fn is_asked<L: Lane>(left: L::Bits, size: L) -> L::Mask {
-    !left.eq(left.broadcast(MISSING)) & (!left.eq(left.broadcast(0)) | size.ge(size.broadcast(0.0)))
+fn is_potentially_lit<L: Lane>(transmittance: L::Bits, radius: L) -> L::Mask {
+    let (missing, dark) = (transmittance.broadcast(MISSING), transmittance.broadcast(0));
+    !transmittance.eq(missing) & (!transmittance.eq(dark) | radius.ge(radius.broadcast(0.0)))
 }
 
 /// The least cosine between a surface's normal and the way to the light that is reckoned with.
@@ -422,8 +420,8 @@ fn distance<L: Lane>(here: &Here<L>, origin: V3<L>, normal: V3<L>) -> L {
     let way = origin - here.origin;
     let (square, height) = (flush(way.dot(way)), here.normal.dot(way));
     let along = way.dot(here.toward);
-    let is_flat = (flush(height * height) * FLATNESS).le(square);
-    let is_same = is_flat & square.broadcast(BEND).le(here.normal.dot(normal));
+    let is_flat = square.ge(flush(height * height) * FLATNESS);
+    let is_same = is_flat & here.normal.dot(normal).ge(square.broadcast(BEND));
     let aside = flush(square - along * along);
     is_same.select(aside.max(aside.broadcast(0.0)), aside.broadcast(-1.0))
 }

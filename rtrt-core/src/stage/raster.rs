@@ -29,7 +29,7 @@ use crate::grid::{BLOCK, RayIndex};
 use crate::kernel::project::{ClipWindow, Projected};
 use crate::kernel::ray::point;
 use crate::kernel::screen_bounds::ScreenBounds;
-use crate::kernel::transparency::alpha_mode_of;
+use crate::kernel::transparency::alpha_mode;
 use crate::kernel::triangle::{Triangle, intersect};
 use crate::lane::V3;
 use crate::layout::{AlphaKind, Frame, Hit, Instance, NONE, View};
@@ -84,7 +84,7 @@ pub fn vertex(
         let vertex = placed.first_vertex + meshes.mesh_data[(placed.first_index + number) as usize];
         Projected::point(view, to_world(placed, meshes.positions[vertex as usize]))
     };
-    let is_traced = placed.is_sphere() || alpha_mode_of(placed, meshes.mesh_data) == AlphaKind::Mask as u32;
+    let is_traced = placed.is_sphere() || alpha_mode(placed, meshes.mesh_data) == AlphaKind::Mask as u32;
     let drawn = [instance + 1, if is_traced { NONE } else { triangle }];
     (seen.clip(view, window, frame.magnitude), drawn)
 }

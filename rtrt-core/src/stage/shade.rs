@@ -1,9 +1,9 @@
 //! Shade: the color that a ray brings back.
 
-use crate::kernel::environment::{Sky, arriving as arriving_from, mirrored};
+use crate::kernel::environment::{arriving as arriving_from, mirrored};
 use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, channel, sample};
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
-use crate::layout::{AlphaKind, Backdrop, Frame, MaterialRecord};
+use crate::layout::{AlphaKind, Backdrop, Frame, MaterialRecord, Sky};
 use crate::num::{clamp, flush, flush3, normalize};
 use crate::stage::light::IncomingLight;
 use crate::stage::surface::Surfaces;
@@ -149,7 +149,7 @@ fn surface_material<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32
         highlight: mirror.scale(one - roughness * 0.5),
         emission: V3 { x: flush(er * glow[0]), y: flush(eg * glow[1]), z: flush(eb * glow[2]) },
         occlusion: one + (occluded - one) * strength,
-        unlit: one.le(unlit),
+        unlit: unlit.ge(one),
         alpha: alpha
             .lt(one.broadcast(0.0))
             .select(one, flush(clamp(alpha * texture[3] * painted(3), 0.0, 1.0))),

@@ -1,12 +1,13 @@
 //! Surface: what the lights and the material need to know about a hit.
 
+use crate::kernel::closest_hit::{ClosestHit, ClosestHitRows};
+use crate::kernel::geometry::Geometry;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::footprint;
 use crate::kernel::offset::offset;
 use crate::kernel::ray::{normal, point, vector};
 use crate::kernel::sphere::{self, ENTRY};
 use crate::kernel::texture::TexCoords;
-use crate::kernel::traverse::{ClosestHit, ClosestHitRows, Geometry};
 use crate::kernel::unique_gather::UniqueGather;
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Attribute, Instance, NONE, Surface, View};
@@ -273,7 +274,7 @@ pub fn surface<L: Lane>(
     }
     let area = sqrt(across.dot(across));
     let length = smooth.dot(smooth);
-    let has_normal = length.broadcast(TINY).lt(length);
+    let has_normal = length.gt(length.broadcast(TINY));
     let smooth = flush3(V3::select(has_normal, facing(normalize(smooth), flat), flat));
 
     let place = flush3(place);

@@ -1,15 +1,16 @@
 //! Visibility: the closest surface on each ray of the camera.
 
 use crate::grid::{RayIndex, place};
-use crate::kernel::lists::BlockLists;
+use crate::kernel::closest_hit::ClosestHit;
+use crate::kernel::hit_filter::{Closest, HitFilter};
+use crate::kernel::packet::{Packet, PacketHits};
 use crate::kernel::ray::Ray;
-use crate::kernel::tiles::{TILES, Tiles};
-use crate::kernel::traverse::{
-    Closest, ClosestHit, Geometry, HitFilter, intersect_sphere, ray_hit_mask, traverse,
-};
+use crate::kernel::tiles::Tiles;
+use crate::kernel::traverse::{intersect_sphere, traverse};
 use crate::kernel::view::{camera_direction, camera_ray, central_ray};
 use crate::lane::{Lane, Select, V3, groups};
-use crate::layout::{Frame, Hit, NONE, View};
+use crate::layout::{Frame, Hit, View};
+use crate::stage::context::Context;
 use core::ops::Mul;
 
 /// The rays numbered from `first` on: group after group, lane after lane.
@@ -71,20 +72,17 @@ fn places<L: Lane>(token: L::Token, corner: [u32; 2], number: u32) -> [L; 2] {
 #[inline(always)]
 pub fn visibility<L: Lane, const G: usize>(
     token: L::Token,
-    frame: &Frame,
-    views: &[View],
-    lists: &BlockLists<'_>,
-    geometry: &Geometry<'_>,
+    context: &Context<'_>,
     first: RayIndex,
 ) -> [ClosestHit<L>; G] {
-    let camera = &views[Frame::CAMERA as usize];
+    let (frame, camera) = (context.frame, context.camera());
     let (corner, inside) = frame.grid().corner(first);
-    let mut best = unfound::<L, G>(token, frame, first);
-    let mut filters = [Closest; G];
+    let none = unfound::<L, G>(token, frame, first);
     let block = camera.list(frame.grid().block(first));
-    if lists.is_empty(block) {
-        return best;
+    if context.lists.is_empty(block) {
+        return none;
     }
+    let mut hits = PacketHits::new(none);
     if G > 1 && camera.w_offset == 0.0 {
         let rays: [Ray<L, f32>; G] = groups(
             #[inline(always)]
@@ -93,16 +91,16 @@ pub fn visibility<L: Lane, const G: usize>(
                 central_ray(camera, x, y)
             },
         );
-        closest(lists, geometry, block, &rays, &mut filters, &mut best);
+        trace(context, block, &rays, &mut hits, &mut [Closest; G]);
     } else {
         let rays = rays::<L, G>(token, frame, camera, first);
-        closest(lists, geometry, block, &rays, &mut filters, &mut best);
+        trace(context, block, &rays, &mut hits, &mut [Closest; G]);
     }
-    best
+    hits.closest
 }
 
-/// What the rays numbered from `first` on, all in one block, have found before they search:
-/// nothing. A ray outside the frame looks for nothing.
+/// No hits yet, of the rays numbered from `first` on, all in one block. A ray outside the frame is not
+/// traced.
 #[inline(always)]
 pub fn unfound<L: Lane, const G: usize>(
     token: L::Token,
@@ -118,90 +116,68 @@ pub fn unfound<L: Lane, const G: usize>(
             let [width, height] = grid.rays_across();
             let is_inside = x.lt(x.broadcast(width as f32)) & y.lt(y.broadcast(height as f32));
             let limit = is_inside.select(x.broadcast(f32::MAX), x.broadcast(-1.0));
-            let none = limit.broadcast_bits(NONE);
-            ClosestHit {
-                t: limit,
-                instance: none,
-                triangle: none,
-                u: limit.broadcast(0.0),
-                v: limit.broadcast(0.0),
-            }
+            ClosestHit::none(limit)
         },
     )
 }
 
-/// Meets a packet with the instances of one block's list, near to far, until nothing nearer
-/// can follow.
+/// Traces a packet through the instances of one block's list, near to far, until none that follows can
+/// be nearer.
 ///
-/// A packet passes by the instances whose boxes none of its tiles may meet, before any ray is
-/// transformed.
+/// Instances whose boxes no tile hits are culled before any ray is transformed.
 #[inline(always)]
-pub fn closest<L: Lane + Mul<O, Output = L>, O: Lane, S: HitFilter<L>, const G: usize>(
-    lists: &BlockLists<'_>,
-    geometry: &Geometry<'_>,
+pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: usize>(
+    context: &Context<'_>,
     block: u32,
     rays: &[Ray<L, O>; G],
-    filters: &mut [S; G],
-    best: &mut [ClosestHit<L>; G],
+    hits: &mut PacketHits<L, G>,
+    filters: &mut [F; G],
 ) {
+    let Context { lists, geometry, .. } = context;
     if lists.is_empty(block) {
         return;
     }
-    let token = best[0].t.token();
-    let mut limits = if G == 1 { [0.0; TILES] } else { Tiles::<L, G>::limits(best) };
-    let searching = if G == 1 { 1 } else { Tiles::<L, G>::searching(token, &limits) };
-    if searching == 0 {
+    let active = hits.active();
+    if active == 0 {
         return;
     }
-    let tiles = Tiles::of(rays, best, searching);
+    let tiles = Tiles::of(rays, &hits.closest, active);
+    let packet = Packet { rays, tiles: &tiles };
     let [mut next, last] = lists.range(block);
     while next < last {
         let entry = lists.entry(next);
         next += 1;
         // Keys are depths, and so is a camera ray's t. Light lists have keys of 0, and a
         // packet that is done has a negative limit.
-        let limit = if G == 1 { best[0].t.largest() } else { Tiles::<L, G>::widest(token, &limits) };
-        if limit < f32::from_bits(entry.key) {
+        if hits.limit() < f32::from_bits(entry.key) {
             return;
         }
         let instance = &geometry.instances[entry.instance as usize];
         let (low, high) = instance.padded_aabb(geometry.magnitude);
-        let hit_mask = if G == 1 {
-            ray_hit_mask(rays, &low, &high, 1, best)
-        } else {
-            tiles.hit_mask::<O>(&low, &high, &limits, searching)
-        };
+        let hit_mask = packet.tile_hit_mask(&low, &high, active, hits);
         if hit_mask == 0 {
             continue;
         }
         if instance.is_sphere() {
-            intersect_sphere(
-                geometry,
-                instance.source_instance(entry.instance),
-                rays,
-                hit_mask,
-                &mut limits,
-                filters,
-                best,
-            );
+            intersect_sphere(geometry, entry.instance, &packet, hit_mask, hits, filters);
             continue;
         }
         let is_identity = instance.is_identity == 1;
         let (local_rays, local_tiles);
-        let (here, here_tiles) = if G > 1 && is_identity {
-            (rays, &tiles)
+        let local = if G > 1 && is_identity {
+            packet
         } else {
             local_rays = groups(
                 #[inline(always)]
                 |g| {
-                    let is_met = G == 1 || hit_mask >> Tiles::<L, G>::tile(g) & 1 == 1;
-                    if is_met && !is_identity { rays[g].to_object(instance) } else { rays[g] }
+                    let is_hit = G == 1 || hit_mask >> Tiles::<L, G>::tile(g) & 1 == 1;
+                    if is_hit && !is_identity { rays[g].to_object(instance) } else { rays[g] }
                 },
             );
-            local_tiles = Tiles::of(&local_rays, best, hit_mask);
-            (&local_rays, &local_tiles)
+            local_tiles = Tiles::of(&local_rays, &hits.closest, hit_mask);
+            Packet { rays: &local_rays, tiles: &local_tiles }
         };
-        traverse(geometry, entry.instance, here, here_tiles, hit_mask, &mut limits, filters, best);
+        traverse(geometry, entry.instance, &local, hit_mask, hits, filters);
     }
 }
 

@@ -1,8 +1,7 @@
 //! Textures and environments in the scene's texels.
 
 use super::{Scene, SceneError};
-use crate::kernel::environment::Sky;
-use crate::layout::{Texture, Wrap};
+use crate::layout::{Sky, Texture, Wrap};
 use crate::scene::{Content, Cube, Image, Panorama};
 use alloc::vec::Vec;
 

@@ -1,12 +1,13 @@
 //! Records of instances that are not opaque, for searches.
 
 use super::{Scene, SceneError};
-use crate::kernel::transparency;
-use crate::layout::{AlphaKind, MaterialRecord};
+use crate::layout::{AlphaKind, FinestLevel, MaterialRecord, Transparency, TransparencyVertex};
+use bytemuck::cast_slice;
+use core::slice;
 
 impl Scene {
     /// Where the record of instances of this mesh and material is in `mesh_data` (see
-    /// [`crate::kernel::transparency`]); 0 for a material that is opaque. A record that is missing is
+    /// [`Transparency`]); 0 for a material that is opaque. A record that is missing is
     /// added, one of a material that has changed is written anew.
     pub(in crate::scene) fn transparency(&mut self, mesh: u32, index: u32) -> Result<u32, SceneError> {
         let material = self.material_records[index as usize];
@@ -20,7 +21,7 @@ impl Scene {
         let map = material.textures[MaterialRecord::COLOR];
         let stored = *self.mesh(mesh)?;
         let set = usize::from(map.set == 1 && stored.first_second_uv > 0);
-        let more = (transparency::VERTEX * stored.vertices + transparency::RECORD) as usize;
+        let more = (TransparencyVertex::WORDS * stored.vertices + Transparency::WORDS) as usize;
         if self.mesh_data.len() + more > u32::MAX as usize / 4 {
             return Err(SceneError::TooLarge { what: "triangles" });
         }
@@ -31,48 +32,34 @@ impl Scene {
                 let attribute = self.attributes[(stored.first_vertex + vertex) as usize];
                 let second = (stored.first_second_uv + 2 * vertex) as usize;
                 let uv = match set {
-                    0 => attribute.uv.map(f32::to_bits),
-                    _ => [self.mesh_data[second], self.mesh_data[second + 1]],
+                    0 => attribute.uv,
+                    _ => [self.mesh_data[second], self.mesh_data[second + 1]].map(f32::from_bits),
                 };
-                self.mesh_data.extend([uv[0], uv[1], attribute.color]);
+                let vertex = TransparencyVertex { uv, color: attribute.color };
+                self.mesh_data.extend_from_slice(cast_slice(&[vertex]));
             }
         }
-        let [r, g, b] = material.base.map(f32::to_bits);
-        let size = if map.levels > 0 { [map.width, map.height] } else { [0; 2] };
-        let [[ux, uy], [vx, vy]] = map.turn.map(|row| row.map(f32::to_bits));
-        let [shift_u, shift_v] = map.shift.map(f32::to_bits);
-        let record: [u32; transparency::RECORD as usize] = [
-            material.alpha_mode,
-            material.cutoff.to_bits(),
-            r,
-            g,
-            b,
-            material.alpha.to_bits(),
-            self.meshes[mesh as usize].transparencies[set],
-            map.first,
-            size[0],
-            size[1],
-            map.wrap_u,
-            map.wrap_v,
-            ux,
-            uy,
-            vx,
-            vy,
-            shift_u,
-            shift_v,
-        ];
+        let [r, g, b] = material.base;
+        let record = Transparency {
+            alpha_mode: material.alpha_mode,
+            cutoff: material.cutoff,
+            base: [r, g, b, material.alpha],
+            first_vertex: self.meshes[mesh as usize].transparencies[set],
+            texture: FinestLevel::new(&map),
+        };
         let at = match self.transparencies.get(&(mesh, index)) {
             Some(&at) => at,
             None => {
                 let at = self.mesh_data.len() as u32;
-                self.mesh_data.extend([u32::MAX; transparency::RECORD as usize]);
+                self.mesh_data.extend([u32::MAX; Transparency::WORDS as usize]);
                 self.transparencies.insert((mesh, index), at);
                 at
             }
         };
+        let record: &[u32] = cast_slice(slice::from_ref(&record));
         let place = &mut self.mesh_data[at as usize..][..record.len()];
         if place != record {
-            place.copy_from_slice(&record);
+            place.copy_from_slice(record);
             self.versions.geometry += 1;
         }
         Ok(at)

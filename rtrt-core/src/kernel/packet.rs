@@ -1,0 +1,152 @@
+//! A packet: groups of rays that traverse together, and what they have found.
+
+use crate::kernel::closest_hit::ClosestHit;
+use crate::kernel::ray::Ray;
+use crate::kernel::slab::{RelativeBox, intersects};
+use crate::kernel::tiles::{TILES, Tiles};
+use crate::lane::{Lane, Mask};
+use core::ops::Mul;
+
+/// Up to so many active tiles test a box ray by ray: that is as quick as the tiles' bounds, and exact.
+/// One more where rays have origins of their own: the bounds of their tiles then take longer to test,
+/// and cull less.
+const RAY_TEST_MAX_TILES: [u32; 2] = [5, 6];
+
+/// The rays of a packet in one space, and the bounds of its tiles there.
+///
+/// A packet of one group, as a GPU invocation has it, is one tile. Sets of tiles are words: bit `i` stands
+/// for tile `i`.
+#[derive(Clone, Copy)]
+pub struct Packet<'a, L: Lane, O: Lane, const G: usize> {
+    /// Group after group.
+    pub rays: &'a [Ray<L, O>; G],
+    /// Bounds on them; those of a packet of one group are never read.
+    pub tiles: &'a Tiles<L, G>,
+}
+
+/// What the rays of a packet have found so far.
+#[derive(Clone, Copy)]
+pub struct PacketHits<L: Lane, const G: usize> {
+    /// The closest hit of each group; its `t` is the limit up to which a ray is still traced.
+    pub closest: [ClosestHit<L>; G],
+    /// The largest limit of each tile; unused by a packet of one group.
+    limits: [f32; TILES],
+}
+
+impl<L: Lane, const G: usize> PacketHits<L, G> {
+    /// Rays that are traced up to the `t` of `closest`.
+    #[inline(always)]
+    pub fn new(closest: [ClosestHit<L>; G]) -> Self {
+        let limits = if G == 1 { [0.0; TILES] } else { Tiles::<L, G>::limits(&closest) };
+        Self { closest, limits }
+    }
+
+    /// The tiles with a ray that is still traced. Of a packet of one group, its tile.
+    #[inline(always)]
+    pub fn active(&self) -> u32 {
+        if G == 1 { 1 } else { Tiles::<L, G>::active(self.closest[0].t.token(), &self.limits) }
+    }
+
+    /// The largest limit of all rays; negative when none is traced any more.
+    #[inline(always)]
+    pub fn limit(&self) -> f32 {
+        if G == 1 {
+            self.closest[0].t.largest()
+        } else {
+            Tiles::<L, G>::widest(self.closest[0].t.token(), &self.limits)
+        }
+    }
+
+    /// Finds the limits of these tiles anew, after those of their rays have changed.
+    #[inline(always)]
+    pub fn update_limits(&mut self, changed: u32) {
+        let mut remaining = changed;
+        while G > 1 && remaining != 0 {
+            let tile = remaining.trailing_zeros() as usize;
+            remaining &= remaining - 1;
+            self.limits[tile] = Tiles::<L, G>::limit(&self.closest, tile);
+        }
+    }
+}
+
+impl<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize> Packet<'_, L, O, G> {
+    /// The tiles of `active` that may hit a box before their limits: all that do, and few more.
+    #[inline(always)]
+    pub fn hit_mask(&self, low: &[f32; 3], high: &[f32; 3], active: u32, hits: &PacketHits<L, G>) -> u32 {
+        let few = RAY_TEST_MAX_TILES[(O::WIDTH == L::WIDTH) as usize];
+        if G == 1 || active.count_ones() <= few {
+            ray_hit_mask(self.rays, low, high, active, &hits.closest)
+        } else {
+            self.tile_hit_mask(low, high, active, hits)
+        }
+    }
+
+    /// [`Packet::hit_mask`] by the bounds of tiles, however few are active.
+    #[inline(always)]
+    pub fn tile_hit_mask(
+        &self,
+        low: &[f32; 3],
+        high: &[f32; 3],
+        active: u32,
+        hits: &PacketHits<L, G>,
+    ) -> u32 {
+        if G == 1 {
+            ray_hit_mask(self.rays, low, high, active, &hits.closest)
+        } else {
+            self.tiles.hit_mask::<O>(low, high, &hits.limits, active)
+        }
+    }
+
+    /// The first ray of the first tile in `active`.
+    #[inline(always)]
+    pub fn first_active(&self, active: u32) -> &Ray<L, O> {
+        &self.rays[first_active_group::<L, G>(active)]
+    }
+}
+
+/// The groups of a tile: the first, and the one after the last.
+#[inline(always)]
+pub fn groups_of_tile<L: Lane, const G: usize>(tile: usize) -> (usize, usize) {
+    if G == 1 { (0, 1) } else { Tiles::<L, G>::groups(tile) }
+}
+
+/// The first tile of a set that is not empty. A packet of one group has only one.
+#[inline(always)]
+pub fn first_tile<const G: usize>(tiles: u32) -> usize {
+    if G == 1 { 0 } else { tiles.trailing_zeros() as usize }
+}
+
+/// The first group of the first tile in `active`.
+#[inline(always)]
+fn first_active_group<L: Lane, const G: usize>(active: u32) -> usize {
+    groups_of_tile::<L, G>(first_tile::<G>(active)).0
+}
+
+/// The tiles of `active` in which a ray hits the box.
+#[inline(always)]
+pub fn ray_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
+    rays: &[Ray<L, O>; G],
+    low: &[f32; 3],
+    high: &[f32; 3],
+    active: u32,
+    closest: &[ClosestHit<L>; G],
+) -> u32 {
+    let shared = RelativeBox::new(rays[first_active_group::<L, G>(active)].origin, low, high);
+    if G == 1 {
+        return intersects(&rays[0], &shared, closest[0].t).any() as u32;
+    }
+    let mut hit_mask = 0;
+    let mut remaining = active;
+    while remaining != 0 {
+        let tile = remaining.trailing_zeros();
+        remaining &= remaining - 1;
+        let (mut g, end) = Tiles::<L, G>::groups(tile as usize);
+        while g < end {
+            let ray = &rays[g];
+            let relative = if O::WIDTH < L::WIDTH { shared } else { RelativeBox::new(ray.origin, low, high) };
+            hit_mask |= (intersects(ray, &relative, closest[g].t).any() as u32) << tile;
+            g += 1;
+        }
+    }
+    hit_mask
+}
