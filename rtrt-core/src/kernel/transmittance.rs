@@ -74,8 +74,11 @@ impl<L: Lane, const BLOCKER: bool> Transmittance<L, BLOCKER> {
         let inverse = recip(sum.max(sum.broadcast(1.0)));
         let alpha = sum * UNIT;
         let uncovered = clamp(sum.broadcast(1.0) - alpha, 0.0, 1.0);
-        let share = |sum: L::Bits| uncovered * (uncovered + alpha * (from_integer::<L>(sum) * inverse));
-        let word = packed([share(self.red), share(self.green), share(self.blue)]);
+        let word = packed([
+            share(self.red, inverse, alpha, uncovered),
+            share(self.green, inverse, alpha, uncovered),
+            share(self.blue, inverse, alpha, uncovered),
+        ]);
         self.dark.eq(none).select(word, none)
     }
 
@@ -100,6 +103,12 @@ impl<L: Lane, const BLOCKER: bool> Transmittance<L, BLOCKER> {
 #[inline(always)]
 pub fn packed<L: Lane>([red, green, blue]: [L; 3]) -> L::Bits {
     channel(red) | channel(green) << 10 | channel(blue) << 20
+}
+
+/// The transmittance of a channel: see [`Transmittance::word`].
+#[inline(always)]
+fn share<L: Lane>(tints: L::Bits, inverse: L, alpha: L, uncovered: L) -> L {
+    uncovered * (uncovered + alpha * (from_integer::<L>(tints) * inverse))
 }
 
 /// A channel of a word.
