@@ -12,9 +12,9 @@ use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
 
-/// Runs two halves of a build; a backend with threads runs them at once.
+/// Runs two halves of a build, in parallel if the caller has threads.
 pub trait Join: Sync {
-    /// The results of both.
+    /// Runs both and returns their results.
     fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B);
 }
 
@@ -28,7 +28,7 @@ impl Join for Sequential {
     }
 }
 
-/// The tree of a mesh.
+/// The BVH of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bvh {
     /// Nodes, the root first; children are neighbors.
@@ -41,26 +41,26 @@ pub struct Bvh {
 const BINS: usize = 16;
 /// Cost of a visit to a node, in triangle tests, as long as triangles are put in order.
 const SPLIT_COST: f32 = 0.6;
-/// The same when it is decided which splits stay: caches and branches count, too. Measured: with
-/// 1 to 2, visibility of dragon_res2 takes a tenth less, from 2.5 on that of Sponza takes more.
-/// (Another order would be other numbers, and so other winners where triangles are met at once.)
+/// The cost that decides which splits are merged: it includes caches and branches. Measured: 1 to 2 make
+/// visibility of dragon_res2 a tenth faster, 2.5 and more make that of Sponza slower. (It does not change
+/// the order of triangles, whose numbers decide between equal hits.)
 const VISIT_COST: f32 = 1.75;
-/// The most triangles in a leaf, unless they cannot be told apart.
+/// The largest number of triangles in a leaf, unless their centers coincide.
 const LEAF: usize = 8;
-/// Below this depth nodes are split in halves, which bounds the depth of any tree.
+/// Below this depth nodes are split into halves, which bounds the depth of the tree.
 const DEEP: usize = 36;
 const _: () = assert!(DEEP + 26 < STACK);
 /// Nodes with fewer triangles are built by one worker.
 const PARALLEL: usize = 4096;
 
 impl Bvh {
-    /// The tree of the mesh. The same for every `join`: workers build disjoint parts, and
-    /// every sum runs in one order.
+    /// The BVH of the mesh. It does not depend on `join`: workers build disjoint parts, and every sum
+    /// runs in one order.
     ///
     /// Splits are the cheapest of the surface area heuristic over 16 bins on each axis
     /// (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007). Where
-    /// centers coincide, or too deep down, a node is split into halves. Splits that then turn out
-    /// not to pay are taken back, from the leaves up. A mesh without triangles has one empty leaf.
+    /// centers coincide, or below a fixed depth, a node is split into halves. Splits that do not pay are
+    /// then merged, from the leaves up. A mesh without triangles has one empty leaf.
     pub fn build(mesh: &Mesh, join: &impl Join) -> Self {
         let boxes: Vec<Bounds> = mesh
             .indices()
@@ -81,23 +81,22 @@ impl Bvh {
     }
 }
 
-/// Why a tree was refused.
+/// Why links make no BVH.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("not a tree of the mesh: {0}")]
 pub struct BvhError(&'static str);
 
 impl Bvh {
-    /// What cannot be computed from the mesh again: `[first, kind]` of each node.
+    /// `[first, kind]` of each node: the data that cannot be computed from the mesh again.
     pub fn links(&self) -> Vec<[u32; 2]> {
         self.nodes.iter().map(|node| [node.first, node.kind]).collect()
     }
 
-    /// The tree of the mesh with these [`Bvh::links`] and triangles in the order of its
-    /// leaves, as they may have been kept in a file. Its boxes are computed from the mesh, so no
-    /// hit is lost whatever the links say.
+    /// The BVH with these [`Bvh::links`] and with `triangles` in the order of its leaves, such as a file
+    /// stores them. Its boxes are computed from the mesh, so wrong links lose no hit.
     ///
     /// # Errors
-    /// They are no tree that holds every triangle of the mesh once, or too deep a one.
+    /// The links are no tree, hold a triangle never or twice, or are too deep.
     pub fn from_links(mesh: &Mesh, links: &[[u32; 2]], triangles: Vec<u32>) -> Result<Self, BvhError> {
         check(mesh.triangles(), links, &triangles)?;
         let node = |&[first, kind]: &[u32; 2]| Node { first, kind, ..Node::zeroed() };
@@ -110,8 +109,8 @@ impl Bvh {
     }
 }
 
-/// Whether the links make a tree: every node but the root is one of two neighbors below one
-/// node before them, every triangle is in one leaf, and a stack is deep enough.
+/// Whether the links make a tree: every node but the root is one of two neighbors below one earlier
+/// node, every triangle is in one leaf, and the depth fits the stack of a traversal.
 fn check(count: usize, links: &[[u32; 2]], triangles: &[u32]) -> Result<(), BvhError> {
     let once = |seen: &mut Vec<bool>, index: usize, what| match seen.get_mut(index) {
         Some(seen) if !*seen => {
@@ -153,8 +152,8 @@ fn check(count: usize, links: &[[u32; 2]], triangles: &[u32]) -> Result<(), BvhE
     Ok(())
 }
 
-/// Computes the boxes of a tree from its leaves up. `corner(3 · i + k)` is where corner `k` of
-/// the triangle `i` of the leaves is. Nodes come before their children.
+/// Computes the boxes of a BVH from its leaves up. `corner(3 · i + k)` is the position of corner `k` of
+/// triangle `i` in the order of the leaves. Nodes come before their children.
 pub(super) fn refit(nodes: &mut [Node], corner: impl Fn(usize) -> [f32; 3]) {
     for index in (0..nodes.len()).rev() {
         let Node { first, .. } = nodes[index];
@@ -216,7 +215,7 @@ impl Bounds {
         }
         both
     }
-    /// Whether nothing is inside, not even a point.
+    /// Whether the box holds no point.
     pub fn is_empty(&self) -> bool {
         self.low[0] > self.high[0]
     }
@@ -232,13 +231,13 @@ impl Bounds {
     }
 }
 
-/// What every node of one build shares.
+/// The data that all nodes of one build share.
 struct Build<'a, J> {
     boxes: &'a [Bounds],
     join: &'a J,
 }
 
-/// The part of a tree that one worker builds: where its nodes go, and its triangles.
+/// The part of a BVH that one worker builds: the place of its nodes, and its triangles.
 struct BuildRange<'a> {
     nodes: &'a mut [Node],
     first_node: usize,
@@ -254,7 +253,7 @@ struct Split {
     scale: Scale,
 }
 
-/// How centers along an axis map to bins.
+/// The map from centers along an axis to bins.
 #[derive(Clone, Copy)]
 struct Scale {
     low: f32,
@@ -273,7 +272,7 @@ impl<J: Join> Build<'_, J> {
         &self.boxes[reference as usize]
     }
 
-    /// Builds the part and gives its root, and what a visit to it costs, in triangle tests.
+    /// Builds the part. Returns its root and the cost of a visit to it, in triangle tests.
     fn node(&self, part: BuildRange<'_>, depth: usize) -> (Node, f32) {
         let BuildRange { nodes, first_node, references, first } = part;
         let count = references.len();
@@ -323,8 +322,7 @@ impl<J: Join> Build<'_, J> {
         (Node { first: first_node as u32, kind: axis as u32, ..leaf }, cost)
     }
 
-    /// The cheapest split, its cost relative to a triangle test; none if all centers
-    /// coincide.
+    /// The cheapest split with its cost in triangle tests; `None` if all centers coincide.
     fn split(&self, references: &[u32], bounds: &Bounds, centers: &Bounds) -> Option<Split> {
         let scales: [Option<Scale>; 3] = core::array::from_fn(|axis| {
             let extent = centers.high[axis] - centers.low[axis];
@@ -369,8 +367,8 @@ impl<J: Join> Build<'_, J> {
         best
     }
 
-    /// Moves the references left of the split to the front; gives how many there are, at
-    /// least 1 and fewer than all.
+    /// Moves the references left of the split to the front. Returns their number, at least 1 and less than
+    /// all.
     fn partition(&self, references: &mut [u32], split: &Split) -> usize {
         let is_left = |r: u32| split.scale.bin(self.bounds(r).center2(split.axis)) < split.bin;
         let mut middle = 0;
@@ -395,8 +393,8 @@ mod tests {
         Mesh::new(positions, vec![Attribute::zeroed(); count], (0..count as u32).collect()).unwrap()
     }
 
-    /// Checks that every triangle is in exactly one leaf and in the box of every node
-    /// above it; gives the depth.
+    /// Checks that every triangle is in exactly one leaf and in the box of every node above it. Returns
+    /// the depth.
     fn check(mesh: &Mesh) -> usize {
         let tree = Bvh::build(mesh, &Sequential);
         let mut seen = vec![0; mesh.triangles()];
@@ -456,8 +454,8 @@ mod tests {
         assert!(check(&mesh(&triangles)) < STACK);
     }
 
-    /// What a visit to a node costs, and its triangles; counts leaves of more than one, and inner nodes
-    /// that could be leaves, of which each has to cost less than its triangles would.
+    /// The cost of a visit to a node, and its number of triangles. Counts leaves of more than one triangle,
+    /// and inner nodes small enough for a leaf; those must cost less than their triangles.
     fn cost(tree: &Bvh, node: &Node, small: &mut [u32; 2]) -> (f32, u32) {
         if node.is_leaf() {
             small[0] += u32::from(node.triangles() > 1);

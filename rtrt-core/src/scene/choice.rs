@@ -1,32 +1,29 @@
-//! Choices that a scene offers, and that change no picture, or little of it.
+//! Settings of a scene that change no picture, or little of it.
 
-/// How the levels of textures are chosen.
+/// How mip levels are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mip {
     /// By the distance of a surface, as in the paper.
     #[default]
     Distance,
-    /// By its distance and the angle at which it is seen: its footprint is divided by the cosine
-    /// between ray and normal, so that what is seen at a grazing angle is blurred rather than
-    /// noisy.
+    /// By the distance and the angle of the surface: the footprint is divided by the cosine between ray and
+    /// normal, so grazing surfaces are blurred rather than noisy.
     Angle,
 }
 
-/// What keeps rays from being asked for every instance. No picture depends on it.
+/// The structure that limits the instances a ray is tested against. No picture depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Structure {
-    /// Each block of each view has a list of what its rays may meet: of the camera's views, parts
-    /// of instances while there are few instances with many triangles, or else instances.
+    /// Each block of each view has a list of instances that its rays may hit. The camera's lists hold parts
+    /// of instances if the scene has few instances with many triangles.
     #[default]
     Blocks,
-    /// Each block of each view has a list of the instances that its rays may meet.
+    /// Each block of each view has a list of the instances that its rays may hit.
     Objects,
-    /// The lists of the camera's blocks hold parts of instances: of their meshes' trees the largest
-    /// nodes that have at most so many triangles; with 1 (or 0), all leaves. Lights have lists of
-    /// instances.
+    /// The camera's lists hold parts of instances: the largest nodes of their BVHs with at most this many
+    /// triangles; with 1 (or 0) the leaves. Lights have lists of instances.
     Parts(u32),
-    /// Nothing: all blocks of a view share one list of all instances, in their order. To show what
-    /// blocks are worth.
+    /// All blocks of a view share one list of all instances, in their order. It shows the gain of blocks.
     None,
 }
 

@@ -4,21 +4,18 @@ use crate::scene::environment::usable;
 use alloc::vec::Vec;
 use glam::DVec3;
 
-/// Light from all around: what is seen through the six sides of a cube around the origin, linear
-/// RGB.
+/// Light from all around: the pictures on the six sides of a cube around the origin, linear RGB.
 ///
-/// The pictures are those of cube maps elsewhere, named px, nx, py, ny, pz, nz: px is seen toward
-/// +x, nx toward −x, py toward +y, ny toward −y. As those have their axes the other way around than
-/// a scene (left-handed), one has to be turned for writing in them to stay readable, and that is z:
-/// pz, the picture in front, is seen toward −z, where a camera looks that is not turned, and nz
-/// toward +z. Without rotation of the head, their upper edges are up; that of py is behind, that of
-/// ny in front.
+/// The pictures follow the convention of cube maps: px, nx, py, ny, pz, nz. px lies toward +x, nx toward
+/// −x, py toward +y, ny toward −y. Cube maps are left-handed, a scene is right-handed, so one axis turns
+/// around to keep text readable: pz lies toward −z, where a camera without rotation looks, and nz toward
+/// +z. The upper edges of px, nx, pz, nz are up; the upper edge of py is behind, that of ny in front.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cube {
     /// Columns of each picture, and rows.
     pub side: u32,
-    /// px, nx, py, ny, pz, nz, each row by row. What is negative or no number counts as 0, what is
-    /// beyond 65,408 as that.
+    /// px, nx, py, ny, pz, nz, each row by row. Negative numbers and NaN count as 0, larger ones than
+    /// 65,408 as 65,408.
     pub faces: [Vec<[f32; 3]>; 6],
 }
 
@@ -26,21 +23,21 @@ pub struct Cube {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{pixels} pixels do not make the picture {} of a cube of side {side}, within 1 .. {}", Cube::NAMES[*face], Cube::MAX_SIDE)]
 pub struct CubeError {
-    /// Which picture.
+    /// The picture.
     pub face: usize,
-    /// Columns and rows that it should have.
+    /// Expected columns and rows.
     pub side: u32,
-    /// How many pixels it has.
+    /// Pixels that it has.
     pub pixels: usize,
 }
 
 impl Cube {
-    /// What the pictures are called, in their order.
+    /// The names of the pictures, in their order.
     pub const NAMES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
     /// The most columns of a picture.
     pub const MAX_SIDE: u32 = 8192;
 
-    /// Whether all pictures have as many pixels as they should.
+    /// Checks the number of pixels of all pictures.
     pub(super) fn check(&self) -> Result<(), CubeError> {
         let side = self.side;
         let wanted = u64::from(side) * u64::from(side);
@@ -60,7 +57,7 @@ impl Cube {
         above.lerp(below, y - upper)
     }
 
-    /// A texel of a face; of its neighbor, where the face has none there.
+    /// A texel of a face, or of its neighbor for a place beyond its edge.
     fn texel(&self, number: usize, at: [f64; 2]) -> DVec3 {
         let side = f64::from(self.side);
         let is_within = at.iter().all(|c| (0.0..side).contains(c));
@@ -76,7 +73,8 @@ impl Cube {
     }
 }
 
-/// The face that a direction goes through, and where: from the left and from above, `0 ..= 1`.
+/// The face that a direction passes through, and the place on it from the left and from above,
+/// `0 ..= 1`.
 fn face(d: DVec3) -> (usize, [f64; 2]) {
     let DVec3 { x, y, z } = d;
     let (number, most, right, down) = if x.abs() >= y.abs() && x.abs() >= z.abs() {

@@ -6,15 +6,15 @@ use crate::scene::place;
 use crate::scene::{Scene, SetupError, Structure, Versions};
 use alloc::vec::Vec;
 
-/// Objects, then their parts: kept while nothing changes that they depend on.
+/// Instances, then their parts. They are reused until something that they depend on changes.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BvhCut {
-    /// The scene, its versions, which levels of detail were chosen, and the triangles that a part
-    /// has at most; none where there are no parts.
+    /// The key of the parts: the scene, its versions, the chosen levels of detail, and the largest number of
+    /// triangles of a part. `None` without parts.
     source: Option<(u32, Versions, u32, u32)>,
-    /// The triangles that a part has at most, where there are parts.
+    /// The largest number of triangles of a part, if there are parts.
     pub triangles: Option<u32>,
-    /// Whether there are never any.
+    /// Whether instances stay whole, whatever the scene asks for.
     pub are_refused: bool,
     instances: Vec<Instance>,
     /// Nodes that may have to be divided.
@@ -24,14 +24,13 @@ pub(super) struct BvhCut {
 /// The most parts that a frame may have.
 const MOST: usize = 1 << 20;
 
-/// About so many parts are made of scenes that have fewer instances. Measured: with more, scenes
-/// whose instances stand side by side get slower, those whose instances lie behind one another faster.
+/// The approximate number of parts of scenes with fewer instances. Measured: more parts slow down scenes
+/// whose instances stand side by side, and speed up scenes whose instances lie behind one another.
 const USUAL: u64 = 256;
-/// The least triangles that are worth a part.
+/// The smallest number of triangles that pays for a part.
 const LEAST: u64 = 64;
 
-/// How many triangles a part of these instances should have at most; none where parts would gain
-/// nothing.
+/// The largest number of triangles of a part of these instances; `None` where parts gain nothing.
 fn triangles(instances: &[Instance]) -> Option<u32> {
     if instances.len() as u64 >= USUAL {
         return None;
@@ -47,9 +46,9 @@ impl BvhCut {
         &self.instances
     }
 
-    /// Makes the parts of a frame's instances that the scene asks for, unless those at hand are the
-    /// same. `chosen` is another number wherever instances are others for the same scene. Gives the
-    /// first of what the camera's lists choose from, and how many these are.
+    /// Builds the parts that the scene asks for, or reuses those of the last frame if they are equal.
+    /// `chosen` changes whenever the levels of detail do. Returns the first of the instances or parts that
+    /// the camera's lists choose from, and their number.
     pub fn prepare(
         &mut self,
         scene: &Scene,
@@ -121,8 +120,8 @@ impl BvhCut {
     }
 }
 
-/// How many triangles a node holds. They are numbered in the order of the leaves: from the first
-/// of its first leaf to the last of its last one.
+/// The number of triangles below a node. Triangles are numbered in the order of the leaves, so it is the
+/// last one of the last leaf less the first one of the first leaf, plus 1.
 fn held(nodes: &[Node], root: u32, node: &Node) -> u32 {
     let leaf = |side: u32| {
         let mut node = node;

@@ -17,7 +17,7 @@ pub struct Panorama {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Row by row. What is negative or no number counts as 0, what is beyond 65,408 as that.
+    /// Row by row. Negative numbers and NaN count as 0, larger ones than 65,408 as 65,408.
     pub rgb: Vec<[f32; 3]>,
 }
 
@@ -29,14 +29,14 @@ pub struct PanoramaError {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// How many pixels there are.
+    /// The number of pixels.
     pub pixels: usize,
 }
 
 /// The brightest that a texel can be: 511/512 · 2¹⁶.
 const BRIGHTEST: f32 = 65_408.0;
 
-/// A channel of a picture as it counts.
+/// A channel of a picture, clamped to the range of a texel.
 pub(super) fn usable(channel: f32) -> f64 {
     if channel > 0.0 { f64::from(channel.min(BRIGHTEST)) } else { 0.0 }
 }
@@ -81,8 +81,7 @@ impl Cube {
     }
 }
 
-/// Appends the squares of a picture that shows so many pixels in half a turn, and says where they
-/// are.
+/// Appends the squares of a picture with `half_turn` pixels in half a turn; returns their place.
 ///
 /// All is computed in `f64`, by `libm`, in one order: every host gets the same words.
 fn append(half_turn: u32, toward: impl Fn(DVec3) -> DVec3, texels: &mut Vec<u32>) -> Sky {
@@ -134,7 +133,7 @@ impl Square {
                 texels[(y as usize + 1) * width + x as usize + 1] = texel([x, y]);
             }
         }
-        // What lies across an edge is the same edge, seen from its middle the other way.
+        // An edge continues in itself, mirrored at its middle.
         let last = width - 1;
         for i in 1..last {
             let opposite = last - i;
@@ -203,7 +202,7 @@ fn middle(side: u32, [x, y]: [u32; 2]) -> [f64; 2] {
     [x, y].map(|c| (f64::from(c) + 0.5) / f64::from(side))
 }
 
-/// What a surface of this roughness mirrors, by the microfacet distribution of width
+/// The light that a surface of this roughness reflects, by the microfacet distribution of width
 /// `roughness²` (GGX; Walter et al. 2007), seen head-on (Karis, "Real Shading in Unreal
 /// Engine 4", 2013): the mean of the light from 64 directions, each taken from a square as
 /// coarse as the directions lie apart (Křivánek and Colbert, "Real-time Shading with Filtered

@@ -5,7 +5,7 @@ use crate::layout::{Texture, Wrap};
 use crate::num::{floor, srgb_decode, srgb_encode};
 use alloc::vec::Vec;
 
-/// What the bytes of an image stand for.
+/// The meaning of the bytes of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Content {
     /// sRGB, and alpha.
@@ -44,7 +44,7 @@ pub enum ImageError {
         width: u32,
         /// Rows.
         height: u32,
-        /// How many bytes there are.
+        /// The number of bytes.
         bytes: usize,
     },
 }
@@ -65,7 +65,7 @@ impl Image {
         Ok(())
     }
 
-    /// Appends the mip chain to `texels`, where its levels start first, and says where it lies.
+    /// Appends the starts of the levels and the mip chain to `texels`. Returns its place.
     ///
     /// Each level halves the one before, rounding down; a texel is the average of the
     /// texels it covers (two by two, or three where a size is odd), in linear light if they
@@ -143,7 +143,7 @@ fn average(
     })
 }
 
-/// The words that texels start with: the linear light of each byte, as bits.
+/// The first words of the texels: the linear light of each byte, as bits.
 pub(super) fn decode_words() -> Vec<u32> {
     (0..DECODE_WORDS).map(|byte| srgb_decode(byte as f32 / 255.0).to_bits()).collect()
 }

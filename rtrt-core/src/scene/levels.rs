@@ -1,4 +1,4 @@
-//! Levels of detail: instances that have another mesh when they are farther away.
+//! Levels of detail: an instance shows a coarser mesh from a distance on.
 
 use crate::layout::Instance;
 use crate::scene::bvh::Bounds;
@@ -7,28 +7,28 @@ use crate::scene::{InstanceIndex, MaterialIndex, MeshIndex, Scene, SceneError, V
 use alloc::vec::Vec;
 use glam::{DVec3, Mat4, Vec3};
 
-/// Another mesh of an instance.
+/// A coarser mesh of an instance.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LodLevel {
-    /// From this distance on.
+    /// The least distance at which it is shown, world units.
     from: f32,
-    /// Which mesh.
+    /// The mesh.
     pub mesh: MeshIndex,
-    /// The instance that it then is.
+    /// The instance with this mesh.
     pub placed: Instance,
 }
 
 impl Scene {
-    /// Gives an instance other meshes from some distances on; those of before are forgotten. Its
-    /// own mesh is for what is nearer than all of them.
+    /// Replaces the levels of detail of an instance: pairs of a distance and the mesh that is shown from it
+    /// on. Nearer than all distances the instance shows its own mesh.
     ///
     /// Distances are from the camera to the nearest point of the bounds that the instance has with
-    /// its own mesh, so that what is chosen does not depend on what was chosen before. It is
-    /// chosen once a frame, for everything in it: a shadow is that of the mesh that is seen.
+    /// its own mesh, so the choice does not depend on earlier choices. It is
+    /// made once a frame for camera and lights: a shadow is that of the mesh in the picture.
     ///
     /// # Errors
     /// An index is of another scene, a distance is not a number above 0, or the instance would be
-    /// out of range; nothing has changed then.
+    /// out of range. The scene then stays as it was.
     pub fn set_levels(
         &mut self,
         instance: InstanceIndex,
@@ -69,7 +69,7 @@ impl Scene {
         Ok(())
     }
 
-    /// An instance's levels, placed elsewhere.
+    /// The levels of an instance with another transform.
     pub(super) fn moved_levels(&self, instance: usize, to_world: Mat4) -> Result<Vec<LodLevel>, SceneError> {
         let levels = self.levels.get(&(instance as u32)).map_or(&[][..], |levels| levels);
         let moved = levels.iter().map(|level| {
@@ -79,8 +79,7 @@ impl Scene {
         moved.collect()
     }
 
-    /// The levels of all instances that have this mesh as one of theirs, where it now is as `stored`
-    /// says.
+    /// The levels of all instances that use this mesh as a level, after its shape changed to `stored`.
     pub(super) fn reshaped_levels(
         &self,
         mesh: MeshIndex,
@@ -96,7 +95,7 @@ impl Scene {
         Ok(placed)
     }
 
-    /// Keeps what [`Scene::reshaped_levels`] has found.
+    /// Stores the result of [`Scene::reshaped_levels`].
     pub(super) fn replace_levels(&mut self, placed: Vec<(u32, usize, Instance)>) {
         for (instance, number, placed) in placed {
             if let Some(levels) = self.levels.get_mut(&instance) {
@@ -105,7 +104,7 @@ impl Scene {
         }
     }
 
-    /// The level that a camera at `eye` sees of each instance that has any; none for its own mesh.
+    /// For each instance with levels, the one that a camera at `eye` sees; `None` for the instance's own mesh.
     fn seen_levels(&self, eye: Vec3) -> impl Iterator<Item = (usize, Option<&LodLevel>)> {
         self.levels.iter().map(move |(&index, levels)| {
             let index = index as usize;
@@ -116,18 +115,18 @@ impl Scene {
     }
 }
 
-/// The instances of a frame of a scene where some have levels.
+/// The instances of a frame with their chosen levels of detail.
 #[derive(Debug, Clone)]
 pub(super) struct LodSelection {
-    /// Whether some have.
+    /// Whether any instance has levels.
     pub is_needed: bool,
     scene: u32,
     versions: Versions,
-    /// The distances from which on the levels are seen that were chosen; 0 for an instance's own mesh.
+    /// The distances of the chosen levels; 0 for an instance's own mesh.
     from: Vec<f32>,
     instances: Vec<Instance>,
     pub bounds: Bounds,
-    /// Another number whenever other instances were chosen.
+    /// Counts changes of the choice.
     pub changes: u32,
 }
 
@@ -146,12 +145,12 @@ impl Default for LodSelection {
 }
 
 impl LodSelection {
-    /// The instances of the frame: the scene's, or those with the levels that were chosen.
+    /// The instances of the frame: the scene's, or copies with the chosen levels.
     pub fn instances<'a>(&'a self, scene: &'a Scene) -> &'a [Instance] {
         if self.is_needed { &self.instances } else { scene.instances() }
     }
 
-    /// Chooses what a camera at `eye` sees. Nothing is done where that is what was chosen last.
+    /// Chooses the levels for a camera at `eye`, and copies instances only if the choice changed.
     pub fn choose(&mut self, scene: &Scene, eye: Vec3) {
         self.is_needed = !scene.levels.is_empty();
         if !self.is_needed {
@@ -181,7 +180,7 @@ impl LodSelection {
     }
 }
 
-/// From a place to the nearest point of an instance's bounds; 0 inside.
+/// The distance from a point to the bounds of an instance, world units; 0 inside.
 fn distance(from: Vec3, instance: &Instance) -> f64 {
     let [low, high] = [instance.low, instance.high].map(|corner| Vec3::from(corner).as_dvec3());
     let from = from.as_dvec3();

@@ -56,8 +56,7 @@ pub struct Light {
     pub radius: f32,
 }
 
-/// A light reaches at least this far (2⁻⁴⁵): whether a surface is within the square of it is
-/// not decided by denormals.
+/// The least reach of a light, 2⁻⁴⁵: no denormal decides whether a surface is within its square.
 const LEAST_REACH: f32 = f32::from_bits((127 - 45) << 23);
 
 impl Light {

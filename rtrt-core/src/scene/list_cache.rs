@@ -9,7 +9,7 @@ use crate::layout::{Frame, View};
 use crate::scene::{Occluders, Scene, Setup, Versions};
 use alloc::vec::Vec;
 
-/// Lists that need not be made, because they would be the same again.
+/// The lists of the last frame that a frame reuses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReusableLists {
     /// None.
@@ -20,21 +20,19 @@ pub enum ReusableLists {
     All,
 }
 
-/// What the lists of a frame were made of. A backend that keeps lists has one.
+/// The key of the lists of the last frame. A backend that reuses lists has one.
 #[derive(Debug, Default)]
 pub struct ListCacheKey {
-    /// The scene, its versions, the levels of detail that were chosen, and the bits of the
-    /// frame's magnitude.
+    /// The scene, its versions, the revision of its levels of detail, and the bits of the frame's magnitude.
     scene: Option<(u32, Versions, u32, u32)>,
-    /// What the camera's lists hold; see [`Setup::cut_triangles`].
+    /// See [`Setup::cut_triangles`].
     parts: Option<u32>,
     views: Vec<View>,
 }
 
 impl ListCacheKey {
-    /// Which lists of this frame are those of the frame that was asked about before, if they
-    /// were all made. Lists of lights depend on the camera where only what it sees, or what is
-    /// near it, casts shadows.
+    /// The lists that this frame shares with the frame of the last call, if all of that frame's were built.
+    /// Lists of lights depend on the camera if [`Occluders`] does.
     pub fn reusable(&mut self, setup: &Setup, scene: &Scene) -> ReusableLists {
         let source =
             Some((scene.id(), scene.versions(), setup.lod_revision(), setup.frame.magnitude.to_bits()));
@@ -59,7 +57,7 @@ impl ListCacheKey {
     }
 }
 
-/// Whether some views are the same, bit for bit.
+/// Whether a range of views is equal, bit for bit.
 fn is_same(a: &[View], b: &[View], range: core::ops::Range<usize>) -> bool {
     let [a, b] = [a, b].map(|views| views.get(range.clone()).map(bytemuck::cast_slice::<View, u8>));
     a == b

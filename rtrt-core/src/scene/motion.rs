@@ -2,23 +2,23 @@
 
 use glam::{DMat3, DMat4, DQuat, DVec3, Mat4, Vec3};
 
-/// How an instance moves: along a line, and around an axis through its own origin.
+/// The motion of an instance: along a line, and around an axis through its own origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motion {
     /// World units a second.
     pub velocity: Vec3,
-    /// What it turns around, world space, any length; 0 for an instance that does not turn.
+    /// The axis of rotation, world space, any length; 0 for no rotation.
     pub axis: Vec3,
     /// Radians a second, counterclockwise where the axis points to the viewer.
     pub rate: f32,
 }
 
 impl Motion {
-    /// Where an instance is after `time` seconds that was at `start`; see
+    /// The transform after `time` seconds of an instance that began at `start`; see
     /// [`Scene::set_transforms`](crate::scene::Scene::set_transforms).
     ///
-    /// Always computed from the start, in `f64`: no error adds up from frame to frame, and a
-    /// frame is the same whichever frames came before it.
+    /// It is computed from the start, in `f64`: errors do not add up from frame to frame, and a frame does
+    /// not depend on earlier ones.
     ///
     /// ```
     /// use glam::{Mat4, Vec3};

@@ -1,4 +1,4 @@
-//! A mesh in the scene's arrays, and the instance that places it in the world.
+//! The range of a mesh in the scene's arrays, and the instance that places the mesh in the world.
 
 use crate::layout::{Instance, Kind, MaterialRecord, NONE};
 use crate::num::flush;
@@ -7,7 +7,7 @@ use crate::scene::camera::single;
 use crate::scene::{COORDINATE_LIMIT, Mesh, SceneError};
 use glam::{DMat4, DVec3, Mat4};
 
-/// Where a mesh lies in the arrays.
+/// The range of a mesh in the scene's arrays.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stored {
     pub root: u32,
@@ -19,8 +19,8 @@ pub(super) struct Stored {
     pub first_source: usize,
     pub nodes: u32,
     pub vertices: u32,
-    /// For each set of texture coordinates, where the vertices of panes start in the words; 0
-    /// where no instance has asked for them.
+    /// For each set of texture coordinates, the start of the vertices of transparency records in the mesh
+    /// data; 0 if no instance needs them.
     pub transparencies: [u32; 2],
     pub triangles: u32,
     pub bounds: Bounds,
@@ -42,12 +42,12 @@ pub(super) struct InstanceMaterial {
 }
 
 impl InstanceMaterial {
-    /// A material, which is `number` in the scene, without a transparency.
+    /// The material with this number in the scene, without a transparency record.
     pub fn new(number: u32, material: &MaterialRecord) -> Self {
         Self { material: number, transparency: 0, double_sided: material.double_sided }
     }
 
-    /// That of an instance.
+    /// The values of an instance.
     pub fn of(instance: &Instance) -> Self {
         Self {
             material: instance.material,
@@ -77,7 +77,7 @@ pub(super) fn place(
     instance_material: InstanceMaterial,
     to_world: Mat4,
 ) -> Result<Instance, SceneError> {
-    // So that an instance that is placed once more, by what was kept of its transform, is the same.
+    // Placing an instance again by its stored transform gives the same instance.
     let to_world = Mat4::from_cols_array(&to_world.to_cols_array().map(flush));
     let m = to_world.as_dmat4();
     let affine = to_world.row(3) == glam::Vec4::W;
@@ -126,8 +126,8 @@ pub(super) fn place(
     })
 }
 
-/// The instance with the bounds of a part of it, which are `bounds` in its own space; `matrix` is
-/// the transform that it was placed with.
+/// The instance with the bounds of one of its parts: `bounds` in object space, placed by `matrix`, the
+/// transform of the instance.
 pub(super) fn part(instance: &Instance, matrix: &DMat4, bounds: &Bounds) -> Instance {
     let corners = around(matrix, bounds);
     let [low, high] = [bounds.low, bounds.high].map(|corner| DVec3::from(corner.map(f64::from)));
@@ -163,7 +163,7 @@ fn rows(m: &DMat4) -> [[f32; 4]; 3] {
     core::array::from_fn(|row| m.row(row).to_array().map(|v| flush(v as f32)))
 }
 
-/// How much errors grow on the way to object space and back: the largest row sum of
+/// The factor by which errors grow on the way to object space and back: the largest row sum of
 /// `|m| · |inverse|`, at least 1.
 fn condition(m: &DMat4, inverse: &DMat4) -> f64 {
     let row_sum = |row: usize| -> f64 {

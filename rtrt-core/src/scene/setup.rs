@@ -38,7 +38,7 @@ pub enum SetupError {
         /// What it is.
         value: Vec3,
     },
-    /// A distance from which on suns have no shadows is no number.
+    /// The distance at which shadows of suns end is NaN.
     #[error("{value} is not a distance up to which suns may have shadows")]
     Distance {
         /// What it is.
@@ -64,7 +64,7 @@ pub enum SetupError {
         /// Sub-rays a pixel.
         samples: u32,
     },
-    /// A number of layers that no ray looks at.
+    /// The number of layers is 0 or too large.
     #[error("{layers} layers of surfaces a ray; 1 to {} are possible", Setup::MAX_LAYERS)]
     Layers {
         /// Layers a ray.
@@ -73,7 +73,7 @@ pub enum SetupError {
     /// More parts of instances than block lists can hold; see [`Structure::Parts`].
     #[error("the instances have more than {limit} parts of {triangles} triangles")]
     BvhCut {
-        /// What a part has at most.
+        /// The largest number of triangles of a part.
         triangles: u32,
         /// The most parts there may be.
         limit: usize,
@@ -88,15 +88,14 @@ pub enum SetupError {
     },
 }
 
-/// A frame, ready for the stages: what [`Frame`] says in numbers, and its views. Keeps its
-/// memory from frame to frame.
+/// A frame, ready for the stages: its numbers and its views. Reuses its memory from frame to frame.
 #[derive(Debug, Clone)]
 pub struct Setup {
     /// The numbers.
     pub frame: Frame,
     /// The camera, then six views a light.
     pub views: Vec<View>,
-    /// What the views of lights were made of.
+    /// The key of the views of lights.
     lights: Option<Lights>,
     /// The instances with the levels of detail of this frame, where there are any.
     lods: LodSelection,
@@ -129,19 +128,18 @@ impl Setup {
         if self.cut.triangles.is_some() { self.cut.instances() } else { self.lods.instances(scene) }
     }
 
-    /// Has lists hold whole instances, whatever [`Structure`] says, or not.
+    /// Whether lists hold whole instances, whatever [`Structure`] says.
     pub fn keep_instances_closed(&mut self, are_whole: bool) {
         self.cut.are_refused = are_whole;
     }
 
-    /// The triangles that a part of an instance has at most; none where lists hold whole instances.
+    /// The largest number of triangles of a part of an instance; `None` where lists hold whole instances.
     pub fn cut_triangles(&self) -> Option<u32> {
         self.cut.triangles
     }
 
-    /// Another number whenever other levels of detail are seen of the same scene; 0 where it has
-    /// none. [`Setup::instances`] are the same while this, [`Setup::cut_triangles`] and the scene
-    /// are.
+    /// A number that changes with the chosen levels of detail; 0 for a scene without any.
+    /// [`Setup::instances`] depend on this, on [`Setup::cut_triangles`] and on the scene alone.
     pub fn lod_revision(&self) -> u32 {
         if self.lods.is_needed { self.lods.changes } else { 0 }
     }
@@ -230,7 +228,7 @@ impl Setup {
             sky_first: scene.sky().first,
             sky_side: scene.sky().side,
             sky_levels: scene.sky().levels,
-            // What is masked is opaque where it is at all.
+            // A masked surface is opaque where it has no hole.
             layers: match scene.see_through() {
                 AlphaKind::Opaque => 0,
                 AlphaKind::Mask => 1,
@@ -249,7 +247,7 @@ mod tests {
     use super::*;
     use crate::scene::{Camera, Light, Material, Projection};
 
-    /// What is neither 0 nor a number that every device keeps.
+    /// The first denormal number: devices may flush it.
     fn denormal<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Option<&'a f32> {
         numbers.into_iter().find(|number| number.is_subnormal())
     }

@@ -56,13 +56,13 @@ pub enum SceneError {
     /// An array would have more elements than 32 bits can number.
     #[error("the scene has too many {what}")]
     TooLarge {
-        /// Which array.
+        /// The array.
         what: &'static str,
     },
     /// An index does not belong to this scene.
     #[error("{what} {index} is not in the scene")]
     Index {
-        /// Of what.
+        /// The kind of index.
         what: &'static str,
         /// The index.
         index: u32,
@@ -76,7 +76,7 @@ pub enum SceneError {
     /// A number of a material is NaN, infinite, or out of its range.
     #[error("the {what} of a material is {value}, which is not within {low:e} ..= {high:e}")]
     Material {
-        /// Which number.
+        /// The number's name.
         what: &'static str,
         /// What it is.
         value: f32,
@@ -100,17 +100,17 @@ pub enum SceneError {
 /// only what changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Versions {
-    /// Nodes, words, positions, attributes.
+    /// Nodes, mesh data, positions, attributes.
     pub geometry: u32,
     /// Texels.
     pub texels: u32,
     /// Materials.
     pub materials: u32,
-    /// Objects.
+    /// Instances.
     pub instances: u32,
 }
 
-/// Two children, in one line of the cache.
+/// Two children in one cache line.
 #[repr(C, align(64))]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct Pair([Node; 2]);
@@ -133,9 +133,9 @@ pub struct Scene {
     meshes: Vec<Stored>,
     /// The mesh of all spheres, once there is one.
     sphere: Option<MeshIndex>,
-    /// Of what is not opaque: by mesh and material, where the record of both is in `mesh_data`.
+    /// The places of transparency records in `mesh_data`, by mesh and material.
     transparencies: BTreeMap<(u32, u32), u32>,
-    /// By number, the instances that show lights.
+    /// The instances that show lights, by the number of the light.
     shown: BTreeMap<u32, u32>,
     lights: Vec<Light>,
     /// Counts what may have changed the lights.
@@ -143,20 +143,20 @@ pub struct Scene {
     sky: Sky,
     see_through: AlphaKind,
     bounds: Bounds,
-    /// Of instances that have any.
+    /// The levels of detail of instances that have any.
     pub(super) levels: BTreeMap<u32, Vec<LodLevel>>,
-    /// How the levels of textures are chosen.
+    /// How mip levels are chosen.
     pub mip: Mip,
-    /// What keeps rays from being asked for every instance.
+    /// The structure that limits the instances a ray is tested against.
     pub structure: Structure,
     /// Which instances cast shadows of suns.
     pub occluders: Occluders,
-    /// Light from everywhere, linear RGB; an environment takes its place.
+    /// Ambient light, linear RGB; an environment replaces it.
     pub ambient: Vec3,
-    /// What a ray sees that hits nothing, linear RGB.
+    /// The color behind all surfaces, linear RGB.
     pub background: Vec3,
-    /// Whether that is so where there is an environment, or where nothing is to be seen at all.
-    /// Surfaces mirror the environment all the same.
+    /// Whether an environment, the background's color or nothing is behind all surfaces. Surfaces reflect
+    /// the environment in each case.
     pub backdrop: Backdrop,
 }
 
@@ -215,8 +215,7 @@ impl Scene {
     ) -> Result<InstanceIndex, SceneError> {
         let mut instance = place(self.mesh(mesh.0)?, self.instance_material(material)?, to_world)?;
         instance.transparency = self.transparency(mesh.0, material.0)?;
-        // Here the bounds only grow; going through all instances for each would take hours for
-        // a million of them.
+        // The bounds only grow here: a pass over all instances for each one takes hours for a million.
         self.bounds = self.bounds.union(&Bounds { low: instance.low, high: instance.high });
         self.versions.instances += 1;
         self.instances.push(instance);
@@ -263,8 +262,8 @@ impl Scene {
     }
 
     /// Shows a light as a sphere of its color, where it is and as large as its radius says. It
-    /// casts no shadow of that light, but of others. Called again, it puts the sphere where the
-    /// light now is. None is shown of a sun, or where the radius is 0.
+    /// casts shadows of other lights only. Another call moves the sphere to the light's present position. A
+    /// sun and a light with radius 0 have no sphere: the result is then `None`.
     ///
     /// # Errors
     /// There is no such light, or it is out of range.
@@ -282,7 +281,7 @@ impl Scene {
             self.set_transform(sphere, place)?;
             return Ok(Some(sphere));
         }
-        // Far beyond white; a light that fades by the square may be brighter than any surface.
+        // Far beyond white: a light with an inverse square is brighter than any surface.
         let color = color.clamp(Vec3::splat(-COLOR_LIMIT), Vec3::splat(COLOR_LIMIT));
         let glow = self.add_material(Material::new(color).unlit(true))?;
         let sphere = self.add_sphere(glow, place)?;
@@ -297,7 +296,7 @@ impl Scene {
         ((number as usize) < self.instances.len()).then_some(InstanceIndex(number))
     }
 
-    /// Where an instance is in the arrays, and how it is placed.
+    /// The index of an instance in the arrays, and its transform.
     pub(super) fn instance(&self, instance: InstanceIndex) -> Result<(usize, Instance), SceneError> {
         let index = instance.0 as usize;
         let found = self.instances.get(index).map(|instance| (index, *instance));
@@ -333,7 +332,7 @@ impl Scene {
         &mut self.lights
     }
 
-    /// Another number whenever the lights may have changed.
+    /// A number that changes with the lights.
     pub(super) fn light_changes(&self) -> u32 {
         self.light_changes
     }
@@ -342,17 +341,16 @@ impl Scene {
     pub fn id(&self) -> u32 {
         self.id
     }
-    /// How often each part has changed.
+    /// The number of changes of each part.
     pub fn versions(&self) -> Versions {
         self.versions
     }
-    /// Nodes of all mesh trees.
+    /// Nodes of all BVHs.
     pub fn nodes(&self) -> &[Node] {
         bytemuck::cast_slice(&self.nodes)
     }
-    /// Of all meshes: vertex indices, three a triangle, in the order of their trees' leaves, and,
-    /// where there are some, packed tangents and second texture coordinates; and the panes of
-    /// instances that are not opaque.
+    /// The data of all meshes besides vertices: vertex indices, three a triangle, in the order of the BVH's
+    /// leaves; packed tangents; second texture coordinates; and the transparency records of instances.
     pub fn mesh_data(&self) -> &[u32] {
         &self.mesh_data
     }
@@ -383,11 +381,11 @@ impl Scene {
         const NOWHERE: Bounds = Bounds { low: [0.0; 3], high: [0.0; 3] };
         if self.bounds.is_empty() { &NOWHERE } else { &self.bounds }
     }
-    /// Where the environment is in the texels.
+    /// The place of the environment in the texels.
     pub(super) fn sky(&self) -> Sky {
         self.sky
     }
-    /// Whether a material asks for what the stage `detail` finds.
+    /// Whether a material needs the stage `detail`.
     pub(super) fn has_details(&self) -> bool {
         let asks = |m: &MaterialRecord| {
             m.textures[MaterialRecord::NORMAL].levels > 0
@@ -395,13 +393,13 @@ impl Scene {
         };
         self.material_records.iter().any(asks)
     }
-    /// What alpha does in the scene: the most that it does to one of its instances.
+    /// The most general alpha mode of all instances.
     pub(super) fn see_through(&self) -> AlphaKind {
         self.see_through
     }
-    /// The number that a triangle of an instance had in the [`Mesh`]: a scene numbers the
-    /// triangles of a mesh in the order of its tree's leaves. `None` where there is none. Of an
-    /// instance with levels it is that of its own mesh.
+    /// The number of a triangle of an instance in its [`Mesh`]: a scene numbers triangles in the order of
+    /// the BVH's leaves. `None` if there is no such triangle. For an instance with levels of detail, the
+    /// triangle is one of its own mesh.
     pub fn source_triangle(&self, instance: InstanceIndex, triangle: u32) -> Option<u32> {
         let mesh = &self.meshes[*self.object_meshes.get(instance.0 as usize)? as usize];
         let sources = &self.sources[mesh.first_source..][..mesh.triangles as usize];
@@ -411,7 +409,7 @@ impl Scene {
     pub fn triangles(&self) -> u64 {
         self.meshes.iter().map(|m| u64::from(m.triangles)).sum()
     }
-    /// Triangles placed: those of a mesh count as often as it is placed.
+    /// Triangles of all instances: those of a mesh count once for each instance.
     pub fn drawn_triangles(&self) -> u64 {
         self.object_meshes.iter().map(|&m| u64::from(self.meshes[m as usize].triangles)).sum()
     }

@@ -30,8 +30,7 @@ pub(super) fn pack([x, y, z, w]: [f32; 4]) -> u32 {
 /// second axis up. A triangle without area in the texture adds nothing. (MikkTSpace, which
 /// glTF asks for, weights by angle and splits more vertices: seams differ slightly.)
 ///
-/// Returns what each vertex, old and new, is a copy of, and its tangent; `indices` are
-/// changed to match.
+/// Returns, for each old and new vertex, the vertex that it copies and its tangent. Updates `indices`.
 pub(super) fn make(
     positions: &[[f32; 3]],
     attributes: &[Attribute],
@@ -53,7 +52,7 @@ pub(super) fn make(
         let along = if area == 0.0 { DVec3::ZERO } else { (ab * t.y - ac * s.y) * area.signum() };
         let weight = ab.cross(ac).length();
         let along = along.normalize_or_zero() * weight;
-        // Which way the triangle turns in space is what its vertices' normals are on.
+        // The normals of the vertices tell the front of the triangle.
         let normal = [a, b, c].map(|i| DVec3::from(attributes[i as usize].normal.map(f64::from)));
         let faces = ab.cross(ac).dot(normal[0] + normal[1] + normal[2]) >= 0.0;
         // With v down, an unmirrored texture turns the other way around than its triangle.

@@ -7,7 +7,7 @@ use crate::scene::bvh::Bounds;
 use crate::scene::{Occluders, Scene, SetupError, Structure};
 use alloc::vec::Vec;
 
-/// What the views of lights are made of.
+/// The key of the views of lights.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Lights {
     scene: u32,
@@ -20,9 +20,8 @@ pub(super) struct Lights {
     occluders: Occluders,
 }
 
-/// Makes the views: `camera`, and those of lights, if they are not still the same. Gives the
-/// number of blocks of lights, which come before the camera's: their lists may be kept while a
-/// camera moves.
+/// Builds the views: `camera`, and those of lights unless they are unchanged. Returns the number of blocks
+/// of lights. They come before the camera's blocks, so their lists can be reused while the camera moves.
 pub(super) fn light_views(
     views: &mut Vec<View>,
     made_of: &mut Option<Lights>,
@@ -65,7 +64,7 @@ pub(super) fn light_views(
     Ok(first_block)
 }
 
-/// Says in a view how instances keep rays away from others, and which cast shadows.
+/// Writes the scene's [`Structure`](crate::scene::Structure) and [`Occluders`] into a view.
 pub(super) fn mark(scene: &Scene, view: &mut View) {
     view.one_list = u32::from(scene.structure == Structure::None);
     view.seen_only = u32::from(scene.occluders == Occluders::Seen);
@@ -75,13 +74,13 @@ pub(super) fn mark(scene: &Scene, view: &mut View) {
     };
 }
 
-/// What the numbers of rays are mixed with to jitter the points of a light; not 0.
+/// The value that ray numbers are hashed with to jitter the points of a light; not 0.
 fn key(seed: u32, light: u32) -> u32 {
     hash(hash(seed) ^ light) | 1
 }
 
-/// The least distance at which shadows end: that of 0 would mean nowhere, and its square must not
-/// be denormal.
+/// The least distance at which shadows end. 0 means that they never end; the square must not be
+/// denormal.
 const LEAST_DISTANCE: f32 = 1e-12;
 /// The largest: its square is finite, and nothing is farther away.
 const MOST_DISTANCE: f32 = 1e18;
@@ -89,10 +88,9 @@ const MOST_DISTANCE: f32 = 1e18;
 /// The most blocks of all lights' views together, unless there are thousands of lights.
 const LIGHT_BLOCKS: usize = 1 << 21;
 
-/// Blocks along one side of a light's view. About two for each instance that would be beside
-/// another in a square, so that a block sees few of them; of thousands of instances a quarter as
-/// many, because a packet asks every block that its shadow rays end in. Fewer where there are
-/// many lights, to bound the memory of the lists.
+/// Blocks along one side of a light's view: about twice the square root of the number of instances, so
+/// that a block sees few of them. Thousands of instances get a quarter as many blocks, because a packet
+/// visits every block that its shadow rays end in. Many lights get fewer, to bound the memory of the lists.
 fn light_cells(instances: usize, lights: usize) -> u32 {
     let side = libm::sqrt(instances as f64) as u32;
     let wanted = (2 * side).next_power_of_two().min(64).max((side / 2).next_power_of_two());

@@ -17,7 +17,7 @@ impl Scene {
         self.set_transforms([(instance, to_world)])
     }
 
-    /// Moves many instances at the cost of going through all of them once.
+    /// Moves many instances with one pass over all instances.
     ///
     /// # Errors
     /// As for [`Scene::add_instance`], for the first instance that cannot be moved; it and those
@@ -44,14 +44,14 @@ impl Scene {
         result
     }
 
-    /// Takes an instance out of the picture, until it is given a transform again.
+    /// Hides an instance until it gets a transform again.
     ///
     /// # Errors
     /// There is no such instance.
     pub fn hide(&mut self, instance: InstanceIndex) -> Result<(), SceneError> {
         let (index, old) = self.instance(instance)?;
         let stored = self.mesh(self.object_meshes[index])?;
-        // The empty leaf beside the mesh's root: no ray meets it, wherever it is.
+        // The empty leaf beside the mesh's root: no ray hits it.
         let nothing = Stored {
             kind: Kind::Mesh,
             root: stored.root - 1,
@@ -68,12 +68,12 @@ impl Scene {
 
     /// Gives a mesh another shape: the same triangles with their corners elsewhere. `shape`
     /// has the triangles of the mesh that was added, in the same order, with other positions,
-    /// normals and tangents; other attributes stay as they were. The mesh's tree keeps its form,
-    /// its boxes are refitted, and the mesh's instances stay where they are.
+    /// normals and tangents; other attributes stay. The boxes of the mesh's BVH are refitted, its links stay,
+    /// and its instances keep their transforms.
     ///
     /// # Errors
     /// There is no such mesh, `shape` has more or fewer triangles, or an instance would be out
-    /// of range; nothing has changed then.
+    /// of range. The scene then stays as it was.
     pub fn reshape(&mut self, mesh: MeshIndex, shape: &Mesh) -> Result<(), SceneError> {
         let mut stored = *self.mesh(mesh.0)?;
         if shape.triangles() != stored.triangles as usize {

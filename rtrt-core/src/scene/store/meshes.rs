@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use bytemuck::Zeroable;
 
 impl Scene {
-    /// Adds a mesh with its tree, to be placed any number of times. It is stored once.
+    /// Adds a mesh with its BVH. Any number of instances share it.
     ///
     /// # Errors
     /// The scene is full.
@@ -22,7 +22,7 @@ impl Scene {
                 Ok(have as u32)
             }
         };
-        // Vertices in the order in which the leaves use them; those that none uses are dropped.
+        // Vertices in the order in which the leaves use them; unused ones are dropped.
         let mut order = Order::new(mesh.positions().len());
         let mut indices = Vec::with_capacity(mesh.indices().len());
         for &triangle in &tree.triangles {
@@ -37,7 +37,7 @@ impl Scene {
         let root = tree.nodes.first().copied().ok_or(SceneError::TooLarge { what: "empty trees" })?;
         let bounds = Bounds::around(&root);
         let (center, radius) = sphere(mesh, &bounds);
-        // Where `count` elements of some words each start, after `before`; nowhere if there are none.
+        // The start of `count` elements after `before` words; 0 for none.
         let after = |before: usize, count: usize| if count == 0 { 0 } else { first_index + before as u32 };
         let stored = Stored {
             kind: Kind::Mesh,
@@ -55,7 +55,7 @@ impl Scene {
             center,
             radius,
         };
-        // What stands beside the root is where hidden instances go.
+        // The node beside the root is the start of hidden instances.
         self.nodes.push(Pair([Node { kind: 3, ..Node::zeroed() }, root]));
         self.nodes.extend(tree.nodes[1..].chunks_exact(2).map(|pair| Pair([pair[0], pair[1]])));
         self.mesh_data.extend_from_slice(&indices);

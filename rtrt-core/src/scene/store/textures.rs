@@ -31,9 +31,8 @@ impl Scene {
         Ok(image.append(wrap, content, &mut self.texels)?)
     }
 
-    /// Surrounds the scene with an environment: rays that hit nothing see it (but see
-    /// [`Scene::backdrop`]), surfaces mirror it, and it takes the place of the ambient light. One that was there before is seen no
-    /// more, but still takes memory.
+    /// Surrounds the scene with an environment. It is behind all surfaces (but see [`Scene::backdrop`]), is
+    /// reflected by them, and replaces the ambient light. An earlier environment stays in memory, unused.
     ///
     /// # Errors
     /// The panorama is not usable, or the scene is full.

@@ -1,4 +1,4 @@
-//! Records of instances that are not opaque, for searches.
+//! Transparency records of instances, which hit filters read.
 
 use super::{Scene, SceneError};
 use crate::layout::{AlphaKind, FinestLevel, MaterialRecord, Transparency, TransparencyVertex};
