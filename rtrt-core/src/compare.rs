@@ -23,22 +23,22 @@ pub struct Difference {
     pub field: &'static str,
     /// The word of the record.
     pub word: u32,
-    /// Where in the frame.
+    /// The place in the frame.
     pub place: Place,
-    /// The word that was expected.
+    /// The expected word.
     pub expected: u32,
-    /// The word that is there.
+    /// The actual word.
     pub actual: u32,
 }
 
-/// Where a [`Difference`] is.
+/// The place of a [`Difference`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
     /// The buffer is longer or shorter; the words of the difference are the lengths, in
     /// words.
     Length,
-    /// The list of a block holds more or fewer entries; the words of the difference say
-    /// where the next list starts. Blocks are numbered over all views.
+    /// The list of a block holds more or fewer entries; the words of the difference are the starts of
+    /// the next list. Blocks are numbered over all views.
     Count(BlockIndex),
     /// An entry in the list of a block.
     ListEntry(BlockIndex, u32),
@@ -59,8 +59,8 @@ pub enum Place {
 
 /// Compares two pictures of `request`, bit for bit.
 ///
-/// Where neither has deferred buffers, only the pixels are compared; where one of them has
-/// none, that is a difference.
+/// Without deferred buffers in both, only the pixels are compared. Deferred buffers in one picture alone are
+/// a difference.
 ///
 /// ```
 /// use rtrt_core::backend::{Picture, Request};
@@ -127,7 +127,7 @@ const ENTRY: &[&str] = &["key", "instance"];
 /// The fields that are whole numbers.
 const WHOLE: &[&str] = &["", "instance", "triangle", "material", "color"];
 
-/// Stands in for deferred buffers that are not there.
+/// Empty deferred buffers, for a picture without any.
 static NONE: Deferred = Deferred {
     lists: Vec::new(),
     hits: Vec::new(),
@@ -197,7 +197,7 @@ fn first_difference(request: &Request<'_>, expected: &Buffer<'_>, actual: &Buffe
     }
     let index = words.iter().zip(actual.words).position(|(a, b)| a != b);
     let is_list = stage == "bin";
-    // Lists of unlike length differ in the start of some list, which says more.
+    // Lists of different length also differ in a start, which is the better message.
     let Some(index) = index.filter(|_| is_list || words.len() == actual.words.len()) else {
         let lengths = [words.len() as u32, actual.words.len() as u32];
         let [expected, actual] = lengths;
@@ -221,7 +221,7 @@ fn first_difference(request: &Request<'_>, expected: &Buffer<'_>, actual: &Buffe
     Some(Difference { stage, buffer, field, word: word as u32, place, expected, actual })
 }
 
-/// Which list a word belongs to, and which word of its entry it is.
+/// The list that a word belongs to, and the number of the word in its entry.
 fn in_lists(words: &[u32], index: usize) -> (Place, usize) {
     // Starts do not fall, so only the last of them counts the words that follow it.
     let blocks = (0..words.len())

@@ -1,4 +1,4 @@
-//! Where a pixel, a ray and a block lie: the ground that every stage stands on.
+//! The numbering of pixels, rays and blocks, which every stage uses.
 //!
 //! A frame of `width × height` pixels with `n × n` sub-rays a pixel is a grid of
 //! `width·n × height·n` rays. [`BLOCK`] × [`BLOCK`] rays are a block. Rays are numbered
@@ -96,8 +96,8 @@ impl Grid {
     pub fn pixel(self, number: u32) -> [u32; 2] {
         [number % self.width, number / self.width]
     }
-    /// The pixels that `rays` rays from `first` on make, all of them whole rows of blocks:
-    /// the first pixel's number, and how many.
+    /// The pixels of `rays` rays from `first` on, whole rows of blocks: the first pixel's number, and the
+    /// number of pixels.
     #[inline(always)]
     pub fn pixels(self, first: RayIndex, rays: u32) -> [u32; 2] {
         let row = |ray: u32| {

@@ -18,15 +18,15 @@ use crate::lane::{Lane, Select, V3};
 use crate::layout::{Frame, View};
 use crate::num::{from_integer, normalize, recip, sine_and_cosine};
 
-/// Across the light, where nothing else says what is up: no axis, since around it the points
-/// turn, and scenes have much along their axes.
+/// A direction that defines up across the light. It is no axis: points turn around it, and many surfaces
+/// of scenes face along an axis.
 const HELPER: [f32; 3] = [0.48, 0.64, 0.6];
 
-/// What one in 16 bits stands for.
+/// The value of 1 in 16 bits.
 const STEP: f32 = 1.0 / 65_536.0;
 
-/// What has to be added to the vector to a light's middle to get that to the point that each of
-/// the rays numbered from `first` on takes: across `way`, up to the light's `disc` away.
+/// The vector from a light's middle to the point that each of the rays numbered from `first` on samples:
+/// across `way`, at most `disc` long.
 #[inline(always)]
 pub fn light_offset<L: Lane>(frame: &Frame, light: &View, first: RayIndex, way: V3<L>) -> V3<L> {
     let token = way.x.token();
@@ -38,7 +38,7 @@ pub fn light_offset<L: Lane>(frame: &Frame, light: &View, first: RayIndex, way: 
     right.scale(a * light.disc) + up.scale(b * light.disc)
 }
 
-/// Where in a square each ray's point is, 0 ..= 1.
+/// The place of each ray's point in a square, 0 ..= 1.
 #[inline(always)]
 fn part<L: Lane>(token: L::Token, frame: &Frame, light: &View, first: RayIndex) -> [L; 2] {
     let grid = frame.grid();
@@ -71,8 +71,7 @@ fn part<L: Lane>(token: L::Token, frame: &Frame, light: &View, first: RayIndex) 
     [(x + within(bits >> 16)) * share, (y + within((bits << 16) >> 16)) * share]
 }
 
-/// The point of the unit disc that a point of the square −1 ..= 1 is taken to. Equal areas stay
-/// equal.
+/// The point of the unit disc for a point of the square −1 ..= 1. Equal areas stay equal.
 ///
 /// Shirley and Chiu, "A Low Distortion Map Between Disk and Square" (1997): the square's
 /// edges become circles, and its quarters keep their angles,

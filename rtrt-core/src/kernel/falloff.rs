@@ -4,11 +4,11 @@ use crate::lane::{Lane, Select};
 use crate::layout::View;
 use crate::num::recip;
 
-/// The square of the distance from which on a light that fades by it grows no more (2⁻²⁰): sums of
-/// the brightest lights stay finite (see [`LIGHT_LIMIT`](crate::layout::LIGHT_LIMIT)).
+/// The square of the distance below which an inverse-square light stays constant, 2⁻²⁰: sums of the
+/// brightest lights stay finite (see [`LIGHT_LIMIT`](crate::layout::LIGHT_LIMIT)).
 const NEAREST: f32 = 1.0 / 1_099_511_627_776.0;
 
-/// The share of the light left at `distance`.
+/// The share of the light that arrives at `distance`.
 ///
 /// ```text
 /// linear            1 − distance / reach

@@ -6,11 +6,11 @@
 
 use crate::layout::{Instance, View};
 
-/// How far outside of the picture a shadow is still taken for seen, in blocks: more than the
-/// roundings of columns and rows below 2¹¹.
+/// The margin around the picture in which a shadow counts as visible, in blocks: more than the rounding
+/// errors of columns and rows below 2¹¹.
 const MARGIN: f32 = 1.0 / 64.0;
-/// How clearly a plane has to be left behind, as a share of its row's length: a shadow that goes
-/// along a plane may enter it far away, by rounding.
+/// The least slope away from a plane, as a share of its row's length: by rounding, a shadow along a plane
+/// may cross it far away.
 const ALONG: f32 = 1.0 / 65536.0;
 
 /// A box in world space, as seen from a camera.
@@ -22,8 +22,8 @@ struct Extent {
 
 /// Whether an instance is within the distance from the camera at which the sun's shadows end.
 ///
-/// What counts is the nearest point of the instance's bounds, and the camera's place; the corner of
-/// the picture for parallel rays. A distance of 0 is none.
+/// The distance is from the camera (for parallel rays, the corner of the picture) to the nearest point of
+/// the instance's bounds. A distance of 0 means no limit.
 #[inline(always)]
 pub fn is_near(camera: &View, sun: &View, instance: &Instance) -> bool {
     let mut squared = 0.0;

@@ -5,21 +5,19 @@
 //! once: the order by `(key, instance)` afterwards is unique. One worker sorts a block's list in place
 //! ([`sort`]); many workers each find the [`rank`] of an entry and store it there.
 
-/// The lists as one run of lists: where each block starts (one more than there are
-/// blocks), then two lists an entry.
+/// The lists as one run of words: the start of each block and the end of the last, then two words an entry.
 #[derive(Clone, Copy)]
 pub struct BlockLists<'a> {
-    /// The lists.
+    /// The words.
     pub data: &'a [u32],
-    /// How many blocks there are.
+    /// The number of blocks.
     pub blocks: u32,
 }
 
 /// An instance in a list.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ListEntry {
-    /// Bits of a depth (not negative) that no hit on the instance is in front of; 0 where
-    /// the order does not matter.
+    /// Bits of the least depth of a hit on the instance, not negative; 0 if the order does not matter.
     pub key: u32,
     /// The instance, or the part of one.
     pub instance: u32,
@@ -64,13 +62,13 @@ pub fn store(lists: &mut [u32], header: u32, index: u32, entry: ListEntry) {
     lists[at + 1] = entry.instance;
 }
 
-/// How many blocks one worker of the scan adds up, of `workers`.
+/// The number of blocks that each of `workers` workers of the scan adds up.
 #[inline(always)]
 pub fn scan_share(blocks: u32, workers: u32) -> u32 {
     blocks.div_ceil(workers)
 }
 
-/// What blocks `first .. last` hold together.
+/// The number of entries of blocks `first .. last`.
 #[inline(always)]
 pub fn scan_total(counts: &[u32], first: u32, last: u32) -> u32 {
     let mut total = 0;
@@ -118,9 +116,8 @@ fn block_of(starts: &[u32], blocks: u32, index: u32) -> u32 {
     block
 }
 
-/// Copies entry `index` of `placed`, which has two lists an entry and no starts, to where it
-/// belongs in the sorted list of its block in `lists`, which has the starts: behind as many
-/// entries as precede it.
+/// Copies entry `index` of `placed`, which has two words an entry and no starts, to its place in the sorted
+/// list of its block in `lists`, which has the starts. The place is the number of entries that precede it.
 ///
 /// A worker an entry takes as many steps as the block has entries, whereas a worker that
 /// sorts the block's whole list takes more than some devices allow (see `NUMERICS.md`).

@@ -1,16 +1,16 @@
-//! Where a ray that leaves a surface starts.
+//! The origin of a ray that leaves a surface.
 
 use crate::lane::{Lane, Select, V3};
 
-/// Coordinates nearer to 0 than this are moved by a fixed step instead of by bits.
+/// Coordinates below this magnitude move by a fixed step instead of by bits.
 const NEAR_ZERO: f32 = 1.0 / 32.0;
 /// The fixed step.
 const STEP: f32 = 1.0 / 65_536.0;
-/// How many representable numbers a coordinate is moved along a normal of 1.
+/// The number of representable values that a coordinate moves along a normal of 1.
 const NUMBERS: f32 = 256.0;
 
 /// `point`, moved off its surface along `normal` (unit length, on the side where the ray
-/// goes) far enough that the ray does not meet the surface again.
+/// goes) far enough that the ray does not hit the surface again.
 ///
 /// After Wächter and Binder, "A Fast and Robust Method for Avoiding Self-Intersection",
 /// Ray Tracing Gems, chapter 6: each coordinate moves by a number of representable

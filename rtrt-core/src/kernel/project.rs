@@ -13,21 +13,20 @@ pub struct ClipWindow {
     pub column: u32,
     /// First row of blocks.
     pub row: u32,
-    /// How many columns; not 0.
+    /// Number of columns; not 0.
     pub columns: u32,
-    /// How many rows; not 0.
+    /// Number of rows; not 0.
     pub rows: u32,
 }
 const _: () = assert!(size_of::<ClipWindow>() == 16);
 
-/// What is nearer than this share of a frame's magnitude is not drawn: 2⁻⁴⁰.
+/// The near plane, as a share of the frame's magnitude: 2⁻⁴⁰.
 pub const NEAR: f32 = f32::from_bits((127 - 40) << 23);
 
-/// How many magnitudes a camera of parallel rays sees: more than the diagonal of all there is.
+/// The far plane of parallel rays, in magnitudes: beyond the diagonal of the scene.
 const FAR: f32 = 4.0;
 
-/// A point as it is seen: `x / w` is its column and `y / w` its row, in blocks, and `depth` its
-/// depth.
+/// A projected point: column `x / w` and row `y / w`, in blocks, and depth `depth`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projected {
     /// Column, times `w`.
@@ -36,7 +35,7 @@ pub struct Projected {
     pub y: f32,
     /// 1 for parallel rays, else the depth.
     pub w: f32,
-    /// Where on a ray of the camera.
+    /// Its `t` on a ray of the camera.
     pub depth: f32,
 }
 
@@ -54,7 +53,7 @@ impl Projected {
         }
     }
 
-    /// The corner of a block, at a depth; not nearer than anything is drawn.
+    /// The corner of a block at a depth, not in front of the near plane.
     #[inline(always)]
     pub fn corner(view: &View, magnitude: f32, [column, row]: [u32; 2], depth: f32) -> Self {
         let near = NEAR * magnitude;
@@ -63,15 +62,15 @@ impl Projected {
         Self { x: column as f32 * w, y: row as f32 * w, w, depth }
     }
 
-    /// Its place in a picture of the window, as rasterizers want it: from −1 to `w` to the right and
-    /// up, and in depth from 0, farthest, to `w`, nearest.
+    /// Clip coordinates in the window: −w to w to the right and up, and depth from 0, farthest, to `w`,
+    /// nearest.
     ///
     /// ```text
     /// z = near, so that z / w = near / depth       where rays leave one point
     /// z = 1 − depth / far                          where they are parallel
     /// ```
     ///
-    /// Far away, `near / depth` is as exact as a float can be, and it has no end.
+    /// Reversed depth with an infinite far plane: the precision of floats is highest far away.
     #[inline(always)]
     pub fn clip(&self, view: &View, window: &ClipWindow, magnitude: f32) -> [f32; 4] {
         let (column, row) = (window.column as f32, window.row as f32);

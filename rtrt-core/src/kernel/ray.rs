@@ -7,13 +7,13 @@ use core::ops::{Add, Mul};
 
 /// The points `origin + t · direction`, `t > 0`.
 ///
-/// `O` is `L` where each lane's ray starts somewhere else, and `f32` where all rays of a
-/// packet start at one point, so that what depends on the start alone is computed once.
+/// `O` is `L` if each lane's ray has its own origin, and `f32` if all rays of a packet share one: terms of
+/// the origin alone are then computed once.
 #[derive(Clone, Copy)]
 pub struct Ray<L, O = L> {
-    /// Where the ray starts.
+    /// The start of the ray.
     pub origin: V3<O>,
-    /// Where it goes; any length.
+    /// The direction; any length.
     pub direction: V3<L>,
     /// The reciprocals of the direction, finite even where it is 0.
     pub inverse: V3<L>,

@@ -1,4 +1,4 @@
-//! How a surface answers a light: Lambert's cosine and the Blinn-Phong lobe.
+//! Reflection of a light: Lambert's cosine and the Blinn-Phong lobe.
 
 use crate::lane::{Lane, V3};
 use crate::num::{clamp, flush, normalize, pow, recip};

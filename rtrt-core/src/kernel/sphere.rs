@@ -29,16 +29,16 @@ pub const EXIT: u32 = 1;
 /// `offset` cannot know of that.
 const APART: f32 = 1.0 / 524_288.0;
 
-/// What a ray has in common with the ball of radius 1.
+/// The intersection of a ray's line with the ball of radius 1.
 #[derive(Clone, Copy)]
 pub struct Chord<L: Lane> {
-    /// The lanes whose ray's line meets the ball.
+    /// The lanes whose line hits the ball.
     mask: L::Mask,
     /// The point of the line that is nearest to the center.
     nearest: V3<L>,
-    /// Where that is on the ray.
+    /// The `t` of that point.
     middle: L,
-    /// How far from there the ray enters and leaves.
+    /// The distance in `t` from there to entry and exit.
     half: L,
     /// The interval of the ball's box.
     near: L,
@@ -127,14 +127,14 @@ pub fn longitude_and_latitude<L: Lane>(point: V3<L>) -> [L; 2] {
     [flush(around * (0.5 * core::f32::consts::FRAC_1_PI) + 0.5), flush(down * core::f32::consts::FRAC_1_PI)]
 }
 
-/// How far from the axis a point of the sphere is: the cosine of its latitude.
+/// The distance of a point of the sphere from its axis: the cosine of its latitude.
 #[inline(always)]
 fn ring<L: Lane>(point: V3<L>) -> L {
     sqrt(point.x * point.x + point.z * point.z)
 }
 
-/// How much of a texture, as a share of its area, lies on a unit of the sphere's own area around
-/// a point: `1 / (2 π² cos(latitude))`.
+/// The density of texture coordinates at a point, the share of the texture on a unit of area:
+/// `1 / (2 π² cos(latitude))`.
 #[inline(always)]
 pub fn density<L: Lane>(point: V3<L>) -> L {
     const SHARE: f32 = 0.5 * core::f32::consts::FRAC_1_PI * core::f32::consts::FRAC_1_PI;

@@ -5,8 +5,7 @@ use crate::lane::{Bits, Lane, Mask, Row, Select, Word, groups};
 use crate::layout::{FinestLevel, MaterialRecord, Wrap};
 use crate::num::{clamp, floor, from_integer, to_integer};
 
-/// Words at the start of the scene's texels: for each byte of an sRGB color, the bits of
-/// the linear light that it stands for.
+/// Words at the start of the scene's texels: the bits of the linear light of each sRGB byte.
 pub const DECODE_WORDS: usize = 256;
 
 /// 1/255.
@@ -25,7 +24,7 @@ pub struct Maps<'a> {
 /// a structure only where nothing in it is indexed.)
 #[derive(Clone, Copy)]
 pub struct MaterialLookup<L: Lane> {
-    /// The material in each lane; that of another lane where nothing was hit.
+    /// The material in each lane; another lane's where a lane has no hit.
     indices: <L::Bits as Bits>::Row,
     /// Whether that is the same one in all lanes.
     same: bool,
@@ -62,8 +61,7 @@ impl<L: Lane> MaterialLookup<L> {
     }
 }
 
-/// Which numbers of a material are wanted. (Not a closure: one that captures another is
-/// beyond rust-gpu.)
+/// Picks numbers of a material. (A trait, since rust-gpu does not compile a closure that captures another.)
 pub trait MaterialField<const N: usize> {
     /// The numbers.
     fn pick(material: &MaterialRecord) -> [f32; N];
@@ -94,8 +92,7 @@ impl<const MAP: usize> MaterialField<13> for Layout<MAP> {
     }
 }
 
-/// Where a group of surfaces is in its textures: for each set of texture coordinates, the
-/// coordinates and the side of the ray's footprint in them.
+/// Texture coordinates of a group of surfaces, and the side of the ray's footprint in them, for each set.
 #[derive(Clone, Copy)]
 pub struct TexCoords<L> {
     /// `u` and `v` in each set.
@@ -109,8 +106,8 @@ pub struct TexCoords<L> {
 /// With `COLOR`, texels are sRGB; else they are numbers within 0 ..= 1.
 ///
 /// Sums run in the order in which they are written: rows within a level, levels last. The
-/// size of the texture does not change what this costs. Where to look is found for all
-/// lanes at once, texels are read lane by lane.
+/// cost does not depend on the size of the texture. Places are computed for all lanes at once, texels are
+/// read lane by lane.
 #[inline(always)]
 pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
     maps: &Maps<'_>,

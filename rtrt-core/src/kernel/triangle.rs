@@ -70,7 +70,7 @@ impl Triangle {
     }
 }
 
-/// A triangle, as seen from where rays start: what their directions are multiplied with.
+/// A triangle relative to the origin of rays: the terms that directions are multiplied with.
 #[derive(Clone, Copy)]
 pub struct RelativeTriangle<O> {
     /// `ac × (o − a)`.
@@ -94,12 +94,12 @@ impl<O: Lane> RelativeTriangle<O> {
     }
 }
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Clone, Copy)]
 pub struct Intersection<L: Lane> {
-    /// The lanes that meet it; the rest of the fields mean nothing in the others.
+    /// The lanes that hit it. The other fields have no meaning in the other lanes.
     pub mask: L::Mask,
-    /// Where on the ray.
+    /// The parameter of the hit on the ray.
     pub t: L,
     /// Barycentric weight of the second corner, 0 ..= 1.
     pub u: L,
@@ -145,7 +145,7 @@ pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
     let size = determinant.abs();
     let u = (d.x * seen.u.x + d.y * seen.u.y + d.z * seen.u.z).flip_sign(sign);
     let v = (d.x * seen.v.x + d.y * seen.v.y + d.z * seen.v.z).flip_sign(sign);
-    // Cheap, and wider than the test below by more than any flushing: most rays end here.
+    // Cheap, and conservative even if denormals are flushed: most rays end here.
     let below = size.broadcast(-2.0 * FLOOR);
     let mut mask =
         u.gt(below) & v.gt(below) & size.ge(size.broadcast(DETERMINANT_FLOOR)) & ((u + v) * 0.999).le(size);

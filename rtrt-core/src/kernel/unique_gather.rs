@@ -1,26 +1,26 @@
-//! Reading records for the lanes of a group, each record once.
+//! Gathers that read each distinct record of a group once.
 
 use crate::lane::{Lane, Mask, Select};
 
-/// So many different records are read one by one and spread to the lanes that want them;
-/// more are gathered lane by lane.
+/// The largest number of distinct records that are read once and broadcast; more are gathered lane by
+/// lane.
 const MOST: usize = 4;
 
-/// Which lanes of a group want the same record: neighbors have mostly hit the same triangle.
+/// The lanes of a group that read the same record: neighbors mostly hit the same triangle.
 #[derive(Clone, Copy)]
 pub struct UniqueGather<L: Lane> {
     token: L::Token,
-    /// A lane that wants each of the records.
+    /// A lane that reads each of the records.
     lanes: [usize; MOST],
-    /// All lanes that want it.
+    /// All lanes that read it.
     masks: [L::Mask; MOST],
-    /// How many records are wanted; `MOST + 1` for more than can be told apart here.
+    /// The number of distinct records; `MOST + 1` for more than `MOST`.
     count: usize,
 }
 
 impl<L: Lane> UniqueGather<L> {
-    /// The records that the lanes in `wanted` want; `same(lane)` are the lanes that want what
-    /// `lane` does.
+    /// The records of the lanes in `wanted`; `same(lane)` is the mask of the lanes that read the record of
+    /// `lane`.
     #[inline(always)]
     pub fn of(token: L::Token, wanted: L::Mask, same: impl Fn(usize) -> L::Mask) -> Self {
         let mut found = Self { token, lanes: [0; MOST], masks: [wanted; MOST], count: 0 };
@@ -42,8 +42,8 @@ impl<L: Lane> UniqueGather<L> {
         found
     }
 
-    /// The numbers of each lane's record, by fours: `record(lane)`. Whatever `record` makes of it,
-    /// or 0, in a lane that wants none.
+    /// The numbers of each lane's record, by fours: `record(lane)`. Lanes outside `wanted` get the value of
+    /// `record` or 0.
     #[inline(always)]
     pub fn gather<const N: usize>(&self, record: impl Fn(usize) -> [[f32; 4]; N]) -> [[L; 4]; N] {
         if L::WIDTH == 1 || self.count > MOST {

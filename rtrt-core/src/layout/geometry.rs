@@ -1,10 +1,10 @@
-//! Meshes, their trees, and the instances that place them in the world.
+//! Meshes, their BVHs, and the instances that place them in the world.
 
 use crate::layout::NONE;
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;
 
-/// One node of a mesh tree: a box, and what it holds.
+/// One node of a BVH: a box, and its children or triangles.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Node {
@@ -34,7 +34,7 @@ impl Node {
     }
 }
 
-/// What is interpolated across a triangle, one per vertex.
+/// The attributes of a vertex, interpolated across a triangle.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Attribute {
@@ -47,7 +47,7 @@ pub struct Attribute {
 }
 const _: () = assert!(size_of::<Attribute>() == 24 && offset_of!(Attribute, color) == 20);
 
-/// What kind of thing an instance is.
+/// The kind of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Kind {
@@ -56,8 +56,8 @@ pub enum Kind {
     /// The sphere of radius 1 around the origin of its space, with two triangles: 0 where a ray
     /// enters, 1 where it leaves (see [`crate::kernel::sphere`]).
     Sphere = 1,
-    /// And more: such a sphere that shows the light of number `kind − Kind::Light`. It casts no
-    /// shadow of that light.
+    /// This value and larger ones: a sphere that shows light number `kind − Kind::Light`. It casts no shadow
+    /// of that light.
     Light = 2,
 }
 
@@ -81,7 +81,7 @@ pub struct Instance {
     pub center: [f32; 3],
     /// Radius of the bounding sphere.
     pub radius: f32,
-    /// Where the mesh's vertex indices, three a triangle, start in the scene's indices.
+    /// The start of the mesh's vertex indices, three a triangle, in the scene's mesh data.
     pub first_index: u32,
     /// The mesh's triangles.
     pub triangles: u32,
@@ -89,23 +89,21 @@ pub struct Instance {
     pub material: u32,
     /// 1 where object and world space are the same, else 0.
     pub is_identity: u32,
-    /// Rounding error of whatever culls with the bounds, relative to the frame's
-    /// magnitude.
+    /// Bound on the rounding error of culling with the bounds, relative to the frame's magnitude.
     pub slack: f32,
-    /// Where the mesh's packed tangents, one a vertex, start in the scene's mesh_data; 0 for none.
+    /// The start of the mesh's packed tangents, one a vertex, in the scene's mesh data; 0 for none.
     pub first_tangent: u32,
-    /// Where the mesh's second texture coordinates, two mesh_data a vertex, start in the scene's
-    /// mesh_data; 0 for none.
+    /// The start of the mesh's second texture coordinates, two words a vertex, in the scene's mesh data; 0
+    /// for none.
     pub first_second_uv: u32,
     /// Where the instance's pane starts in the scene's mesh_data (see [`crate::kernel::transparency`]); 0 for
     /// an instance that is opaque everywhere.
     pub transparency: u32,
     /// [`Kind`]. A sphere's mesh has two triangles without area that span its bounds.
     pub kind: u32,
-    /// The node, in the scene's nodes, that rays are asked for first: the root, or what a part of
-    /// an instance begins with.
+    /// The node, in the scene's nodes, where traversal starts: the root, or the node of a part.
     pub start: u32,
-    /// The instance that this is a part of; [`NONE`] for a whole one.
+    /// The instance that this is a part of; [`NONE`] for a whole instance.
     pub opened_from: u32,
     /// 1 where the camera sees it from both sides, else 0 (see
     /// [`MaterialRecord::double_sided`](crate::layout::MaterialRecord::double_sided)).
@@ -116,12 +114,12 @@ const _: () = assert!(offset_of!(Instance, low) == 96 && offset_of!(Instance, ce
 const _: () = assert!(offset_of!(Instance, first_index) == 144);
 
 impl Instance {
-    /// The number of the instance that the one with this number is, or is a part of.
+    /// The whole instance: `number` itself, or the instance that this is a part of.
     #[inline(always)]
     pub(crate) fn source_instance(&self, number: u32) -> u32 {
         if self.opened_from == NONE { number } else { self.opened_from }
     }
-    /// Whether it is what shows the light.
+    /// Whether it shows this light.
     #[inline(always)]
     pub fn shows(&self, light: u32) -> bool {
         self.kind == Kind::Light as u32 + light
@@ -139,8 +137,8 @@ impl Instance {
         let base = self.first_vertex;
         [base + mesh_data[first], base + mesh_data[first + 1], base + mesh_data[first + 2]]
     }
-    /// The bounds, widened by the rounding error of a frame of this magnitude: a ray that
-    /// meets the instance in its own space meets these in world space.
+    /// The bounds, padded by the rounding error of a frame of this magnitude: a ray that hits the instance
+    /// in object space hits them in world space.
     #[inline(always)]
     pub fn padded_aabb(&self, magnitude: f32) -> ([f32; 3], [f32; 3]) {
         let (low, high) = (&self.low, &self.high);

@@ -1,4 +1,4 @@
-//! The deferred buffers: what each stage leaves for the next, one per ray.
+//! The deferred buffers: the result of each stage, one record a ray.
 
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;
@@ -10,8 +10,8 @@ pub const NONE: u32 = u32::MAX;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Hit {
-    /// Where on the ray, in lengths of its direction; `f32::MAX` where nothing is hit.
-    /// For a camera ray that is the depth, in world units.
+    /// The parameter of the hit on the ray, in lengths of the direction; `f32::MAX` for no hit.
+    /// For a camera ray it is the depth, world units.
     pub t: f32,
     /// The instance, or [`NONE`].
     pub instance: u32,
@@ -29,13 +29,13 @@ impl Hit {
     pub const MISS: Self = Self { t: f32::MAX, instance: NONE, triangle: NONE, u: 0.0, v: 0.0 };
 }
 
-/// The surface at a hit; all zero where nothing was hit.
+/// The surface at a hit; all zero for no hit.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Surface {
-    /// Where a ray that leaves the surface on the viewer's side starts, world space.
+    /// The origin of rays that leave the surface on the viewer's side, world space.
     pub origin: [f32; 3],
-    /// 1 + the material, or 0 where nothing was hit.
+    /// 1 + the material, or 0 for no hit.
     pub material: u32,
     /// Unit normal on the viewer's side, world space.
     pub normal: [f32; 3],

@@ -6,45 +6,43 @@ use core::mem::offset_of;
 /// The largest channel of a material's base color and highlight: 2¹⁶.
 pub const COLOR_LIMIT: f32 = 65_536.0;
 
-/// The largest channel of what gives light: of lights, emissions, ambient light and backgrounds,
-/// 2⁴⁸. With it, [`COLOR_LIMIT`] and 1,024 lights no color overflows, however near a light is:
+/// The largest channel of lights, emissions, ambient light and backgrounds: 2⁴⁸. With it, [`COLOR_LIMIT`] and 1,024 lights no color overflows, however near a light is:
 /// ```text
 /// 2⁴⁸ · 2⁴⁰ (falloff) · 1025 (lobe) · 1024 (lights) · 3 · 2¹⁶ (highlight) < 2¹²⁷
 /// ```
 pub const LIGHT_LIMIT: f32 = 281_474_976_710_656.0;
 
-/// What happens to texture coordinates outside 0 ..= 1.
+/// The treatment of texture coordinates outside 0 ..= 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(u32)]
 pub enum Wrap {
     /// The texture repeats.
     #[default]
     Repeat = 0,
-    /// The edge goes on.
+    /// The edge texels continue.
     Clamp = 1,
     /// The texture repeats, every other time mirrored.
     Mirror = 2,
 }
 
-/// What a surface's alpha does.
+/// The meaning of a surface's alpha.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(u32)]
 pub enum AlphaKind {
     /// Nothing.
     #[default]
     Opaque = 0,
-    /// The surface is there where alpha is not below a cutoff, and opaque; elsewhere it is not.
+    /// The surface is opaque where alpha is at least the cutoff, and has a hole elsewhere.
     Mask = 1,
-    /// So much of the surface covers what is behind it.
+    /// Alpha is the share of the background that the surface covers.
     Blend = 2,
 }
 
-/// Where a texture's mip chain lies in the scene's texels, and how it is laid on a surface.
+/// The place of a texture's mip chain in the scene's texels, and its mapping to a surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Texture {
-    /// The word that says where the finest level's texels start; those of the coarser levels
-    /// follow it.
+    /// The word that holds the start of the finest level's texels. Those of coarser levels follow it.
     pub first: u32,
     /// Columns of the finest level.
     pub width: u32,
@@ -52,7 +50,7 @@ pub struct Texture {
     pub height: u32,
     /// Levels; 0 for no texture (white).
     pub levels: u32,
-    /// log₂ of the geometric mean of width and height, each times what `turn` stretches it by.
+    /// log₂ of the geometric mean of width and height, each times the stretch of `turn`.
     pub log_size: f32,
     /// [`Wrap`] of the columns.
     pub wrap_u: u32,
@@ -60,8 +58,8 @@ pub struct Texture {
     pub wrap_v: u32,
     /// Which of the vertices' sets of texture coordinates is used: 0 or 1.
     pub set: u32,
-    /// With `shift`, where a point's texture coordinates are in the texture:
-    /// `turn · (u, v) + shift`, two rows.
+    /// The linear part of the map from texture coordinates to the texture, two rows:
+    /// `turn · (u, v) + shift`.
     pub turn: [[f32; 2]; 2],
     /// See `turn`.
     pub shift: [f32; 2],
@@ -94,15 +92,15 @@ pub struct MaterialRecord {
     pub shininess: f32,
     /// Linear RGB of the highlight where the surface is no metal and not rough.
     pub specular: [f32; 3],
-    /// How much of a metal it is, 0 ..= 1, multiplied with the roughness texture's blue.
+    /// Metalness, 0 ..= 1, multiplied with the roughness texture's blue.
     pub metallic: f32,
     /// Light of its own, linear RGB, multiplied with the emission texture.
     pub emission: [f32; 3],
     /// 0 ..= 1, multiplied with the roughness texture's green.
     pub roughness: f32,
-    /// How strongly the normal map turns normals; 1 for as it is.
+    /// The scale of the normal map; 1 leaves it unchanged.
     pub bump: f32,
-    /// How much of the ambient light the occlusion texture may take, 0 ..= 1.
+    /// The strength of the occlusion texture, 0 ..= 1.
     pub occlusion: f32,
     /// 1 for a surface that shows its base color whatever the light, else 0.
     pub unlit: u32,
@@ -110,11 +108,10 @@ pub struct MaterialRecord {
     pub alpha: f32,
     /// [`AlphaKind`].
     pub alpha_mode: u32,
-    /// [`AlphaKind::Mask`]: the least alpha of what is there.
+    /// [`AlphaKind::Mask`]: the least alpha that is not a hole.
     pub cutoff: f32,
-    /// 1 for a surface that the camera sees from both sides, 0 for one that it sees only from
-    /// where a triangle's corners are counterclockwise, and a sphere from outside. Light knows no
-    /// such difference: both cast the same shadows.
+    /// 1 for a surface that the camera sees from both sides. 0 culls back faces for the camera: triangles
+    /// whose corners are clockwise, and the inside of spheres. Shadows do not depend on it.
     pub double_sided: u32,
     /// [`MaterialRecord::COLOR`] and so on.
     pub textures: [Texture; MaterialRecord::TEXTURES],
@@ -132,7 +129,7 @@ impl MaterialRecord {
     pub const NORMAL: usize = 1;
     /// The texture of roughness (green) and metalness (blue).
     pub const ROUGHNESS: usize = 2;
-    /// The texture of how much ambient light arrives (red).
+    /// The texture of ambient occlusion (red): the share of ambient light that arrives.
     pub const OCCLUSION: usize = 3;
     /// The texture of the emission, sRGB.
     pub const EMISSION: usize = 4;

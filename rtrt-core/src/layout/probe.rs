@@ -1,13 +1,12 @@
-//! Where a device finds the fields of what both sides read.
+//! The offsets at which a device reads the fields of shared records.
 
 use crate::layout::{Attribute, Frame, Hit, Instance, MaterialRecord, Node, Surface, View};
 
-/// How many words [`probe`] gives.
+/// The number of words of [`probe`].
 pub const PROBES: usize = 33;
 
-/// Fields from all over the layouts, as words: of the frame, and of the second element of
-/// each slice. Filled with words that tell where they are, buffers so tell where a device
-/// looks for each field, and how far apart it takes elements to be.
+/// Fields of the frame and of the second element of each slice, as words. In buffers whose words hold their
+/// own index, the result shows the offset and the stride that a device uses for each field.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "one for each layout")]
 pub fn probe(

@@ -4,11 +4,11 @@ use crate::grid::{BlockIndex, Grid};
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;
 
-/// What a view is for.
+/// The purpose of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum ViewKind {
-    /// Bins nothing.
+    /// Unused: no instance is binned.
     Off = 0,
     /// The camera: entries ordered by depth.
     Camera = 1,
@@ -43,7 +43,7 @@ pub struct View {
     pub w: [f32; 3],
     /// How much `spread` grows a unit of `W`.
     pub spread_w: f32,
-    /// Depth along the rays: where on a ray (its `t`) the point is.
+    /// Depth: the `t` of the point on its ray.
     pub depth: [f32; 3],
     /// Blocks in a row.
     pub width: u32,
@@ -75,24 +75,24 @@ pub struct View {
     pub color: [f32; 3],
     /// Light: the squared reach, widened by its rounding error; `f32::MAX` for no limit.
     pub reach_squared: f32,
-    /// Spot light: where its cone points, unit length.
+    /// Spot light: the axis of its cone, unit length.
     pub axis: [f32; 3],
     /// Spot light: how fast the cone fades, a unit of cosine; 0 for a light without a cone.
     pub cone_scale: f32,
     /// Spot light: the cone's share where the cosine is 0.
     pub cone_offset: f32,
-    /// Light: its radius, world units; of a sun, the tangent of the angle that it is seen under.
+    /// Light: its radius, world units; for a sun the tangent of its angular radius.
     pub radius: f32,
     /// Light: the radius over which the sub-rays of a pixel choose their points (see
     /// `kernel::area`); 0 where all of them take its middle.
     pub disc: f32,
-    /// Light: how far such a point moves a shadow ray aside, at most, world units.
+    /// Light: the largest distance that such a point moves a shadow ray, world units.
     pub margin: f32,
-    /// Light: what the numbers of rays are mixed with to jitter these points; 0 for no jitter.
+    /// Light: the value that ray numbers are hashed with to jitter these points; 0 for no jitter.
     pub jitter: u32,
     /// 1 where all blocks share one list, of every instance in order.
     pub one_list: u32,
-    /// Camera: 1 where footprints grow with the angle at which a surface is seen, else 0.
+    /// Camera: 1 if footprints grow with the angle between ray and normal, else 0.
     pub by_angle: u32,
     /// Sun: how far from the camera its shadows end, world units; 0 for nowhere.
     pub shadow_distance: f32,
@@ -103,29 +103,29 @@ pub struct View {
 const _: () = assert!(size_of::<View>() == 244 && offset_of!(View, depth) == 64);
 const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, axis) == 192);
 
-/// What is behind everything.
+/// The background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(u32)]
 pub enum Backdrop {
-    /// The environment, or the background's color where there is none.
+    /// The environment, or the background's color without one.
     #[default]
     Environment = 0,
-    /// The background's color, whatever surfaces mirror.
+    /// The background's color. Surfaces reflect the environment all the same.
     Color = 1,
-    /// Nothing: pixels have an alpha, which is how much of them surfaces cover.
+    /// Nothing: the alpha of a pixel is the share that surfaces cover.
     Nothing = 2,
 }
 
-/// Where an environment's squares lie in the texels (see [`environment`](crate::kernel::environment)).
+/// The place of an environment's squares in the texels (see [`environment`](crate::kernel::environment)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Sky {
-    /// The word that says where the sharpest square starts; those of the others follow it,
-    /// the last one for diffuse surfaces. 0 for no environment.
+    /// The word that holds the start of the sharpest square. Those of the others follow it, the last one for
+    /// diffuse surfaces. 0 for no environment.
     pub first: u32,
     /// Texels along a side of the sharpest square, without its border: a power of two. Each
     /// square is half as large as the one before.
     pub side: u32,
-    /// Squares for mirrors, from smooth to rough; at least two.
+    /// Squares for reflections, from smooth to rough; at least two.
     pub levels: u32,
 }
 
@@ -139,10 +139,10 @@ pub struct Frame {
     pub height: u32,
     /// Sub-rays along one side of a pixel.
     pub side: u32,
-    /// Views whose lists are made: the camera, then [`Frame::VIEWS_PER_LIGHT`] a light, if those
-    /// of lights are not kept.
+    /// Views whose lists are built: the camera, then [`Frame::VIEWS_PER_LIGHT`] a light unless their lists
+    /// are reused.
     pub views: u32,
-    /// Objects in the scene.
+    /// Instances in the scene.
     pub instances: u32,
     /// Lights in the scene.
     pub lights: u32,
@@ -158,13 +158,13 @@ pub struct Frame {
     pub first_ray: u32,
     /// Rays that this dispatch works on.
     pub rays: u32,
-    /// Light from everywhere, linear RGB: red.
+    /// Ambient light, linear RGB: red.
     pub ambient_r: f32,
     /// Green.
     pub ambient_g: f32,
     /// Blue.
     pub ambient_b: f32,
-    /// What a ray that hits nothing sees, linear RGB: red.
+    /// The background's color, linear RGB: red.
     pub background_r: f32,
     /// Green.
     pub background_g: f32,
@@ -179,24 +179,23 @@ pub struct Frame {
     pub sky_first: u32,
     /// Side of its sharpest square.
     pub sky_side: u32,
-    /// How many squares there are for mirrors.
+    /// The number of squares for reflections.
     pub sky_levels: u32,
-    /// The most layers of surfaces that a ray still looks at, those of this dispatch included;
-    /// 0 where every instance is opaque everywhere.
+    /// The largest number of layers of surfaces that a ray may still hit, this dispatch's included; 0 if
+    /// every instance is opaque.
     pub layers: u32,
-    /// The most rays that a penumbra reaches aside (see [`penumbra`](crate::stage::penumbra_filter));
+    /// The radius of the largest penumbra, in rays (see [`penumbra`](crate::stage::penumbra_filter));
     /// 0 for a frame without soft shadows.
     pub penumbra_window: u32,
-    /// How many instances, or parts of instances, the camera's lists choose from.
+    /// The number of instances, or parts of instances, that the camera's lists choose from.
     pub seen: u32,
-    /// The first of them: 0, or, of parts, the number of instances, which they follow.
+    /// The first of them: 0 for instances; for parts, which follow the instances, the number of instances.
     pub first_seen: u32,
     /// [`Backdrop`].
     pub backdrop: u32,
-    /// The first block whose list is made: those of lights come first, and may be kept.
+    /// The first block whose list is built. Blocks of lights come first, and their lists may be reused.
     pub first_block: u32,
-    /// 1 where the closest surfaces were drawn, and only the rays of which the picture tells nothing
-    /// are traced (see [`raster`](crate::stage::raster)).
+    /// 1 if the closest surfaces were rasterized, and only rays without a certain pixel are traced (see [`raster`](crate::stage::raster)).
     pub is_drawn: u32,
     /// Unused: a uniform block is a multiple of 16 bytes.
     pub unused_0: u32,
@@ -220,8 +219,7 @@ impl Frame {
     /// The camera's view.
     pub const CAMERA: u32 = 0;
 
-    /// The most pixels that a soft shadow is blurred aside: it ends there, however large its
-    /// penumbra is.
+    /// The radius of the largest penumbra, in pixels: wider ones are cut off.
     pub const PENUMBRA_WINDOW: u32 = 24;
 
     /// The frame's grid of rays.
@@ -234,7 +232,7 @@ impl Frame {
     pub fn sky(&self) -> Sky {
         Sky { first: self.sky_first, side: self.sky_side, levels: self.sky_levels }
     }
-    /// Whether shadows have colors, or shares, instead of a bit.
+    /// Whether shadows are transmittances instead of bits.
     #[inline(always)]
     pub fn has_transmittance(&self) -> bool {
         self.layers != 0 || self.penumbra_window != 0
