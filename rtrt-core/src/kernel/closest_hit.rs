@@ -42,7 +42,7 @@ impl<L: Lane> ClosestHit<L> {
     /// Takes over the intersection with a triangle in the lanes of `mask` in which it is the lesser by
     /// `(t, instance, triangle)`.
     #[inline(always)]
-    pub fn keep_closest(
+    pub(crate) fn keep_closest(
         &mut self,
         intersection: &Intersection<L>,
         mask: L::Mask,

@@ -43,7 +43,7 @@ pub fn is_near(camera: &View, sun: &View, instance: &Instance) -> bool {
 /// goes away from that plane: nothing that moves along the light comes back. `widened` are the
 /// instance's bounds with room for the roundings of tracing.
 #[inline(always)]
-pub fn is_shadow_seen(camera: &View, sun: &View, (low, high): ([f32; 3], [f32; 3])) -> bool {
+pub(crate) fn is_shadow_seen(camera: &View, sun: &View, (low, high): ([f32; 3], [f32; 3])) -> bool {
     if camera.one_list == 1 {
         return true;
     }

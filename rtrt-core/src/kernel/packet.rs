@@ -59,7 +59,7 @@ impl<L: Lane, const G: usize> PacketHits<L, G> {
 
     /// Finds the limits of these tiles anew, after those of their rays have changed.
     #[inline(always)]
-    pub fn update_limits(&mut self, changed: u32) {
+    pub(crate) fn update_limits(&mut self, changed: u32) {
         let mut remaining = changed;
         while G > 1 && remaining != 0 {
             let tile = remaining.trailing_zeros() as usize;
@@ -72,7 +72,7 @@ impl<L: Lane, const G: usize> PacketHits<L, G> {
 impl<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize> Packet<'_, L, O, G> {
     /// The tiles of `active` that may hit a box before their limits: all that do, and few more.
     #[inline(always)]
-    pub fn hit_mask(&self, low: &[f32; 3], high: &[f32; 3], active: u32, hits: &PacketHits<L, G>) -> u32 {
+    pub(crate) fn hit_mask(&self, low: &[f32; 3], high: &[f32; 3], active: u32, hits: &PacketHits<L, G>) -> u32 {
         let few = RAY_TEST_MAX_TILES[(O::WIDTH == L::WIDTH) as usize];
         if G == 1 || active.count_ones() <= few {
             ray_hit_mask(self.rays, low, high, active, &hits.closest)
@@ -83,7 +83,7 @@ impl<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize> Packet<'_, L, O, G> 
 
     /// [`Packet::hit_mask`] by the bounds of tiles, however few are active.
     #[inline(always)]
-    pub fn tile_hit_mask(
+    pub(crate) fn tile_hit_mask(
         &self,
         low: &[f32; 3],
         high: &[f32; 3],
@@ -99,20 +99,20 @@ impl<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize> Packet<'_, L, O, G> 
 
     /// The first ray of the first tile in `active`.
     #[inline(always)]
-    pub fn first_active(&self, active: u32) -> &Ray<L, O> {
+    pub(crate) fn first_active(&self, active: u32) -> &Ray<L, O> {
         &self.rays[first_active_group::<L, G>(active)]
     }
 }
 
 /// The groups of a tile: the first, and the one after the last.
 #[inline(always)]
-pub fn groups_of_tile<L: Lane, const G: usize>(tile: usize) -> (usize, usize) {
+pub(crate) fn groups_of_tile<L: Lane, const G: usize>(tile: usize) -> (usize, usize) {
     if G == 1 { (0, 1) } else { Tiles::<L, G>::groups(tile) }
 }
 
 /// The first tile of a set that is not empty. A packet of one group has only one.
 #[inline(always)]
-pub fn first_tile<const G: usize>(tiles: u32) -> usize {
+pub(crate) fn first_tile<const G: usize>(tiles: u32) -> usize {
     if G == 1 { 0 } else { tiles.trailing_zeros() as usize }
 }
 

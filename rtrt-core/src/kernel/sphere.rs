@@ -21,7 +21,7 @@ use core::ops::Mul;
 /// Where a ray enters.
 pub const ENTRY: u32 = 0;
 /// Where a ray leaves.
-pub const EXIT: u32 = 1;
+pub(crate) const EXIT: u32 = 1;
 
 /// How far off the sphere rays that leave it start, in radii: 2⁻¹⁹, beside what
 /// [`offset`](crate::kernel::offset::offset) adds. A ray's way into the sphere's space is off by
@@ -122,7 +122,7 @@ pub fn start<L: Lane>(point: V3<L>, enters: L::Mask) -> V3<L> {
 /// texture is at `+z`, its right edge, and its left one, at `−z`, its upper edge at `+y`; `+x`
 /// is to the right of the middle.
 #[inline(always)]
-pub fn longitude_and_latitude<L: Lane>(point: V3<L>) -> [L; 2] {
+pub(crate) fn longitude_and_latitude<L: Lane>(point: V3<L>) -> [L; 2] {
     let (around, down) = (atan2(point.x, point.z), atan2(ring(point), point.y));
     [flush(around * (0.5 * core::f32::consts::FRAC_1_PI) + 0.5), flush(down * core::f32::consts::FRAC_1_PI)]
 }
@@ -136,7 +136,7 @@ fn ring<L: Lane>(point: V3<L>) -> L {
 /// The density of texture coordinates at a point, the share of the texture on a unit of area:
 /// `1 / (2 π² cos(latitude))`.
 #[inline(always)]
-pub fn density<L: Lane>(point: V3<L>) -> L {
+pub(crate) fn density<L: Lane>(point: V3<L>) -> L {
     const SHARE: f32 = 0.5 * core::f32::consts::FRAC_1_PI * core::f32::consts::FRAC_1_PI;
     // At the poles a texture is crowded without limit; its coarsest level serves there.
     const POLE: f32 = 1.0 / 4096.0;

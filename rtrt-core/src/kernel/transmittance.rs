@@ -101,7 +101,7 @@ impl<L: Lane, const BLOCKER: bool> Transmittance<L, BLOCKER> {
 
 /// The word that stands for these shares of white light, linear RGB.
 #[inline(always)]
-pub fn packed<L: Lane>([red, green, blue]: [L; 3]) -> L::Bits {
+pub(crate) fn packed<L: Lane>([red, green, blue]: [L; 3]) -> L::Bits {
     channel(red) | channel(green) << 10 | channel(blue) << 20
 }
 

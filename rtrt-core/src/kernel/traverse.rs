@@ -10,7 +10,7 @@ use crate::layout::{Instance, Node};
 use core::ops::Mul;
 
 /// How many nodes can wait on the way down: one a level, so BVHs are built no deeper.
-pub const STACK: usize = 64;
+pub(crate) const STACK: usize = 64;
 
 /// Tests the active tiles of a packet against an instance, or a part of one: `hits` takes what its filters
 /// accept.
@@ -101,7 +101,7 @@ fn node_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
 /// Tests the active tiles of a packet against a sphere, as [`traverse`] does against a mesh. The rays are
 /// in world space.
 #[inline(always)]
-pub fn intersect_sphere<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: usize>(
+pub(crate) fn intersect_sphere<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: usize>(
     geometry: &Geometry<'_>,
     instance: u32,
     packet: &Packet<'_, L, O, G>,

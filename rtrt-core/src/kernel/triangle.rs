@@ -9,7 +9,7 @@ use core::ops::Mul;
 
 /// A determinant smaller than this in magnitude is of a ray in the triangle's plane, or
 /// of a triangle without area: 2⁻⁸⁰, far above anything that a device may flush.
-pub const DETERMINANT_FLOOR: f32 = f32::from_bits((127 - 80) << 23);
+pub(crate) const DETERMINANT_FLOOR: f32 = f32::from_bits((127 - 80) << 23);
 
 /// A triangle, ready to be tested.
 #[derive(Clone, Copy)]

@@ -24,13 +24,13 @@ fn direction<L: Lane>(view: &View, a: L, b: L) -> V3<L> {
 
 /// [`camera_ray`] of a camera all of whose rays start at its center.
 #[inline(always)]
-pub fn central_ray<L: Lane>(view: &View, x: L, y: L) -> Ray<L, f32> {
+pub(crate) fn central_ray<L: Lane>(view: &View, x: L, y: L) -> Ray<L, f32> {
     Ray::new(V3::splat((), view.center), camera_direction(view, x, y))
 }
 
 /// The direction of [`camera_ray`].
 #[inline(always)]
-pub fn camera_direction<L: Lane>(view: &View, x: L, y: L) -> V3<L> {
+pub(crate) fn camera_direction<L: Lane>(view: &View, x: L, y: L) -> V3<L> {
     direction(view, (x + 0.5) * BLOCKS_PER_RAY, (y + 0.5) * BLOCKS_PER_RAY)
 }
 
@@ -59,7 +59,7 @@ pub fn camera_ray<L: Lane>(view: &View, x: L, y: L) -> Ray<L> {
 /// row. The offset is taken first, so that column and row are off by a few rounding errors
 /// of themselves only; binning widens every instance by more.
 #[inline(always)]
-pub fn light_block<L: Lane>(light: &View, point: V3<L>) -> L::Bits {
+pub(crate) fn light_block<L: Lane>(light: &View, point: V3<L>) -> L::Bits {
     let token = point.x.token();
     let offset = point - V3::splat(token, light.center);
     // Not `== Point`: the first face of a spot light's cube may be off.

@@ -84,13 +84,13 @@ impl Transparency {
 
     /// The alpha mode in the record at the word `at`.
     #[inline(always)]
-    pub fn load_alpha_mode(mesh_data: &[u32], at: u32) -> u32 {
+    pub(crate) fn load_alpha_mode(mesh_data: &[u32], at: u32) -> u32 {
         word(mesh_data, at, offset_of!(Self, alpha_mode))
     }
 
     /// The cutoff in it.
     #[inline(always)]
-    pub fn load_cutoff(mesh_data: &[u32], at: u32) -> f32 {
+    pub(crate) fn load_cutoff(mesh_data: &[u32], at: u32) -> f32 {
         number(mesh_data, at, offset_of!(Self, cutoff))
     }
 

@@ -116,7 +116,7 @@ pub enum Backdrop {
     Nothing = 2,
 }
 
-/// The place of an environment's squares in the texels (see [`environment`](crate::kernel::environment)).
+/// The place of an environment's squares in the texels (see `kernel::environment`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Sky {
     /// The word that holds the start of the sharpest square. Those of the others follow it, the last one for

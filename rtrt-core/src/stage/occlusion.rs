@@ -240,7 +240,7 @@ pub fn to_light<L: Lane>(frame: &Frame, light: &View, first: RayIndex, from: V3<
 
 /// The vector to the light's middle.
 #[inline(always)]
-pub fn to_middle<L: Lane>(light: &View, from: V3<L>) -> V3<L> {
+pub(crate) fn to_middle<L: Lane>(light: &View, from: V3<L>) -> V3<L> {
     let token = from.x.token();
     if light.kind == ViewKind::Sun as u32 {
         -V3::splat(token, light.along)

@@ -51,7 +51,7 @@ pub struct Meshes<'a> {
 pub type Drawn = [u32; 2];
 
 /// A ray that is still to be traced.
-pub const UNTRACED: Hit = Hit { t: 0.0, instance: 0, triangle: 0, u: 0.0, v: 0.0 };
+pub(crate) const UNTRACED: Hit = Hit { t: 0.0, instance: 0, triangle: 0, u: 0.0, v: 0.0 };
 
 /// Whether a ray is still to be traced.
 #[inline(always)]

@@ -50,7 +50,7 @@ pub struct SurfaceRows<L: Lane> {
 impl<L: Lane> Surfaces<L> {
     /// Where they are in their textures.
     #[inline(always)]
-    pub fn tex_coords(&self) -> TexCoords<L> {
+    pub(crate) fn tex_coords(&self) -> TexCoords<L> {
         TexCoords { uv: [self.uv, self.second_uv], footprint: [self.footprint, self.second_footprint] }
     }
     /// The record of one lane.

@@ -102,7 +102,7 @@ pub fn visibility<L: Lane, const G: usize>(
 /// No hits yet, of the rays numbered from `first` on, all in one block. A ray outside the frame is not
 /// traced.
 #[inline(always)]
-pub fn unfound<L: Lane, const G: usize>(
+pub(crate) fn unfound<L: Lane, const G: usize>(
     token: L::Token,
     frame: &Frame,
     first: RayIndex,
