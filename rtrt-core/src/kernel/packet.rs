@@ -72,7 +72,13 @@ impl<L: Lane, const G: usize> PacketHits<L, G> {
 impl<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize> Packet<'_, L, O, G> {
     /// The tiles of `active` that may hit a box before their limits: all that do, and few more.
     #[inline(always)]
-    pub(crate) fn hit_mask(&self, low: &[f32; 3], high: &[f32; 3], active: u32, hits: &PacketHits<L, G>) -> u32 {
+    pub(crate) fn hit_mask(
+        &self,
+        low: &[f32; 3],
+        high: &[f32; 3],
+        active: u32,
+        hits: &PacketHits<L, G>,
+    ) -> u32 {
         let few = RAY_TEST_MAX_TILES[(O::WIDTH == L::WIDTH) as usize];
         if G == 1 || active.count_ones() <= few {
             ray_hit_mask(self.rays, low, high, active, &hits.closest)

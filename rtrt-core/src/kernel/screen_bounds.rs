@@ -188,7 +188,13 @@ const WIDER: f32 = 1.0 + 1.0 / 1024.0;
 ///
 /// The paper tests the sphere for each ray; here one test serves a block.
 #[inline(always)]
-pub(crate) fn sphere_in_block(view: &View, instance: &Instance, magnitude: f32, column: u32, row: u32) -> bool {
+pub(crate) fn sphere_in_block(
+    view: &View,
+    instance: &Instance,
+    magnitude: f32,
+    column: u32,
+    row: u32,
+) -> bool {
     if view.one_list == 1 {
         return true;
     }
