@@ -1,4 +1,4 @@
-//! Frames, lists and trees, timed. What is timed is compared with what a single thread of single
+//! Times of frames, lists and BVHs. Each timed result is compared with that of a single thread of single
 //! lanes gives.
 //!
 //! `cargo bench -p conformance --bench frames`

@@ -1,4 +1,4 @@
-//! Hybrid frames beside those that are traced: how many pixels differ, by how much and where, and what it takes to
+//! Hybrid frames beside those that are traced: how many pixels differ, by how much and where, and the time to
 //! find the closest surfaces.
 //!
 //! `cargo run --release -p conformance --example hybrid [FOLDER]` prints a table, and writes `hybrid.png` into the
@@ -104,7 +104,7 @@ fn scenes() -> Result<Vec<(&'static str, Loaded)>, Box<dyn std::error::Error>> {
     Ok(scenes)
 }
 
-/// The median of what the stage takes.
+/// The median time of the stage.
 fn visibility_ms(
     gpu: &mut Gpu,
     loaded: &Loaded,
@@ -123,7 +123,7 @@ fn visibility_ms(
     Ok(times[FRAMES / 2])
 }
 
-/// The picture, dark, with what differs marked in red.
+/// The picture, darkened, with differing pixels in red.
 fn marked(picture: &Picture, found: &Differences) -> Vec<[u8; 3]> {
     let dark = |pixel: &u32| [0, 8, 16].map(|shift| ((pixel >> shift & 255) / 3) as u8);
     let mut pixels: Vec<_> = picture.pixels.iter().map(dark).collect();

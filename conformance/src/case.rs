@@ -15,7 +15,7 @@ pub enum Agree {
 /// A frame that every backend must render alike.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
-    /// The kernel or stage it is about, and what is special.
+    /// The kernel or stage that it tests, and its particular.
     pub name: &'static str,
     /// What holds if the case passes.
     pub claim: &'static str,
@@ -66,7 +66,7 @@ impl Case {
         known: None,
     };
 
-    /// What a backend is asked for.
+    /// The request to the backend.
     pub fn request(&self) -> Request<'_> {
         Request::new(&self.camera, self.size)
             .samples(self.samples)

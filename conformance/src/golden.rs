@@ -1,4 +1,4 @@
-//! Hashes of frames that are kept in the repository, so that machines that never meet can be compared.
+//! Hashes of frames in the repository: they compare machines that never meet.
 //!
 //! `golden.txt` has a line for each buffer of each scene of [`scenes`]: the scene, the buffer, and the SHA-256 of what
 //! the [`crate::reference()`] makes of it. After a change that is meant to change pictures (or a buffer):
@@ -84,7 +84,7 @@ pub struct Malformed {
     pub line: usize,
 }
 
-/// The scenes whose hashes are kept: some cases, and the scenes that are built into `rtrt`.
+/// The scenes with stored hashes: some cases, and the demo scenes of `rtrt`.
 ///
 /// # Panics
 /// A case has another name now.
@@ -125,7 +125,7 @@ impl Golden {
     /// Reads a file's text.
     ///
     /// # Errors
-    /// A line is no comment and has no three words.
+    /// A line that is no comment lacks three words.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
         let mut golden = Self::default();
         for (line, words) in (1..).zip(text.lines()).filter(|(_, line)| !line.starts_with('#')) {

@@ -1,4 +1,4 @@
-//! Pictures of what failed.
+//! Pictures of failures.
 
 use crate::suite::Failed;
 use rtrt_core::backend::Picture;
@@ -39,7 +39,7 @@ pub(crate) fn pictures(failed: &Failed) -> [(&'static str, Cow<'_, Picture>); 3]
     ]
 }
 
-/// The picture as a PNG file; none if it is no picture: a backend that failed may have left anything.
+/// The picture as a PNG file; `None` for invalid pixels, which a failing backend may return.
 pub(crate) fn png(picture: &Picture) -> io::Result<Option<Vec<u8>>> {
     let Picture { width, height, ref pixels, .. } = *picture;
     if pixels.is_empty() || pixels.len() as u64 != u64::from(width) * u64::from(height) {

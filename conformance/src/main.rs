@@ -23,7 +23,7 @@ Options:
 
 Exit codes: 0 all equal, 1 a file cannot be read or written, 2 wrong usage, 5 something differs";
 
-/// What was asked for.
+/// The arguments.
 #[derive(Default)]
 struct Options {
     report: Option<PathBuf>,
@@ -90,7 +90,7 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     Ok(report.passed)
 }
 
-/// A line a variant, and what differs.
+/// A line a variant, and its differences.
 fn print(report: &Report) {
     for ran in &report.variants {
         if let Some(why) = &ran.skipped {

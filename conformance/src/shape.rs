@@ -206,7 +206,7 @@ impl Build {
     pub fn mesh(&mut self, shape: Shape) -> MeshIndex {
         self.mesh_of(shape, |mesh| mesh)
     }
-    /// Adds a mesh with what `more` adds to it.
+    /// Adds a mesh that `more` has extended.
     pub fn mesh_of(&mut self, shape: Shape, more: impl Fn(Mesh) -> Mesh) -> MeshIndex {
         let mesh = more(shape.mesh());
         let tree = Bvh::build(&mesh, &Sequential);

@@ -102,7 +102,7 @@ impl Suite {
     }
 
     /// Runs every case on the backend. The memory of one picture is used for all, so that
-    /// what a frame leaves behind would show in the next.
+    /// the state of one frame would show in the next.
     ///
     /// # Errors
     /// The backend is [`Itself`] the reference.

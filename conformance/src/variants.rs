@@ -86,8 +86,8 @@ pub fn cpu() -> Vec<Variant> {
 ///
 /// All of them are required where a GPU is, with one exception. naga drops what forbids a
 /// driver to reorder sums, so that route promises the same bits only where its canary shows
-/// them: refusing the device is how the promise is kept. Where the other route is missing too
-/// nothing is left that ran, and that is a failure.
+/// them: refusing the device keeps the promise. Where the other route is missing too
+/// no variant ran, which is a failure.
 pub fn gpu() -> Vec<Variant> {
     let direct = open(None, Route::Passthrough, None);
     // The same adapter by another route.

@@ -8,7 +8,7 @@ use rtrt_cpu::{Cpu, Options};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// How often any thread has asked for memory.
+/// The number of allocations of all threads.
 static ALLOCATIONS: AtomicU32 = AtomicU32::new(0);
 
 /// Counts, and passes on.
@@ -40,7 +40,7 @@ fn scene(sheet: Material) -> Scene {
     build.light(Light::point([0.3, 2.0, 0.0]).radius(0.4)).light(Light::point([-0.7, 1.5, 0.2])).scene
 }
 
-/// How often memory is asked for in frames after the first three.
+/// The number of allocations in frames after the first three.
 fn allocations(scene: &Scene, shadows: Shadows) -> u32 {
     let camera = Camera {
         eye: Vec3::new(0.5, 2.5, 3.0),

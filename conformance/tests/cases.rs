@@ -35,7 +35,7 @@ fn gpu_agrees_by_every_route() {
     run(gpu());
 }
 
-/// A lane or a device may have another NaN than the next one; and what is not one here is not one there,
+/// A lane or a device may give another NaN than the next one; a number here is a number there,
 /// since they agree.
 #[test]
 fn no_case_has_a_color_that_is_no_number() {

@@ -145,7 +145,7 @@ fn parts_follow_what_they_are_parts_of() {
             6 => scene.hide(balls[2]).unwrap(),
             _ => {}
         }
-        // One that knows nothing of what the scene was before.
+        // A setup without a frame before.
         reference().render(&scene, &request(&CAMERA), &mut expected).unwrap();
         pictures.push(expected.pixels.clone());
         for (name, backend) in &mut variants.backends {

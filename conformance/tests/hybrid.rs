@@ -153,7 +153,7 @@ fn a_frame_of_another_camera_is_red() {
     gpu.render(&loaded.scene, &request(&turned, 1), &mut drawn).unwrap();
     let mut found = Differences::of(&request(&turned, 1), &traced, &drawn).unwrap();
     assert!(wrong(&found, 1000).is_some(), "{}", told(&found));
-    // Not only by the bits of what is met.
+    // Equal hits are not enough.
     found.uneven = 0;
     assert!(wrong(&found, 1000).is_some(), "{}", told(&found));
 }
@@ -192,7 +192,7 @@ fn a_frame_larger_than_a_texture_is_drawn_in_parts() {
     let mut gpu = hybrid(Gpu::with_device(device, queue, Route::Auto).unwrap());
     let loaded = rtrt::demo::spheres(&Parallel).unwrap();
     let (mut traced, mut drawn) = (Picture::default(), Picture::default());
-    // Without pictures of the limited size first: what is there already is large enough.
+    // No frame of the limited size comes first: its buffers would be large enough.
     gpu.render(&Scene::new(), &request(&loaded.camera, 1).size([7, 5]), &mut drawn).unwrap();
     for samples in [1, 4] {
         let request = request(&loaded.camera, samples);

@@ -48,7 +48,7 @@ fn places(time: f64) -> Vec<Mat4> {
     (0..MOVING).map(place).collect()
 }
 
-/// Whether an instance is not to be seen.
+/// Whether an instance is hidden.
 fn is_hidden(instance: u32, time: f64) -> bool {
     instance % 5 == 2 && time > 1.0
 }
@@ -104,7 +104,7 @@ fn a_moved_scene_is_a_new_one_made_there() {
     }
 }
 
-/// Cameras, lights, sizes and scenes come and go on backends that keep what they can.
+/// Cameras, lights, sizes and scenes change on backends that reuse data of earlier frames.
 #[test]
 fn a_frame_does_not_depend_on_the_one_before() {
     let [mut first, second] = [0.0, 1.7].map(|time| scene(time).0);

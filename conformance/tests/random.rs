@@ -38,7 +38,7 @@ fn shape(random: &mut Random) -> Shape {
     }
 }
 
-/// Turned, stretched, sometimes mirrored, sometimes left where it is.
+/// A transform: turned, stretched, sometimes mirrored, sometimes the identity.
 fn transform(random: &mut Random) -> Mat4 {
     if random.below(4) == 0 {
         return Mat4::IDENTITY;
@@ -178,7 +178,7 @@ fn camera(random: &mut Random) -> Camera {
     };
     let far = any_size(random, -0.5, 4.0);
     let eye = random.vector(far);
-    // What is far away is looked at closely, so that something is seen.
+    // A narrow field of view for distant scenes, so that the picture is not empty.
     let projection = match projection {
         Projection::Perspective { fov_y } if far > 10.0 => {
             Projection::Perspective { fov_y: fov_y * 8.0 / far }

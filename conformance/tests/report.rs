@@ -99,7 +99,7 @@ fn the_hashes_in_the_repository_are_the_references() {
 fn another_hash_is_exit_code_5_and_names_its_stage() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden");
     std::fs::create_dir_all(&folder).unwrap();
-    // Another machine's hits, and what follows from them.
+    // Hits of another machine, and the buffers that depend on them.
     let file = folder.join("other.txt");
     let other = ["hits", "colors", "pixels"].iter().fold(Golden::committed().to_owned(), |text, buffer| {
         let place = format!("shadow/point {buffer} ");

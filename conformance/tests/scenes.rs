@@ -24,7 +24,7 @@ const SCENES: [&str; 15] = [
     "outdoor/house.glb",
 ];
 
-/// One ray in this many is asked of the oracle, which meets it with every triangle.
+/// The oracle tests one ray in this many against every triangle.
 const STEP: usize = 37;
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the camera sees of instances that are not double-sided, and what light does.
+//! Instances that are not double-sided: their picture, and their shadows.
 
 use conformance::reference;
 use conformance::shape::{Build, Shape};
@@ -12,7 +12,7 @@ fn one_sided() -> Material {
     Material::new([0.8; 3]).roughness(0.5).double_sided(false)
 }
 
-/// What is seen from `eye` toward the origin, in rays side by side that are 0.02 apart.
+/// The hits of rays from `eye` toward the origin, 0.02 apart.
 fn seen(scene: &Scene, eye: Vec3) -> Deferred {
     let projection = Projection::Orthographic { height: 0.3 };
     let camera = Camera { eye, look_at: Vec3::ZERO, up: Vec3::Y, projection };

@@ -1,4 +1,4 @@
-//! Lights with a radius: what their shadows look like.
+//! Shadows of lights with a radius, against closed forms.
 
 use conformance::reference;
 use conformance::shape::{Build, Shape};
@@ -222,7 +222,7 @@ fn glass(base: [f32; 3], alpha: f32) -> Material {
 fn a_pane_fades_from_its_color_to_white() {
     let scene = sheet(1.0, Some(glass([1.0, 0.5, 0.0], 0.5)), over_the_edge(1.0, 0.13));
     let (_, deferred) = render(&scene, &above(0.5), 1, Shadows::Soft);
-    // A = 0.5, tint = 0.5: half of the light is left, three quarters of its green.
+    // A = 0.5, tint = 0.5: half of the light arrives, three quarters of its green.
     for (x, share) in profile(&deferred) {
         let expected = 0.375 + (1.0 - 0.375) * segment(x / 0.13);
         assert!((share - expected).abs() < 0.04, "{share} at {x}, not {expected}");

@@ -134,7 +134,7 @@ fn shadows_are_as_dark_as_the_alphas_together() {
     assert!(transmittance(&[(white, 0.0, 1.0)]).iter().all(|&word| word == (1 << 30) - 1));
     let quarter = [1.0, 2.0, 3.0, 4.0].map(|y| (white, 0.25, y));
     assert!(transmittance(&quarter).iter().all(|&word| word == 0), "light leaks");
-    // Half is left: √½ of 1023.
+    // Half arrives: √½ of 1023.
     let half = 723 * (1 | 1 << 10 | 1 << 20);
     assert!(transmittance(&quarter[..2]).iter().all(|&word| word == half));
 }

@@ -10,7 +10,7 @@ use spirv_std::glam::UVec3;
 use spirv_std::memory::{Scope, Semantics};
 use spirv_std::spirv;
 
-/// Adds 1 to a word that many invocations add to, and gives what it was.
+/// Atomically adds 1 to a word; returns its old value.
 fn take(mesh_data: &mut [u32], at: u32) -> u32 {
     // SAFETY: the word is in a storage buffer, and every other access to it during the
     // dispatch goes through here.

@@ -1,4 +1,4 @@
-//! What a device is asked before it is trusted.
+//! The canary: kernels and layouts that a device computes before it is trusted.
 
 use crate::index;
 use rtrt_core::kernel::canary::{OUTPUTS, canary};

@@ -9,7 +9,7 @@ use rtrt_core::stage::surface::{Surfaces, Vertices};
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
-/// Adds to each surface what its material asks for.
+/// Adds normal maps and second texture coordinates to each surface.
 #[spirv(compute(threads(64), entry_point_name = "detail"))]
 pub fn detail(
     #[spirv(global_invocation_id)] id: UVec3,

@@ -1,4 +1,4 @@
-//! Raster: what the camera sees, drawn instead of traced.
+//! Raster: the closest surfaces, rasterized instead of traced.
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
@@ -39,7 +39,7 @@ pub fn fragment(#[spirv(flat)] drawn: UVec2, pixel: &mut UVec2) {
     *pixel = drawn;
 }
 
-/// The surface on each ray, where what was drawn tells.
+/// The hit of each ray whose pixel identifies it.
 #[spirv(compute(threads(64), entry_point_name = "pick"))]
 pub fn pick(
     #[spirv(global_invocation_id)] id: UVec3,

@@ -1,4 +1,4 @@
-//! The committed module is what its sources say, and keeps the rules that make devices agree.
+//! The committed module matches its sources, and obeys the rules that make devices agree.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -79,7 +79,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let build = Build::default().shape(Shape::ball(6));
             let mut scene = build.scene;
-            // What is behind the camera is seen in the ball only.
+            // Only the reflection in the ball shows the environment behind the camera.
             let mut rgb = vec![[0.2, -3.0, 1e-9], [1e-12, 0.5, 0.1], [0.3, 0.1, f32::NAN], [0.05, 0.0, 0.4]];
             rgb.extend([[0.1, 0.3, 0.1], [0.2; 3], [1e9, 0.0, 3.0]]);
             scene.set_environment(&Panorama { width: 7, height: 1, rgb }).expect("a panorama");

@@ -20,7 +20,7 @@ use rtrt_core::scene::{Scene, Setup, SetupError};
 use rtrt_core::stage::occlusion::{LIGHTS_PER_WORD, limit, to_light};
 use rtrt_core::stage::surface::Surfaces;
 
-/// A frame whose rays are asked one by one.
+/// A frame whose rays are traced one by one.
 #[derive(Debug)]
 pub struct Brute<'a> {
     scene: &'a Scene,
@@ -233,7 +233,7 @@ impl<'a> Brute<'a> {
 /// the picture's own surfaces.
 ///
 /// # Errors
-/// The first difference; what the oracle found counts as expected.
+/// The first difference; the oracle's result is the expected one.
 ///
 /// # Panics
 /// The request makes no picture, or the picture has no deferred buffers.
@@ -264,7 +264,7 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
                 let at = ray * deferred.transmittance_words as usize + light as usize;
                 (deferred.raw_transmittance[at], deferred.penumbra_radii[at]) = (left, size);
             }
-            // Blurred ones are not what a ray meets.
+            // Filtered shadows are not the result of one ray.
             let lit = if brute.setup.frame.penumbra_window > 0 {
                 deferred.transmittance[ray * deferred.transmittance_words as usize + light as usize] != 0
             } else if brute.setup.frame.layers > 0 {

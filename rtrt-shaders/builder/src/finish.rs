@@ -1,4 +1,4 @@
-//! From what rust-gpu emits to what is committed.
+//! From the module that rust-gpu emits to the committed one.
 
 use anyhow::{Context, Result};
 use rspirv::binary::Assemble;
