@@ -1,7 +1,7 @@
-//! Trees of meshes, kept in files, so that a mesh that was loaded once is loaded faster.
+//! A cache of BVHs in files: a mesh that was loaded once loads faster.
 //!
-//! A file is named by the SHA-256 of what it was built from: the version of the format, and the
-//! mesh's positions and indices. It holds, in little-endian words:
+//! The name of a file is the SHA-256 of its input: the version of the format, and the mesh's positions
+//! and indices. Its content, in little-endian words:
 //!
 //! ```text
 //! magic "rtrttree", version, that SHA-256, number of nodes, number of triangles,
@@ -9,11 +9,10 @@
 //! SHA-256 of all that
 //! ```
 //!
-//! Nothing in it is trusted. A file that is not of this mesh and version, is cut off, or has one
-//! bit that is not as it was written is built anew, and so is one whose words make no tree
-//! ([`Bvh::from_links`]). Boxes are not in it: they are computed from the mesh. So the worst
-//! that a file made on purpose can do is to be slow, and to say which of two triangles at exactly
-//! the same distance is seen.
+//! The content is not trusted. A file of another mesh or version, a truncated or damaged file, and one
+//! whose words form no BVH ([`Bvh::from_links`]) is replaced by a new one. Boxes are computed from the
+//! mesh. So the worst effects of a forged file are a slow BVH, and another order of two triangles at
+//! exactly the same distance.
 
 use crate::replace::replace;
 use rtrt_core::scene::{Bvh, Join, Mesh};
@@ -23,34 +22,33 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"rtrttree";
-/// Counts up when the format changes, or the trees that [`Bvh::build`] makes.
+/// The version of the format and of the BVHs of [`Bvh::build`].
 const VERSION: u32 = 2;
 /// Bytes before the nodes.
 const HEADER: usize = 8 + 4 + 32 + 4 + 4;
 /// Bytes of a SHA-256.
 const DIGEST: usize = 32;
 
-/// A folder of trees.
+/// A folder of BVHs.
 #[derive(Debug, Clone)]
 pub struct Cache {
     folder: PathBuf,
 }
 
 impl Cache {
-    /// The cache in a folder, which is made if it is not there.
+    /// The cache in a folder. A missing folder is created.
     ///
     /// # Errors
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     pub fn new(folder: &Path) -> io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         Ok(Self { folder: folder.to_owned() })
     }
 
-    /// The mesh's tree: from its file if that is whole, else built, and kept. The same tree either
-    /// way.
+    /// The BVH of a mesh: from a valid file, else built and written. Both give the same BVH.
     ///
     /// # Errors
-    /// The tree was built and could not be kept; it comes with the error.
+    /// The BVH was built but could not be written; the error comes with it.
     pub fn tree(&self, mesh: &Mesh, join: &impl Join) -> Result<Bvh, (Bvh, io::Error)> {
         let key = key(mesh);
         let path = self.path(&key);
@@ -70,7 +68,7 @@ impl Cache {
     }
 }
 
-/// What the tree of a mesh follows from.
+/// The SHA-256 of the input of a BVH.
 fn key(mesh: &Mesh) -> [u8; DIGEST] {
     let mut digest = Sha256::new();
     digest.update(MAGIC);
@@ -107,9 +105,9 @@ fn length(nodes: usize, triangles: usize) -> usize {
     HEADER + 8 * nodes + 4 * triangles + DIGEST
 }
 
-/// The tree in a file; none if there is no such file, or it is not exactly as it was written.
+/// The BVH in a file; none if the file is missing or invalid.
 fn read(path: &Path, mesh: &Mesh, key: &[u8; DIGEST]) -> Option<Bvh> {
-    // A tree of n triangles has at most 2n − 1 nodes; an empty one has one.
+    // A BVH of n triangles has at most 2n − 1 nodes; an empty one has one.
     let longest = length(2 * mesh.triangles() + 1, mesh.triangles()) as u64;
     let file = File::open(path).ok()?;
     if !file.metadata().ok()?.is_file() {
@@ -161,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_what_was_built() {
+    fn a_cached_bvh_equals_the_built_one() {
         let cache = cache("kept");
         for count in [0, 1, 2, 300] {
             let mesh = mesh(count);
@@ -193,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_with_the_right_sums_and_the_wrong_words_is_no_tree() {
+    fn a_file_with_the_right_sums_and_the_wrong_words_is_refused() {
         let mesh = mesh(25);
         let (tree, key) = (Bvh::build(&mesh, &Sequential), key(&mesh));
         let whole = encode(&tree, &key);
@@ -205,7 +203,7 @@ mod tests {
                 let content = forged.len() - DIGEST;
                 let digest = Sha256::digest(&forged[..content]);
                 forged[content..].copy_from_slice(&digest);
-                // The axis of a node may be another one: that is a tree too, of the same boxes.
+                // Another axis of a node is valid, with the same boxes.
                 match decode(&forged, &mesh, &key) {
                     Some(other) => {
                         assert!(other.triangles == tree.triangles && other.nodes[0].low == tree.nodes[0].low)
@@ -230,7 +228,7 @@ mod tests {
             assert_eq!(cache.tree(&mesh, &Sequential).unwrap(), tree);
             assert_eq!(std::fs::read(&path).unwrap(), whole);
         }
-        // Where nothing can be kept, there is a tree all the same.
+        // Without a file there is still a BVH.
         std::fs::remove_file(&path).unwrap();
         std::fs::create_dir(&path).unwrap();
         let (built, _) = cache.tree(&mesh, &Sequential).unwrap_err();

@@ -1,4 +1,4 @@
-//! Which backend renders, chosen when the program runs.
+//! The choice of a backend at run time.
 //!
 //! ```
 //! use rtrt::choose::{Choice, Options, choose};

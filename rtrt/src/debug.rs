@@ -1,5 +1,5 @@
-//! Pictures of what a frame is made of, instead of the frame. They follow from the deferred
-//! buffers, and so are the same whichever backend made those.
+//! Debug views of a frame. They are computed from the deferred buffers, so all backends give the same
+//! views.
 
 use crate::layers::Layers;
 use rtrt_core::backend::{Picture, Request};
@@ -11,33 +11,33 @@ use rtrt_core::num::srgb_encode;
 use rtrt_core::scene::{Scene, Setup, SetupError};
 use rtrt_core::stage::inspect::{Inspection, inspect};
 
-/// What to look at.
+/// A property of a frame as colors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DebugView {
-    /// Base colors without light.
+    /// Base colors.
     Albedo,
     /// World space normals: x is red, y green, z blue, from −1 (dark) to 1.
     Normal,
-    /// Depth: what is nearest is white, what is farthest dark gray.
+    /// Depth, from white (nearest) to dark gray (farthest).
     Depth,
     /// A color for each object, in shades for its triangles.
     Ids,
-    /// The share of lights that reach the surface.
+    /// The mean transmittance to the lights.
     Shadow,
-    /// Texture coordinates, their whole part left out: u is red, v green.
+    /// The fractional parts of texture coordinates: u is red, v green.
     Uv,
-    /// Figure 1a of the paper: black where the block's list is empty, blue where the ray misses
-    /// all bounding spheres of the list, white where it misses all meshes, else the picture.
+    /// Figure 1a of the paper: black for an empty list of the block, blue for a ray that misses all bounding
+    /// spheres of the list, white for one that misses all meshes, else the picture.
     Blocks,
-    /// How many entries the list of the pixel's block has.
+    /// The length of the list of the pixel's block.
     Heat,
-    /// How many boxes and triangles the pixel's first ray is asked for.
+    /// The number of boxes and triangles that the pixel's first ray is tested with.
     Tests,
 }
 
 impl DebugView {
-    /// All, with their names.
+    /// All views, with their names.
     pub const ALL: [(&'static str, Self); 9] = [
         ("albedo", Self::Albedo),
         ("normal", Self::Normal),
@@ -51,23 +51,22 @@ impl DebugView {
     ];
 }
 
-/// A view of a frame.
+/// A debug view of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DebugImage {
     /// As in [`Picture::pixels`].
     pub pixels: Vec<u32>,
-    /// What the colors stand for, where that depends on the frame.
+    /// The meaning of the colors, if it depends on the frame.
     pub legend: Option<String>,
 }
 
-/// Where no surface is, in views in which black is a value.
+/// The color of pixels without a surface, in views with black as a value.
 const NOTHING: [f32; 3] = [0.03, 0.03, 0.12];
 
-/// The view of a picture of the scene that was rendered as `request` says; none if its deferred
-/// buffers were not kept.
+/// A view of a picture of the scene for this request; none without its deferred buffers.
 ///
 /// # Errors
-/// The request makes no picture.
+/// The request is invalid.
 pub fn show(
     view: DebugView,
     scene: &Scene,
@@ -118,7 +117,7 @@ pub fn show(
     Ok(Some(DebugImage { pixels, legend }))
 }
 
-/// What it takes to follow the first sub-ray of each pixel.
+/// The cost of the first sub-ray of each pixel.
 fn inspected(
     scene: &Scene,
     request: &Request<'_>,
@@ -146,7 +145,7 @@ fn inspected(
     Ok((0..frame.width * frame.height).map(inspect).collect::<Vec<_>>().into_iter())
 }
 
-/// The color of a ray in figure 1a; none for one that hits.
+/// The color of a ray in figure 1a; none for a ray with a hit.
 fn block(found: &Inspection) -> Option<[f32; 3]> {
     match found {
         Inspection { hit, .. } if hit.instance != NONE => None,
@@ -156,7 +155,7 @@ fn block(found: &Inspection) -> Option<[f32; 3]> {
     }
 }
 
-/// The counts, from black over blue, red and yellow to white for the most.
+/// The counts as colors: black, blue, red, yellow, and white for the highest.
 fn heat_map(counts: &[u32]) -> Vec<u32> {
     let scale = 1.0 / most(counts).max(1) as f32;
     counts.iter().map(|&count| pack(heat(count as f32 * scale))).collect()
@@ -176,14 +175,14 @@ pub fn heat(share: f32) -> [f32; 3] {
     [0, 1, 2].map(|channel| from[channel] + (to[channel] - from[channel]) * weight)
 }
 
-/// The color of a triangle of an object: the object's own, in one of a few shades.
+/// The color of a triangle: its instance's color in one of four shades.
 pub fn id(object: u32, triangle: u32) -> [f32; 3] {
     let shade = 0.7 + (hash(triangle) & 3) as f32 * 0.1;
     let bits = hash(object);
     [bits, bits >> 8, bits >> 16].map(|bits| (0.2 + (bits & 255) as f32 * (0.8 / 255.0)) * shade)
 }
 
-/// Bits that look random (Wellons, "hash32", 2018).
+/// Pseudo-random bits (Wellons, "hash32", 2018).
 fn hash(x: u32) -> u32 {
     let x = (x.wrapping_add(1) ^ x.wrapping_add(1) >> 16).wrapping_mul(0x7feb_352d);
     let x = (x ^ x >> 15).wrapping_mul(0x846c_a68b);
@@ -203,7 +202,7 @@ mod tests {
     use rtrt_cpu::{Cpu, Options};
 
     #[test]
-    fn a_ray_that_is_followed_once_more_finds_the_same() {
+    fn inspection_finds_the_hits_of_the_frame() {
         let loaded = crate::demo::matchbox(&rtrt_core::scene::Sequential).unwrap();
         let mut cpu = Cpu::new(Options { lanes: None, threads: None }).unwrap();
         for samples in [1, 4] {
@@ -238,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_are_warmer_where_they_are_more() {
+    fn higher_counts_have_brighter_colors() {
         assert_eq!((heat(0.0), heat(1.0)), ([0.0; 3], [1.0; 3]));
         let brightness = |share: f32| heat(share).iter().sum::<f32>();
         assert!((0..100).all(|n| brightness(n as f32 / 100.0) < brightness((n + 1) as f32 / 100.0)));

@@ -20,14 +20,14 @@ use glam::{Mat4, Vec3, vec3};
 use rtrt_core::scene::{Camera, Join, Light, Material, Projection};
 use shape::Shape;
 
-/// What the scene is called where a path is expected.
+/// The name of the scene in place of a path.
 pub const MATCHBOX: &str = "demo:matchbox";
 
 /// The lower and the upper corner of the room.
 const ROOM: [Vec3; 2] = [vec3(-3.2, 0.0, -3.0), vec3(3.2, 3.4, 4.4)];
-/// The opening in the wall on the left, from below and behind to above and in front.
+/// The opening in the left wall: its lower back and upper front corner.
 const WINDOW: [Vec3; 2] = [vec3(-3.2, 1.1, -1.9), vec3(-3.2, 3.0, 0.7)];
-/// How high the tiles go.
+/// The height of the tiles.
 const RAIL: f32 = 0.95;
 /// The lamp's bulb.
 const BULB: Vec3 = vec3(1.35, 2.5, -1.1);
@@ -35,11 +35,11 @@ const BULB: Vec3 = vec3(1.35, 2.5, -1.1);
 /// A matchbox, half open, that floats in a room with the sun in its window; a lamp hangs
 /// above it. Figure 1a of the paper, in spirit.
 ///
-/// Everything, the textures too, is computed here, from integers and `libm`: the same scene
-/// on every host. `join` runs the halves of tree builds.
+/// The scene and its textures are computed from integers and by `libm`, so they are the same on every
+/// host. `join` runs the halves of BVH builds.
 ///
 /// # Errors
-/// As for [`crate::import::load`]; nothing in the scene gives rise to any.
+/// Those of [`crate::import::load`]; the scene causes none.
 pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut stage = DemoBuilder::new(MATCHBOX, join);
     stage.room()?;
@@ -172,7 +172,7 @@ impl<J: Join> DemoBuilder<'_, J> {
         self.add(cord, enamel)
     }
 
-    /// Sleeve, tray and matches, and two matches that have left.
+    /// Sleeve, tray and matches, and three loose matches.
     fn matchbox(&mut self) -> Result<(), ImportError> {
         /// Half of the sleeve's size.
         const HALF: Vec3 = vec3(0.78, 0.2, 0.52);

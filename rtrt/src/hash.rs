@@ -1,4 +1,4 @@
-//! SHA-256 of frames, in hex: what two machines compare instead of pictures.
+//! SHA-256 of frames, in hex. Two machines compare it in place of pictures.
 //!
 //! ```
 //! use rtrt_core::backend::Picture;
@@ -21,7 +21,7 @@ pub fn pixels(picture: &Picture) -> String {
     of(picture.bytes())
 }
 
-/// The hash of each deferred buffer, in the order of the stages that fill them; none if they were not kept.
+/// The hash of each deferred buffer, in the order of the stages that write them; none without them.
 pub fn buffers(picture: &Picture) -> Option<[(&'static str, String); 10]> {
     let deferred = picture.deferred.as_ref()?;
     let buffers: [(_, &[u8]); 10] = [

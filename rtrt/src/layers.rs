@@ -1,4 +1,4 @@
-//! The deferred buffers of a frame as layers of pixels, for compositing and for looking at.
+//! The deferred buffers of a frame as layers of pixels, for compositing and inspection.
 
 use rtrt_core::backend::{Deferred, Picture};
 use rtrt_core::grid::Grid;
@@ -12,22 +12,21 @@ use rtrt_core::stage::resolve::average;
 use rtrt_core::stage::shade::base;
 use rtrt_core::stage::surface::Surfaces;
 
-/// What is known of each pixel, row by row from the upper left.
+/// Properties of each pixel, row by row from the upper left.
 ///
-/// `color`, `albedo` and `shadow` are averages of a pixel's sub-rays. The others are those of its
-/// first sub-ray, the upper left one: an average of two ids, or of the normals on either side of
-/// an edge, is of no surface, and what is of one sub-ray fits together.
+/// `color`, `albedo` and `shadow` are averages over a pixel's sub-rays. The others come from its first, upper
+/// left sub-ray: an average of ids, or of normals on both sides of an edge, belongs to no surface.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Layers {
     /// Pixels in a row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Linear RGB and alpha, before it is encoded.
+    /// Linear RGB and alpha.
     pub color: Vec<[f32; 4]>,
-    /// Depth along the view, world units; infinite where nothing is hit.
+    /// Depth along the view, world units; infinite without a hit.
     pub depth: Vec<f32>,
-    /// Unit normals on the viewer's side, world space; 0 where nothing is hit.
+    /// Unit normals towards the viewer, world space; 0 without a hit.
     pub normal: Vec<[f32; 3]>,
     /// Base color, linear RGB: material, texture and vertex color, without light.
     pub albedo: Vec<[f32; 3]>,
@@ -41,14 +40,14 @@ pub struct Layers {
     pub barycentrics: Vec<[f32; 2]>,
     /// Texture coordinates.
     pub uv: Vec<[f32; 2]>,
-    /// The share of the scene's lights that reaches the surface: of each what its shadow leaves,
-    /// nothing of one that the surface faces away from. 0 where nothing is hit.
+    /// The mean transmittance from the surface to the scene's lights; 0 for a light behind the surface. 0 without
+    /// a hit.
     pub shadow: Vec<f32>,
 }
 
 impl Layers {
-    /// The layers of a picture of the scene with `samples` sub-rays a pixel; none if its deferred
-    /// buffers were not kept.
+    /// The layers of a picture of the scene with `samples` sub-rays per pixel; none without its deferred
+    /// buffers.
     pub fn new(scene: &Scene, picture: &Picture, samples: u32) -> Option<Self> {
         let deferred = picture.deferred.as_ref()?;
         let grid = Grid { width: picture.width, height: picture.height, side: samples.isqrt() };
@@ -78,7 +77,7 @@ impl Layers {
         Some(layers)
     }
 
-    /// The color with 16 bits a channel: sRGB, and alpha, by which it is not multiplied.
+    /// The color with 16 bits per channel: sRGB, and straight (not premultiplied) alpha.
     pub fn encoded16(&self) -> Vec<[u16; 4]> {
         let round = |value: f32| (value * 65535.0 + 0.5) as u16;
         let encode = |value: f32| round(srgb_encode(value));
@@ -90,7 +89,7 @@ impl Layers {
     }
 }
 
-/// The base color of a surface; black where nothing was hit.
+/// The base color of a surface; black without a hit.
 fn albedo(maps: &Maps<'_>, surface: &Surface) -> [f32; 3] {
     if surface.material == 0 {
         return [0.0; 3];
@@ -99,7 +98,7 @@ fn albedo(maps: &Maps<'_>, surface: &Surface) -> [f32; 3] {
     [base.x, base.y, base.z]
 }
 
-/// How many lights reach the surface of a ray; one of which a part does is a part.
+/// The sum of the transmittances from the surface of a ray to the lights.
 fn reached(deferred: &Deferred, ray: usize) -> f32 {
     let lights = deferred.transmittance_words as usize;
     if lights > 0 {
@@ -113,7 +112,7 @@ fn reached(deferred: &Deferred, ray: usize) -> f32 {
     deferred.masks[ray * words..][..words].iter().map(|word| word.count_ones()).sum::<u32>() as f32
 }
 
-/// A color that was multiplied by its alpha, as it was before.
+/// The straight color of a premultiplied one.
 fn straight([r, g, b, a]: [f32; 4]) -> [f32; 4] {
     if a > 0.0 && a < 1.0 { [r / a, g / a, b / a, a] } else { [r, g, b, a] }
 }

@@ -1,15 +1,15 @@
-//! The front door of rtrt: backends chosen at run time, scenes from files and in code.
+//! Backends chosen at run time, and scenes from files and in code.
 //!
-//! Whichever backend is chosen, a frame has the same bits. `choose` picks one, `import`
-//! reads glTF and OBJ, `demo` builds a scene without any file, `layers` and `debug` show what a
-//! frame is made of, `hash` is what two machines compare.
+//! All backends give the same bits. `choose` opens a backend, `import` reads glTF and OBJ, `demo` has
+//! scenes without files, `layers` and `debug` show the buffers of a frame, and `hash` compares frames of
+//! two machines.
 //!
-//! | feature | what it adds |
+//! | feature | adds |
 //! |---|---|
-//! | `gpu` | `rtrt-gpu`, for [`choose`](mod@choose) to choose from |
+//! | `gpu` | the GPUs of [`choose`](mod@choose), by `rtrt-gpu` |
 //! | `import` | the modules `import` and `demo` |
-//! | `command` | the `rtrt` command; takes the other two |
-//! | `viewer` | `rtrt view`, the command with a window; takes `command` |
+//! | `command` | the `rtrt` command; includes the other two |
+//! | `viewer` | `rtrt view`, which opens a window; includes `command` |
 //!
 #![cfg_attr(feature = "import", doc = "```")]
 #![cfg_attr(not(feature = "import"), doc = "```ignore")]

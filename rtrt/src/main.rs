@@ -7,11 +7,11 @@ use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
 
-/// What shells return for a program that was interrupted.
+/// The exit code of an interrupted program, as shells have it.
 const INTERRUPTED: i32 = 130;
 
 fn main() -> ExitCode {
-    // Without a handler the program ends all the same, and may leave a file that is half written.
+    // Without a handler, an interrupted program may leave a partial file.
     _ = ctrlc::set_handler(|| {
         rtrt::replace::abandon();
         std::process::exit(INTERRUPTED);
@@ -20,7 +20,7 @@ fn main() -> ExitCode {
     match command.and_then(|command| command::run(&command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // With standard error closed there is nobody left to tell.
+            // Standard error may be closed.
             let _ = writeln!(std::io::stderr(), "error: {error}");
             let _ = writeln!(std::io::stderr(), "hint: {}", error.hint());
             ExitCode::from(error.exit_code())

@@ -1,22 +1,22 @@
-//! Files that are never half written.
+//! Files that are written completely or not at all.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The files that are being written.
+/// The partial files of writes in progress.
 static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(vec![]);
 
 fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Makes `path` a file of these bytes. They are written beside it and moved there when all
-/// are on disk, so that nobody ever sees half of them.
+/// Replaces the file at `path` by these bytes. They are written to a file beside it, which is renamed once
+/// all bytes are on disk. So no reader ever gets a part of them.
 ///
 /// # Errors
-/// What the system says; `path` is then as it was.
+/// The error of the system. `path` has not changed then.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let beside = folder(path).join(format!(".{name}.{}.part", std::process::id()));
@@ -28,21 +28,21 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
         .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
         .and_then(|()| fs::rename(&beside, path));
     if written.is_err() {
-        // The error says enough; a leftover that cannot be removed adds nothing to it.
+        // The error matters more than a partial file that cannot be removed.
         fs::remove_file(&beside).ok();
     }
     parts().retain(|part| *part != beside);
     written
 }
 
-/// Removes what is half written. For a program that is told to end: it must not write any more afterwards.
+/// Removes partial files, before the process ends. It must not write anything afterwards.
 pub fn abandon() {
     for part in parts().iter() {
         fs::remove_file(part).ok();
     }
 }
 
-/// The folder that a file lies in.
+/// The folder of a file.
 pub fn folder(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

@@ -1,4 +1,4 @@
-//! A backend that was chosen, or why there is none.
+//! The result of the choice.
 
 use super::options::Options;
 use rtrt_core::backend::Backend;
@@ -8,9 +8,9 @@ use rtrt_cpu::Cpu;
 pub struct Chosen {
     /// The backend.
     pub backend: Box<dyn Backend>,
-    /// Why it is this one, in a line.
+    /// The reason for the choice, in a line.
     pub why: String,
-    /// Whether it is a GPU in name only: a driver that computes on the processor.
+    /// Whether it is a software adapter: a driver that computes on the processor.
     pub is_software: bool,
 }
 
@@ -18,34 +18,34 @@ pub struct Chosen {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChooseError {
-    /// The CPU cannot render as asked.
+    /// The CPU cannot render with these options.
     #[error(transparent)]
     Cpu(#[from] rtrt_cpu::Error),
     /// The program was built without the feature `gpu`.
     #[cfg(not(feature = "gpu"))]
     #[error("this program was built without GPU support")]
     NoGpu,
-    /// Surfaces were to be drawn, and no GPU was chosen.
-    #[error("hybrid frames are drawn by a GPU, and the CPU was chosen: {why}")]
+    /// Hybrid frames need a GPU, but the CPU was chosen.
+    #[error("hybrid frames are drawn by a GPU, but the CPU was chosen: {why}")]
     Hybrid {
-        /// Why it was.
+        /// The reason for the choice.
         why: String,
     },
-    /// The GPU cannot.
+    /// The GPU cannot render with these options.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] rtrt_gpu::Error),
-    /// No adapter that has the name can be used.
+    /// No adapter with this name is usable.
     #[error("no GPU adapter called {wanted:?} can be used: {}", tried.join("; "))]
     Adapter {
-        /// The part of a name that was asked for.
+        /// The wanted part of a name.
         wanted: String,
-        /// What there is, and why it was not taken.
+        /// The existing adapters, and the reasons against them.
         tried: Vec<String>,
     },
 }
 
-/// The CPU backend. `why` is why it was chosen.
+/// The CPU backend, with the reason for the choice.
 pub(super) fn cpu(options: &Options, why: String) -> Result<Chosen, ChooseError> {
     if options.hybrid {
         return Err(ChooseError::Hybrid { why });

@@ -1,21 +1,21 @@
-//! A backend that another one takes the place of when it fails.
+//! A backend that the CPU replaces when it fails.
 
 use super::options::Tell;
 use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request};
 use rtrt_core::scene::Scene;
 use rtrt_cpu::Cpu;
 
-/// Renders on a first backend until it fails, then on the CPU. The bits are the same, so a frame that
-/// the first one could not finish is rendered again, and nothing shows.
+/// Renders on a first backend until it fails, then on the CPU. The CPU renders the failed frame again; its bits
+/// are the same.
 pub(super) struct Fallback {
     backend: Box<dyn Backend>,
-    /// How the CPU renders, until it does.
+    /// The options of the CPU, until it renders.
     cpu: Option<rtrt_cpu::Options>,
     tell: Option<Tell>,
 }
 
 impl Fallback {
-    /// `tell` is called with why the first backend failed.
+    /// `tell` is called with the error of the first backend.
     pub fn new(first: Box<dyn Backend>, cpu: rtrt_cpu::Options, tell: Option<Tell>) -> Self {
         Self { backend: first, cpu: Some(cpu), tell }
     }
@@ -107,13 +107,13 @@ mod tests {
             pictures.iter().all(|p| p.pixels == pictures[0].pixels && p.deferred == pictures[0].deferred)
         );
         assert_eq!(TOLD.load(Ordering::Relaxed), 1);
-        // Who is told may refuse.
+        // The callback may refuse.
         let first = Box::new(Mortal(Cpu::new(options).unwrap(), 0));
         let mut strict = Fallback::new(first, options, Some(|_| false));
         let results =
             [(); 3].map(|()| strict.render(&Scene::new(), &request, &mut Picture::default()).is_ok());
         assert_eq!((results, strict.describe().kind.as_str()), ([true, false, false], "mortal"));
-        // What no backend can render is no failure of this one.
+        // An invalid request is no failure of the backend.
         let wrong = request.samples(3);
         let error = backend.render(&Scene::new(), &wrong, &mut pictures[0]).unwrap_err();
         assert!(matches!(error, RenderError::Setup(_)));

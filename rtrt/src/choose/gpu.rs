@@ -1,18 +1,18 @@
-//! What there is to choose from where there may be GPUs.
+//! The choice among GPUs.
 
 use super::chosen::{ChooseError, Chosen, cpu};
 use super::fallback::Fallback;
 use super::options::Options;
 use rtrt_gpu::{Adapter, Gpu, Kind, Route};
 
-/// The GPU that was asked for.
+/// The wanted GPU.
 pub(super) fn gpu(options: &Options) -> Result<Chosen, ChooseError> {
     let gpu = rtrt_gpu::Options { adapter: options.adapter.clone(), ..Default::default() };
     opened(Gpu::new(gpu)?, options, "asked for")
 }
 
-/// The first that works. A software adapter is never better than the CPU, which is always
-/// there, so it is taken only where it is asked for by name.
+/// The first usable GPU, else the CPU. A software adapter is never better than the CPU, so only its name
+/// chooses it.
 pub(super) fn auto(options: &Options) -> Result<Chosen, ChooseError> {
     let mut passed_over = Vec::new();
     for (number, adapter) in rtrt_gpu::adapters().iter().enumerate() {
@@ -49,7 +49,7 @@ pub(super) fn auto(options: &Options) -> Result<Chosen, ChooseError> {
     }
 }
 
-/// Whether an adapter is the one that [`rtrt_gpu::Options::adapter`] would name.
+/// Whether [`rtrt_gpu::Options::adapter`] `wanted` means this adapter.
 pub fn is_called(adapter: &Adapter, number: usize, wanted: &str) -> bool {
     let label = format!("{} ({})", adapter.name, adapter.api).to_lowercase();
     label.contains(&wanted.to_lowercase()) || wanted.parse() == Ok(number)
@@ -66,7 +66,7 @@ fn opened(mut gpu: Gpu, options: &Options, why: &str) -> Result<Chosen, ChooseEr
     Ok(Chosen { is_software: gpu.kind() == Kind::Software, backend: Box::new(gpu), why })
 }
 
-/// The reason, then what was passed over.
+/// The reason, then the skipped adapters.
 fn and(why: &str, passed_over: &[String]) -> String {
     if passed_over.is_empty() { why.into() } else { format!("{why} ({})", passed_over.join("; ")) }
 }

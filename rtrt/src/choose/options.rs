@@ -1,23 +1,23 @@
-//! Which backend is wanted.
+//! The options of the choice.
 
 use rtrt_core::backend::RenderError;
 
-/// Which kind of backend is wanted.
+/// The kind of backend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Choice {
-    /// The first that works of: discrete, integrated, virtual GPU, CPU, software Vulkan.
+    /// The first usable one of: discrete, integrated, virtual GPU, CPU, software Vulkan.
     #[default]
     Auto,
     /// The CPU backend.
     Cpu,
-    /// A GPU, a software one if there is no other.
+    /// A GPU; a software adapter if there is no other.
     Gpu,
 }
 
-/// What to choose from.
+/// The options of [`choose`](super::choose()).
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Which kind.
+    /// The kind of backend.
     pub choice: Choice,
     /// Part of the GPU adapter's name, whatever its case, or its number among
     /// [`rtrt_gpu::adapters`]. [`Choice::Auto`] then takes no other.
@@ -26,16 +26,15 @@ pub struct Options {
     pub lanes: Option<u32>,
     /// Threads of the CPU backend; see [`rtrt_cpu::Options`].
     pub threads: Option<usize>,
-    /// Whether the closest surfaces are to be drawn, not traced; see [`rtrt_gpu::Gpu::set_hybrid`]. Only a
-    /// GPU can, and nothing takes its place when it fails.
+    /// Whether the first surfaces are rasterized; see [`rtrt_gpu::Gpu::set_hybrid`]. Only a GPU does that, so the
+    /// CPU does not replace one that fails.
     pub hybrid: bool,
-    /// Is told why, when a GPU that [`Choice::Auto`] took fails at a frame. The CPU renders that frame
-    /// and the following ones, unless it refuses. A GPU that was asked for by kind or name has no such
-    /// substitute.
+    /// Called when a GPU of [`Choice::Auto`] fails at a frame. The CPU renders this frame and the following
+    /// ones, unless the callback refuses. Nothing replaces a GPU that was chosen by kind or name.
     pub tell: Option<Tell>,
 }
 
-/// Is told why a GPU failed, and says whether the CPU may take its place.
+/// A callback with the error of a GPU. It returns whether the CPU may replace the GPU.
 pub type Tell = fn(&RenderError) -> bool;
 
 impl Options {

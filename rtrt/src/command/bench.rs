@@ -12,19 +12,19 @@ use rtrt_core::scene::Structure;
 use std::fmt;
 use std::time::Instant;
 
-/// Sub-rays a pixel if not given: figures of other ray tracers are for one.
+/// The default of sub-rays per pixel; figures of other ray tracers are for one.
 const SAMPLES: u32 = 1;
-/// Frames that are not counted: memory is allocated, scenes are uploaded.
+/// Frames before the measurement, which allocate memory and upload the scene.
 const WARM_UP: u32 = 2;
-/// Stages that find what the camera sees: prepare, bin, visibility.
+/// The stages of primary rays: prepare, bin, visibility.
 const PRIMARY: [usize; 3] = [0, 1, 2];
-/// Stages that trace rays: those, and occlusion.
+/// The stages that trace rays: those of primary rays, and occlusion.
 const TRACED: [usize; 4] = [0, 1, 2, 5];
-/// Stages up to the light that arrives: those, surface and light, but not detail, which reads
-/// normal maps.
+/// The stages up to incoming light: those that trace rays, surface and light. Normal maps (detail) are not
+/// among them.
 const LIT: [usize; 6] = [0, 1, 2, 3, 5, 6];
 
-/// What is reported; `--json` prints it.
+/// The results; `--json` prints them.
 #[derive(serde::Serialize)]
 struct BenchReport {
     #[serde(flatten)]
@@ -33,26 +33,23 @@ struct BenchReport {
     size: [u32; 2],
     samples: u32,
     stages_ms: PerStage<Times>,
-    /// Rays from the camera over the medians of prepare, bin and visibility.
+    /// Rays from the camera per second of the median times of prepare, bin and visibility.
     primary_rays_per_second: f64,
-    /// Rays from the camera and to lights over the medians of prepare, bin, visibility and
-    /// occlusion. A ray to a light is counted where the light is in reach of a surface that faces
-    /// it; without shadows none is.
+    /// Rays from the camera and to lights per second of the median times of prepare, bin, visibility and
+    /// occlusion. A surface casts a ray to each light that it faces and that is in reach; none without shadows.
     traced_rays_per_second: f64,
-    /// The same rays over the medians of those stages, surface and light.
+    /// The same rays per second of the median times of those stages, surface and light.
     primary_and_shadow_rays_per_second: f64,
-    /// Median wall clock of a frame.
+    /// Median wall-clock time of a frame.
     frame_ms: f64,
-    /// What the host takes to set up a frame and hand it to a GPU, which it then waits for; null
-    /// where the host itself renders.
+    /// The time in which the host sets up a frame and submits it to a GPU; null for the CPU backend.
     host_ms: Option<Times>,
     bvh_build_ms: f64,
-    /// Everything that rays are traced and shaded with, but for texels.
+    /// The bytes of the scene without its texels.
     scene_bytes: usize,
-    /// Vertices and indices as imported.
+    /// The bytes of vertices and indices as imported.
     source_bytes: usize,
-    /// The most memory that the process had up to the last measured frame; null where the
-    /// system does not tell.
+    /// The peak memory of the process up to the last measured frame; null on systems without that figure.
     peak_rss_bytes: Option<u64>,
     triangles: u64,
     drawn_triangles: u64,
@@ -68,7 +65,7 @@ struct Times {
     min: f64,
 }
 
-/// Measures.
+/// Measures, and prints the results.
 pub fn run(options: &BenchOptions) -> Result<(), Error> {
     let console = Console::new(
         options.common.talk,
@@ -130,7 +127,7 @@ pub fn run(options: &BenchOptions) -> Result<(), Error> {
     if options.common.json { output::print_json(&report) } else { output::print(report) }
 }
 
-/// Median and least of these times, which are some.
+/// The median and the minimum of times, of which there is at least one.
 fn times(mut of: Vec<f64>) -> Times {
     of.sort_by(f64::total_cmp);
     let middle = of.len() / 2;
@@ -138,9 +135,8 @@ fn times(mut of: Vec<f64>) -> Times {
     Times { median, min: of[0] }
 }
 
-/// How many rays to lights a frame casts. Without shadows a light reaches every surface
-/// that would have asked whether something is in between: the bits of the shadow mask are
-/// the rays.
+/// The number of rays to lights in a frame. Without shadows a light reaches every surface that would cast
+/// a shadow ray, so each bit of the masks stands for one ray.
 fn shadow_rays(job: &RenderJob, backend: &mut dyn Backend) -> Result<u64, Error> {
     if job.shadows == Shadows::Off {
         return Ok(0);
@@ -151,7 +147,7 @@ fn shadow_rays(job: &RenderJob, backend: &mut dyn Backend) -> Result<u64, Error>
     Ok(masks.iter().map(|word| u64::from(word.count_ones())).sum())
 }
 
-/// The most memory that this process ever had.
+/// The peak memory of this process.
 fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -181,7 +177,7 @@ impl fmt::Display for BenchReport {
             "primary and shadow rays: {traced:.2} million a second, {both:.2} with surfaces and light"
         )?;
         let [scene, source] = [self.scene_bytes, self.source_bytes].map(|bytes| bytes as f64 * MEGA);
-        writeln!(f, "memory: scene {scene:.1} MB, of which {source:.1} MB were imported")?;
+        writeln!(f, "memory: scene {scene:.1} MB, {source:.1} MB of it imported")?;
         if let Some(peak) = self.peak_rss_bytes {
             writeln!(f, "peak memory of the process: {:.1} MB", peak as f64 * MEGA)?;
         }

@@ -1,4 +1,4 @@
-//! Whether a picture is the one in a file.
+//! Comparison with a picture in a file.
 
 use super::Error;
 use image::ImageReader;
@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// Whether the file is a picture of the frame's size, found out before that is rendered.
+/// Checks that the file is a picture of the frame's size, before the frame is rendered.
 pub fn check(path: &Path, frame: [u32; 2]) -> Result<(), Error> {
     let has = open(path)?.into_dimensions().map_err(|error| refused(path, &error))?;
     if has == frame.into() {
@@ -17,7 +17,7 @@ pub fn check(path: &Path, frame: [u32; 2]) -> Result<(), Error> {
     }
 }
 
-/// Compares pixels (red, green, blue, alpha, row by row) with those of a PNG file; each channel may be off by
+/// Compares pixels (red, green, blue, alpha, row by row) with those of a PNG file. Channels may differ by
 /// `tolerance` steps.
 pub fn compare(path: &Path, pixels: &[u8], frame: [u32; 2], tolerance: u8) -> Result<(), Error> {
     check(path, frame)?;

@@ -1,4 +1,4 @@
-//! What a person sees while a command runs, on standard error.
+//! Messages on standard error while a command runs.
 
 use super::options::Talk;
 use super::{Error, output};
@@ -40,7 +40,7 @@ impl Console {
         self.bar.finish_and_clear();
     }
 
-    /// A line of results.
+    /// Prints a line of results.
     pub fn print(&self, line: impl Display) -> Result<(), Error> {
         self.bar.suspend(|| output::print(line))
     }
@@ -55,8 +55,7 @@ impl Console {
         buffers.into_iter().flatten().try_for_each(|(name, hash)| self.print(format_args!("{hash}  {name}")))
     }
 
-    /// Something that is not as it should be, but does not keep the command from going on, unless it is
-    /// to be strict: it then ends with this exit code.
+    /// Prints a warning. With `--strict` it is an error with this exit code.
     pub fn warn(&self, code: u8, warning: impl Display) -> Result<(), Error> {
         if self.talk.strict {
             return Err(Error::Strict { warning: warning.to_string(), code });
@@ -65,9 +64,8 @@ impl Console {
         Ok(())
     }
 
-    /// Whom a backend tells that another one takes its place, if anybody. It may not where warnings are
-    /// errors.
-    pub fn tells(&self) -> Option<Tell> {
+    /// The callback for a GPU that fails: it prints a warning and accepts the CPU. With `--strict` it refuses.
+    pub fn on_gpu_failure(&self) -> Option<Tell> {
         if self.talk.strict {
             return Some(|_| false);
         }
@@ -77,19 +75,19 @@ impl Console {
         })
     }
 
-    /// A line for who wants to know more.
+    /// Prints a line with `--verbose`.
     pub fn detail(&self, line: impl Display) {
         if self.talk.verbose {
             self.say(line);
         }
     }
 
-    /// A line that is not a result.
+    /// Prints a line that is not a result.
     pub fn say(&self, line: impl Display) {
         if self.talk.quiet {
             return;
         }
-        // With standard error closed there is nobody to tell.
+        // Standard error may be closed.
         self.bar.suspend(|| writeln!(std::io::stderr(), "{line}").ok());
     }
 }

@@ -1,4 +1,4 @@
-//! `rtrt doctor`: what this machine offers.
+//! `rtrt doctor`: the backends of this machine.
 
 use super::Error;
 use super::output::print;
@@ -7,7 +7,7 @@ use rtrt::choose::{Options, choose};
 use rtrt_cpu::Cpu;
 use rtrt_gpu::Adapter;
 
-/// Lists backends, and which of them `auto` would choose.
+/// Lists the backends, and the choice of `auto`.
 pub fn run() -> Result<(), Error> {
     for lanes in [1, 8, 16] {
         match Cpu::new(rtrt_cpu::Options { lanes: Some(lanes), threads: None }) {

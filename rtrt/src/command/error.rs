@@ -11,10 +11,10 @@ use std::path::PathBuf;
 /// Why a command failed. Shown in one line.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The scene is none of those built in.
+    /// There is no built-in scene with this name.
     #[error("unknown scene: demo:{name}: no such scene is built in")]
     Demo {
-        /// What follows `demo:`.
+        /// The name behind `demo:`.
         name: String,
     },
     /// The scene has fewer cameras.
@@ -22,9 +22,9 @@ pub enum Error {
     Camera {
         /// The scene.
         scene: PathBuf,
-        /// The camera asked for, from 0.
+        /// The wanted camera, from 0.
         asked: usize,
-        /// How many there are.
+        /// The number of cameras.
         have: usize,
     },
     /// The scene has no such animation.
@@ -32,30 +32,30 @@ pub enum Error {
     Animation {
         /// The scene.
         scene: PathBuf,
-        /// The animation asked for.
+        /// The wanted animation.
         asked: String,
-        /// What the scene's are called.
+        /// The names of the scene's animations.
         names: Vec<String>,
     },
-    /// The command line is none.
+    /// The command line is invalid.
     #[error("{what}")]
     Line {
-        /// What is wrong with it.
+        /// The error.
         what: String,
-        /// What to try instead.
+        /// A way out.
         hint: String,
     },
-    /// Options that do not go together.
+    /// The options contradict each other.
     #[error("wrong usage: {0}")]
     Usage(&'static str),
     /// The frame has too many rays.
-    #[error("frame too large: {rays} rays, and at most {limit} {may}")]
+    #[error("frame too large: {rays} rays, but at most {limit} {may}")]
     TooLarge {
-        /// In the frame.
+        /// The rays of the frame.
         rays: u64,
-        /// What may be done with as many.
+        /// The use that has the limit.
         may: &'static str,
-        /// The most there may be.
+        /// The limit.
         limit: u64,
     },
     /// The scene could not be loaded.
@@ -67,34 +67,34 @@ pub enum Error {
     /// `RTRT_REQUIRE_GPU` is set, and a GPU could not be compared.
     #[error("a GPU is required by RTRT_REQUIRE_GPU: {skipped}")]
     GpuRequired {
-        /// What was skipped, and why.
+        /// The skipped variant, and the reason.
         skipped: String,
     },
-    /// Nothing of what was asked for is available.
-    #[error("nothing was compared: all that was asked for is skipped")]
+    /// No wanted variant is available.
+    #[error("nothing was compared: all variants were skipped")]
     NothingCompared,
     /// The frame could not be rendered.
     #[error("cannot render: {}: {source}", scene.display())]
     Render {
         /// The scene.
         scene: PathBuf,
-        /// Why.
+        /// The reason.
         source: RenderError,
     },
     /// The picture could not be encoded.
     #[error("cannot encode the picture: {}: {source}", path.display())]
     Encode {
-        /// Where it was to go.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// The picture could not be written.
     #[error("cannot write the picture: {}: {source}", path.display())]
     Write {
-        /// Where it was to go.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: io::Error,
     },
     /// No window could be opened.
@@ -103,7 +103,7 @@ pub enum Error {
     Window {
         /// The scene.
         scene: PathBuf,
-        /// What failed, and why.
+        /// The failed step, and the reason.
         why: String,
     },
     /// The recording cannot be replayed.
@@ -112,16 +112,16 @@ pub enum Error {
     Replay {
         /// The recording.
         path: PathBuf,
-        /// What the system says, or what is wrong in which line.
+        /// The error of the system, or the line and its error.
         why: String,
     },
     /// The recording cannot be written.
     #[cfg(feature = "viewer")]
     #[error("cannot record: {}: {source}", path.display())]
     Record {
-        /// Where it was to go.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: io::Error,
     },
     /// Results could not be written.
@@ -133,15 +133,15 @@ pub enum Error {
         /// The scene.
         scene: PathBuf,
     },
-    /// The picture to be compared with cannot be read.
+    /// The reference picture cannot be read.
     #[error("cannot read the picture: {}: {why}", path.display())]
     Reference {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         why: String,
     },
-    /// The picture has another size than the one it is compared with.
+    /// The picture and its reference have different sizes.
     #[error("pictures differ: {}: it has {} x {} pixels, the frame {} x {}", path.display(), has[0], has[1], frame[0], frame[1])]
     Size {
         /// The file.
@@ -151,12 +151,12 @@ pub enum Error {
         /// The frame's.
         frame: [u32; 2],
     },
-    /// The picture is another than the one it is compared with.
+    /// The picture differs from its reference.
     #[error("pictures differ: {}: {pixels} pixels, the first at {},{}: is {is:?}, not {expected:?}", path.display(), at[0], at[1])]
     Differs {
         /// The file.
         path: PathBuf,
-        /// How many pixels differ.
+        /// The number of differing pixels.
         pixels: usize,
         /// Column and row of the first.
         at: [u32; 2],
@@ -165,12 +165,12 @@ pub enum Error {
         /// The color in the file.
         expected: [u8; 4],
     },
-    /// A warning, where warnings are errors.
+    /// A warning that `--strict` turns into an error.
     #[error("{warning} (--strict)")]
     Strict {
         /// The warning.
         warning: String,
-        /// What the process returns.
+        /// The exit code.
         code: u8,
     },
     /// Results differ from the reference.
@@ -178,15 +178,15 @@ pub enum Error {
     Disagree {
         /// The scene.
         scene: PathBuf,
-        /// How many.
+        /// The number of differing variants.
         differ: usize,
-        /// Of how many.
+        /// The number of variants.
         variants: usize,
     },
 }
 
 impl Error {
-    /// What the process returns.
+    /// The exit code of the process.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Encode { .. } | Self::Write { .. } | Self::Print(_) => 1,
@@ -215,14 +215,14 @@ impl Error {
         }
     }
 
-    /// What to try instead.
+    /// A way out, in one line.
     pub fn hint(&self) -> &str {
         match self {
             Self::Line { hint, .. } => hint,
             Self::Demo { .. } => DEMOS,
             Self::Camera { .. } => "--camera counts from 0; --eye and --look-at need no camera",
             Self::Animation { .. } => "--animation takes a number, a name, or all",
-            Self::Usage(_) => "--help says more, with examples",
+            Self::Usage(_) => "--help has all options and examples",
             Self::TooLarge { .. } => "try a smaller --size or fewer --samples",
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => {
                 "`rtrt doctor` lists what this machine offers"

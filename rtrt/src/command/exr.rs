@@ -4,12 +4,12 @@ use exr::prelude::*;
 use rtrt::layers::Layers;
 use std::io::Cursor;
 
-/// The linear color alone.
+/// A file with the linear color only.
 pub fn color(layers: &Layers) -> exr::error::Result<Vec<u8>> {
     write(layers, vec![("color", colors(layers))])
 }
 
-/// All layers, each a part of the file.
+/// A file with all layers, each a part.
 pub fn all(layers: &Layers) -> exr::error::Result<Vec<u8>> {
     let parts = vec![
         ("color", colors(layers)),

@@ -1,4 +1,4 @@
-//! What is rendered: a scene, loaded, and the camera chosen for it.
+//! A scene with a camera and settings, ready to render.
 
 use super::Error;
 use super::console::Console;
@@ -15,42 +15,40 @@ use rtrt_cpu::{Cpu, Parallel};
 #[cfg(feature = "viewer")]
 use std::path::PathBuf;
 
-/// The most rays of a frame: they are numbered with 32 bits, those of blocks that reach
-/// outside the frame included.
+/// The limit of rays of a frame. They have 32-bit numbers, and blocks may reach outside of the frame.
 const MAX_RAYS: u64 = 1 << 31;
-/// The most rays whose deferred buffers are kept: at about 110 bytes each, 7 GB.
+/// The limit of rays with deferred buffers: 7 GB at about 110 bytes each.
 const MAX_DEFERRED: u64 = 1 << 26;
 
-/// What is rendered.
+/// A scene with a camera and settings.
 pub struct RenderJob {
     pub scene: Scene,
     pub camera: Camera,
     pub size: [u32; 2],
     pub samples: u32,
     pub shadows: Shadows,
-    /// The most layers of surfaces that a ray looks at.
+    /// The most surfaces along a ray.
     pub layers: u32,
-    /// Rays from the camera.
+    /// The number of rays from the camera.
     pub rays: u64,
     /// Milliseconds.
     pub bvh_build_ms: f64,
-    /// Whether the lights are those of the file.
+    /// Whether the lights come from the file.
     own_lights: bool,
     /// Whether the lights are [`import::light_by_default`]'s.
     #[cfg(feature = "viewer")]
     default_lights: bool,
     animation: Option<Animation>,
     cameras: Vec<NamedCamera>,
-    /// What the scene and its environment were read from.
+    /// The files of the scene and its environment.
     #[cfg(feature = "viewer")]
     files: Vec<PathBuf>,
     common: Common,
 }
 
 impl RenderJob {
-    /// Loads the scene that `common` names, and changes it as `common` says. `samples` is
-    /// for where it says nothing; `deferred` is whether deferred buffers will be asked for; `time` is
-    /// when, of the animation.
+    /// Loads the scene of the options, and applies the options to it. `samples` is the default of sub-rays,
+    /// `deferred` says whether deferred buffers will be needed, and `time` is the time of the animation.
     pub fn load(
         common: &Common,
         samples: u32,
@@ -66,7 +64,7 @@ impl RenderJob {
             console.warn(3, warning)?;
         }
         console.detail(format_args!(
-            "scene: {} objects, {} triangles stored, {} drawn; trees took {:.1} ms",
+            "scene: {} objects, {} triangles stored, {} drawn; the BVHs took {:.1} ms",
             loaded.scene.instances().len(),
             loaded.scene.triangles(),
             loaded.scene.drawn_triangles(),
@@ -128,8 +126,7 @@ impl RenderJob {
         Ok(job)
     }
 
-    /// Moves what moves to where it is at a time, seconds. The camera of a scene without cameras
-    /// stays where it is.
+    /// Shows the animation at a time, seconds. The camera of a scene without cameras does not move.
     pub fn play(&mut self, time: f64) -> Result<(), Error> {
         let Some(animation) = &self.animation else { return Ok(()) };
         let pose = animation.at(time)?;
@@ -142,7 +139,7 @@ impl RenderJob {
             self.cameras[index].camera = camera;
         }
         if let Some(named) = self.cameras.get(self.common.camera.camera.unwrap_or(0)) {
-            self.camera = changed(named.camera, &self.common.camera, &self.scene);
+            self.camera = changed(named.fitted(aspect(self.size)), &self.common.camera, &self.scene);
         }
         Ok(())
     }
@@ -156,7 +153,7 @@ impl RenderJob {
             .deferred(deferred)
     }
 
-    /// Renders a frame as `request` says.
+    /// Renders a frame for the request.
     pub fn render(
         &self,
         backend: &mut dyn Backend,
@@ -168,31 +165,31 @@ impl RenderJob {
             .map_err(|source| Error::Render { scene: self.common.scene.clone(), source })
     }
 
-    /// A view of a picture of the job whose deferred buffers were kept.
+    /// A debug view of a picture with its deferred buffers.
     pub fn show(&self, view: DebugView, picture: &Picture) -> Result<DebugImage, Error> {
         let shown = show(view, &self.scene, &self.request(true), picture);
         let shown = shown
             .map_err(|error| Error::Render { scene: self.common.scene.clone(), source: error.into() })?;
-        shown.ok_or(Error::Usage("a view needs the deferred buffers"))
+        shown.ok_or(Error::Usage("a debug view needs the deferred buffers"))
     }
 }
 
-/// How many rays a frame has, if not too many; fewer are allowed where their deferred buffers are kept.
+/// The number of rays of a frame. An error if it exceeds the limit, which is lower with deferred buffers.
 pub fn rays(size: [u32; 2], samples: u32, deferred: bool) -> Result<u64, Error> {
     let rays = size.map(u64::from).iter().product::<u64>() * u64::from(samples);
     if rays > MAX_RAYS {
         return Err(Error::TooLarge { rays, limit: MAX_RAYS, may: "can be numbered" });
     }
     if deferred && rays > MAX_DEFERRED {
-        return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can be kept to be looked at" });
+        return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can have deferred buffers" });
     }
     Ok(rays)
 }
 
-/// What changes while a scene is looked at.
+/// Changes by the viewer.
 #[cfg(feature = "viewer")]
 impl RenderJob {
-    /// Looks from elsewhere. Lights that the scene has only because it brings none are placed anew.
+    /// Changes the camera. Default lights follow it.
     pub fn look(&mut self, camera: Camera) {
         self.camera = camera;
         if self.default_lights {
@@ -200,29 +197,29 @@ impl RenderJob {
         }
     }
 
-    /// The lights are no longer those that the scene has only because it brings none.
+    /// Makes default lights the lights of the scene: they no longer follow the camera.
     pub fn keep_lights(&mut self) -> Result<(), Error> {
         self.default_lights = false;
         show_lights(&mut self.scene, &self.common)
     }
 
-    /// What the scene and its environment were read from.
+    /// The files of the scene and its environment.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
 
-    /// Whether the scene brings cameras.
+    /// Whether the file has cameras.
     pub fn has_cameras(&self) -> bool {
         !self.cameras.is_empty()
     }
 
-    /// When the animation comes to rest, seconds, if there is one.
+    /// The end of the animation, seconds, if there is one.
     pub fn end(&self) -> Option<f64> {
         self.animation.as_ref().map(Animation::end)
     }
 }
 
-/// Loads the scene that the options name, its trees built by as many threads as they say.
+/// Loads the scene of the options. Their number of threads builds its BVHs.
 fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
     let threads = common.backend.threads();
     let pool = Cpu::new(rtrt_cpu::Options { lanes: None, threads }).map_err(ChooseError::Cpu)?;
@@ -246,7 +243,7 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
     }
 }
 
-/// Plays the animation that the options name: by its name, else by its number, else all.
+/// Chooses the animation of the options: by its name, else by its number, else all.
 fn choose_animation(
     common: &Common,
     loaded: &mut Loaded,
@@ -274,7 +271,7 @@ fn choose_animation(
     Ok(())
 }
 
-/// Shows the lights that have a radius, where they are, if the options say so.
+/// Shows lights with a radius as spheres, with `--show-lights`.
 fn show_lights(scene: &mut Scene, common: &Common) -> Result<(), Error> {
     for light in (0..scene.lights().len()).filter(|_| common.show_lights) {
         scene
@@ -284,28 +281,31 @@ fn show_lights(scene: &mut Scene, common: &Common) -> Result<(), Error> {
     Ok(())
 }
 
-/// The scene's camera, or the one chosen of its cameras, changed as the options say.
+/// The camera of the scene that the options choose, with their changes.
 fn camera(common: &Common, loaded: &mut Loaded, plays: bool) -> Result<Camera, Error> {
-    let options = &common.camera;
-    let chosen = match options.camera {
-        Some(asked) => loaded.cameras.get(asked).map(|named| named.camera).ok_or_else(|| {
+    let (options, aspect) = (&common.camera, aspect(common.size));
+    let named = loaded.cameras.get(options.camera.unwrap_or(0));
+    let chosen = match (options.camera, named) {
+        (_, Some(named)) => named.fitted(aspect),
+        (Some(asked), None) => {
             let have = loaded.cameras.len();
-            Error::Camera { scene: common.scene.clone(), asked, have }
-        })?,
-        // The import frames for 16 to 9.
-        None if loaded.cameras.is_empty() => {
-            let aspect = common.size[0] as f32 / common.size[1] as f32;
-            match loaded.animation.as_ref().filter(|_| plays) {
-                Some(animation) => import::framing_played(&mut loaded.scene, animation, aspect)?,
-                None => import::framing(&loaded.scene, aspect),
-            }
+            return Err(Error::Camera { scene: common.scene.clone(), asked, have });
         }
-        None => loaded.camera,
+        // The camera of the import is for 16 to 9.
+        (None, None) => match loaded.animation.as_ref().filter(|_| plays) {
+            Some(animation) => import::framing_played(&mut loaded.scene, animation, aspect)?,
+            None => import::framing(&loaded.scene, aspect),
+        },
     };
     Ok(changed(chosen, options, &loaded.scene))
 }
 
-/// `camera` with what the options give in place of its own.
+/// Width / height.
+fn aspect(size: [u32; 2]) -> f32 {
+    size[0] as f32 / size[1] as f32
+}
+
+/// The camera with the values of the options.
 fn changed(camera: Camera, options: &CameraOptions, scene: &Scene) -> Camera {
     let middle = || scene.extent().map_or(camera.look_at, |(low, high)| low * 0.5 + high * 0.5);
     Camera {
@@ -322,8 +322,8 @@ fn changed(camera: Camera, options: &CameraOptions, scene: &Scene) -> Camera {
     }
 }
 
-/// Opens the backend that the options ask for, and says which it is and why. With `hybrid`, it draws what the
-/// camera sees.
+/// Opens the backend of the options, and prints its name and the reason for the choice. With `hybrid` it
+/// rasterizes the first surfaces.
 pub fn open(
     options: &BackendOptions,
     hybrid: bool,
@@ -331,11 +331,11 @@ pub fn open(
 ) -> Result<(Box<dyn Backend>, Machine), Error> {
     console.step("opening the backend");
     let Chosen { backend, why, is_software } =
-        choose(&choose::Options { hybrid, ..options.choose(console.tells()) })?;
+        choose(&choose::Options { hybrid, ..options.choose(console.on_gpu_failure()) })?;
     let machine = Machine::from(backend.describe());
     console.say(format_args!("backend: {machine}: {why}"));
     if is_software {
-        let why = "this adapter is software: it computes on the processor, as --backend cpu does faster";
+        let why = "this adapter is software: it computes on the processor, and --backend cpu is faster";
         console.warn(4, why)?;
     }
     Ok((backend, machine))

@@ -20,22 +20,22 @@ pub enum Command {
     Render(RenderOptions),
     /// Render a scene on every backend and compare all buffers bit for bit
     ///
-    /// The reference is the CPU with 1 lane and 1 thread. Compared with it are: the CPU
-    /// with 1, 8 and 16 lanes on 1, 2 and all threads; each GPU adapter through SPIR-V
-    /// passthrough and through naga. --backend, --adapter, --lanes and --threads leave out
-    /// what does not match. With RTRT_REQUIRE_GPU=1 in the environment, no adapter, or one that
-    /// cannot be compared by either route, is a failure (exit code 4).
+    /// The reference is the CPU with 1 lane and 1 thread. The others are the CPU with 1, 8 and
+    /// 16 lanes on 1, 2 and all threads, and each GPU adapter through SPIR-V passthrough and
+    /// through naga. --backend, --adapter, --lanes and --threads restrict them. With
+    /// RTRT_REQUIRE_GPU=1 in the environment, a missing adapter, or one that neither route can
+    /// use, is a failure (exit code 4).
     Verify(VerifyOptions),
     /// Measure how fast a scene renders
     Bench(BenchOptions),
-    /// Look at a scene in a window
+    /// Show a scene in a window
     ///
-    /// F12 writes what is seen at full resolution, and prints the `rtrt render` command that gives the
-    /// same file. A window needs a display and a graphics driver; no other command does.
+    /// F12 writes the picture at full resolution, and prints the `rtrt render` command for the same
+    /// file. Only this command needs a display and a graphics driver.
     #[cfg(feature = "viewer")]
     #[command(after_long_help = keys())]
     View(ViewOptions),
-    /// List adapters and instruction sets, and what --backend auto would choose
+    /// List adapters, instruction sets, and the choice of --backend auto
     Doctor,
     /// Print a script that completes commands in a shell
     Completions {

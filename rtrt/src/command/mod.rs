@@ -1,4 +1,4 @@
-//! What the command does, one file a subcommand.
+//! The command, one file for each subcommand.
 
 mod bench;
 mod compare;
@@ -26,7 +26,7 @@ pub use line::Command;
 use std::io;
 pub use usage::refused;
 
-/// Does what was asked for.
+/// Runs the subcommand.
 pub fn run(command: &Command) -> Result<(), Error> {
     match command {
         Command::Render(options) => render::run(options),

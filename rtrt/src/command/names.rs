@@ -1,4 +1,4 @@
-//! Names of files with places to fill in.
+//! File names with placeholders.
 
 use std::path::{Path, PathBuf};
 
@@ -15,13 +15,13 @@ pub fn filled(path: &Path, scene: &Path, frame: u32) -> PathBuf {
         .into()
 }
 
-/// Whether every frame gets a name of its own.
+/// Whether the name differs from frame to frame.
 pub fn is_numbered(path: &Path) -> bool {
     path.to_str().is_some_and(|name| name.contains("{n}") || name.contains("{frame}"))
 }
 
 #[test]
-fn places_are_filled_in() {
+fn placeholders_are_filled_in() {
     let name = |path: &str, scene: &str| filled(path.as_ref(), scene.as_ref(), 7);
     assert_eq!(name("out/{scene}-{n}-{frame}.png", "a/box.v2.glb"), Path::new("out/box.v2-7-0007.png"));
     assert_eq!(name("{scene}.png", "demo:glass"), Path::new("glass.png"));

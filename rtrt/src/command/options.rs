@@ -18,35 +18,34 @@ use std::path::PathBuf;
 /// Options of `rtrt render`.
 #[derive(Debug, Args)]
 pub struct RenderOptions {
-    /// Where to write the picture: a PNG file; an EXR file, which gets the linear color; or - to
-    /// write a PNG to standard output. In names of files, {scene} becomes the scene's name, {n} the
-    /// frame's number, and {frame} the same with at least four digits
+    /// Write the picture to this file: PNG; EXR, in linear color; or -, a PNG on standard output. In
+    /// names of files, {scene} becomes the scene's name, {frame} the frame's number with at least four
+    /// digits, and an n in braces the number alone
     #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "compare", "hash", "json"])]
     pub output: Option<PathBuf>,
-    /// Bits of a channel of the PNG
+    /// Bits per channel of the PNG
     #[arg(long, default_value = "8", value_parser = one_of(["8", "16"]))]
     pub bits: u32,
-    /// Where to write the deferred buffers: an EXR file with the layers color (linear), depth,
-    /// normal, albedo, object, triangle (as stored, and as in the source), barycentrics, uv and
-    /// shadow (the share of lights that reach a surface). Color, albedo and shadow are averages of
-    /// sub-rays, the others are those of each pixel's first one
+    /// Write the deferred buffers to this EXR file, with the layers color (linear), depth, normal,
+    /// albedo, object, triangle (as stored, and as in the source), barycentrics, uv and shadow (the
+    /// share of lights that reach a surface). Color, albedo and shadow are averages over sub-rays; the
+    /// others come from each pixel's first sub-ray
     #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr))]
     pub aov: Option<PathBuf>,
-    /// Show this instead of the picture. blocks is black where a block's list is empty, blue where
-    /// a ray misses all bounding spheres, white where it misses all meshes; heat is how many entries
-    /// a block's list has; tests is how many boxes and triangles a ray is asked for
+    /// Render this view in place of the picture. blocks is black for an empty list of a block, blue for a
+    /// ray that misses all bounding spheres, and white for one that misses all meshes; heat is the
+    /// length of the block's list; tests is the number of boxes and triangles that a ray is tested with
     #[arg(long, value_name = "VIEW", value_parser = view())]
     pub debug: Option<debug::DebugView>,
-    /// What is behind everything, and is seen through what is not opaque: a linear color;
-    /// transparent, which is an alpha of 0 where a ray hits nothing, and one in between where
-    /// surfaces are seen through; or env, the environment, which is usual where there is one.
-    /// Surfaces mirror the environment all the same
+    /// The background, also behind transparent surfaces: a linear color; transparent, which gives
+    /// pixels without a surface an alpha of 0 and transparent surfaces one in between; or env, the
+    /// environment, which is the default if there is one. It does not change reflections
     #[arg(long, value_name = "R,G,B|transparent|env", value_parser = background, allow_hyphen_values = true)]
     pub background: Option<Background>,
-    /// Compare the picture with this PNG file, pixel by pixel; a difference is exit code 5
+    /// Compare the picture with this PNG file, pixel by pixel; exit code 5 means a difference
     #[arg(long, value_name = "FILE")]
     pub compare: Option<PathBuf>,
-    /// Let each channel be off by so many of 256 steps when pictures are compared
+    /// Allow a difference of so many of 256 steps in each channel when pictures are compared
     #[arg(
         long,
         value_name = "STEPS",
@@ -55,19 +54,19 @@ pub struct RenderOptions {
         allow_negative_numbers = true
     )]
     pub tolerance: u8,
-    /// Render so many frames, from --time on, or from the start, numbered from 0 on: the names of files need {n} or
-    /// {frame} in them. --hash and --json print for each frame
+    /// Render so many frames, numbered from 0, from --time or from the start of the animation. Names of
+    /// files then need {frame}. --hash and --json print for each frame
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     pub frames: u32,
-    /// Frames a second
+    /// Frames per second
     #[arg(long, value_name = "F", default_value = "24", value_parser = rate, allow_negative_numbers = true)]
     pub fps: f64,
     /// Print the SHA-256 of the pixels (red, green, blue, alpha, row by row) and of each
     /// deferred buffer
     #[arg(long)]
     pub hash: bool,
-    /// Let the GPU draw what the camera sees, and trace shadows, light and what is seen through something. The
-    /// picture is not the same to the bit: some pixels at edges are others
+    /// Rasterize the first surfaces on the GPU, and trace shadows, light and transparency. Some pixels at
+    /// edges differ from the exact picture
     #[arg(long)]
     pub hybrid: bool,
     #[command(flatten)]
@@ -87,11 +86,11 @@ pub struct VerifyOptions {
 /// Options of `rtrt bench`.
 #[derive(Debug, Args)]
 pub struct BenchOptions {
-    /// Frames to measure, after two that are not counted
+    /// Measure so many frames, after two frames of warm-up
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000), allow_negative_numbers = true)]
     pub frames: u32,
-    /// Let the GPU draw what the camera sees, and trace shadows, light and what is seen through something. The
-    /// picture is not the same to the bit: some pixels at edges are others
+    /// Rasterize the first surfaces on the GPU, and trace shadows, light and transparency. Some pixels at
+    /// edges differ from the exact picture
     #[arg(long)]
     pub hybrid: bool,
     #[command(flatten)]
@@ -102,32 +101,32 @@ pub struct BenchOptions {
 #[cfg(feature = "viewer")]
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Where F12 writes the picture, a PNG file; {frame} becomes the first number that no file has
+    /// The PNG file that F12 writes; {frame} becomes the first unused number
     #[arg(short, long, value_name = "FILE", default_value = "rtrt-{frame}.png", value_parser = PathBufValueParser::new().try_map(png))]
     pub output: PathBuf,
-    /// While something moves, trace fewer rays if fewer frames a second than this could be shown
+    /// While something moves, trace fewer rays to reach this frame rate
     #[arg(long, value_name = "N", default_value = "25", value_parser = rate, allow_negative_numbers = true)]
     pub fps: f64,
-    /// Load the scene again when a file changes that it was read from: its own, textures, buffers,
-    /// material libraries, the environment
+    /// Load the scene again after a change of one of its files: scene, textures, buffers, material
+    /// libraries, environment
     #[arg(long)]
     pub watch: bool,
     /// Write keys and mouse, frame by frame, to this file
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Take keys and mouse from this file, and close at its end. Frames happen at the times that
-    /// the file says, all of them at full resolution
+    /// Take keys and mouse from this file, and close at its end. The file has the times of the frames,
+    /// which are all at full resolution
     #[arg(long, value_name = "FILE")]
     pub replay: Option<PathBuf>,
-    /// Let a GPU draw what the camera sees, and trace shadows, light and what is seen through something; the
-    /// panel switches it. The picture is not the same to the bit: some pixels at edges are others
+    /// Rasterize the first surfaces on a GPU, and trace shadows, light and transparency; the panel has a
+    /// switch for it. Some pixels at edges differ from the exact picture
     #[arg(long)]
     pub hybrid: bool,
     #[command(flatten)]
     pub common: Common,
 }
 
-/// What all commands that render take.
+/// Options of all commands that render.
 #[derive(Debug, Clone, Args)]
 pub struct Common {
     /// A .glb, .gltf or .obj file, demo:matchbox, demo:glass, demo:spheres, demo:levels or demo:moving
@@ -135,71 +134,65 @@ pub struct Common {
     /// Width and height in pixels, each at most 16384
     #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size)]
     pub size: [u32; 2],
-    /// Sub-rays a pixel; render and view take 4, verify and bench 1
+    /// Sub-rays per pixel; the default is 4 for render and view, and 1 for verify and bench
     #[arg(long, value_parser = one_of(["1", "4", "16"]))]
     pub samples: Option<u32>,
-    /// How lights with a radius cast shadows: hard, as if all came from their middle; soft,
-    /// blurred as far as their penumbra reaches; area, where each sub-ray of a pixel asks for
-    /// another point of the light; jitter, the same with other points in each pixel. Or off
+    /// Shadows of lights with a radius: off; hard, from the center of the light; soft, blurred by the
+    /// width of the penumbra; area, with another point of the light for each sub-ray; jitter, the same
+    /// with other points in each pixel
     #[arg(long, value_name = "HOW", default_value = "soft", value_parser = shadows())]
     shadows: Shadows,
     /// Render without shadows, as --shadows off does
     #[arg(long, conflicts_with = "shadows")]
     no_shadows: bool,
-    /// Give every point and spot light this radius, world units
+    /// The radius of every point and spot light, world units
     #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
     pub light_radius: Option<f32>,
-    /// Look at most so many surfaces that cover one another only in part, the last of which is
-    /// then drawn as opaque; 1 draws everything as opaque
+    /// The most transparent surfaces along a ray; the last one is drawn as opaque. 1 draws everything as
+    /// opaque
     #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)), allow_negative_numbers = true)]
     pub transparency_depth: u32,
-    /// What keeps rays from being asked for every object: lists of objects for each block of each
-    /// view; lists of parts with at most so many triangles, for the camera's blocks; whichever of
-    /// these suits the scene (blocks); or nothing. The picture is the same
+    /// The lists of the camera's blocks: of objects; of parts of objects with at most so many triangles;
+    /// the better of both for the scene (blocks); or no lists at all (none). The picture is the same
     #[arg(long, value_name = "blocks|objects|TRIANGLES|none", default_value = "blocks", value_parser = structure)]
     pub structure: Structure,
-    /// Let suns have shadows of all objects, of those whose shadows may be seen (the picture is the
-    /// same), or of those within this distance of the camera
+    /// The objects that cast shadows of suns: all; those whose shadows may be visible (seen), with the
+    /// same picture; or those within this distance of the camera
     #[arg(long, value_name = "all|seen|DISTANCE", default_value = "all", value_parser = occluders, allow_negative_numbers = true)]
     pub sun_shadows: Occluders,
     /// Show point and spot lights that have a radius as spheres
     #[arg(long)]
     pub show_lights: bool,
-    /// Choose the levels of textures by the distance of a surface, or also by the angle at which it
-    /// is seen
+    /// Choose mip levels by the distance of a surface, or also by its angle to the view
     #[arg(long, default_value = "distance", value_parser = mip())]
     pub mip: Mip,
-    /// Add a light; the scene's own lights are then off. point:x,y,z shines from there
-    /// without limit; spot:x,y,z:dx,dy,dz:degrees shines from there in the direction dx,dy,dz,
-    /// brightest in the middle and up to that angle off it (within 0 and 90); sun:x,y,z stands
-    /// infinitely far away in that direction. A radius may follow, as in point:x,y,z:0.5, that of
-    /// a sun in degrees: shadows are then soft. After that may follow color=r,g,b (linear, 1,1,1 if
-    /// not given), reach=r (beyond it, the light is 0), fade=square (with the square of the distance),
-    /// and inner=degrees (up to that angle a spot light does not fade), as in
-    /// point:0,3,0:0.5:color=1,0.6,0.2:fade=square
+    /// Add a light, in place of the scene's lights. point:x,y,z is a point light at this position;
+    /// spot:x,y,z:dx,dy,dz:degrees is a spot light with this direction and half angle (within 0 and 90);
+    /// sun:x,y,z is infinitely far away in this direction. A radius may follow, as in point:x,y,z:0.5
+    /// (degrees for a sun), which makes shadows soft. Then may follow color=r,g,b (linear, default
+    /// 1,1,1), reach=r (no light beyond), fade=square (inverse-square falloff) and inner=degrees (full
+    /// brightness within this angle of a spot light), as in point:0,3,0:0.5:color=1,0.6,0.2:fade=square
     #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]
     pub lights: Vec<Light>,
-    /// Light from everywhere, linear; an environment takes its place
+    /// Ambient light, linear; an environment replaces it
     #[arg(long, value_name = "R,G,B", value_parser = tone, allow_hyphen_values = true)]
     pub ambient: Option<Vec3>,
-    /// Surround the scene with this environment: it is the background, is mirrored, and lights in
-    /// place of the ambient light. A scene without lights gets none. A picture (Radiance .hdr, PNG
-    /// or JPEG) is, by its shape, a panorama (2:1) or a cube: px, nx, py, ny, pz, nz in a row (6:1) or a
-    /// column (1:6), or unfolded to a cross (4:3, 3:4) that has nothing beside it. A folder is a cube, of
-    /// pictures named px, nx, py, ny, pz and nz. pz is in front, which is -z
+    /// Surround the scene with this environment. It is the background, surfaces mirror it, and it
+    /// replaces the ambient light and the default lights. A picture (Radiance .hdr, PNG or JPEG) is, by
+    /// its shape, a panorama (2:1) or a cube: px, nx, py, ny, pz, nz in a row (6:1) or a column (1:6), or
+    /// unfolded to a cross (4:3, 3:4) with nothing beside it. A folder is a cube of pictures named px,
+    /// nx, py, ny, pz and nz. pz is in front, which is -z
     #[arg(long, value_name = "FILE|DIR")]
     pub environment: Option<PathBuf>,
-    /// Play this animation of the file: its number, counted from 0, its name, or all at once. The first
-    /// if not given. Without --time it is shown at its start
+    /// Play this animation of the file: its number, counted from 0, its name, or all at once. The default
+    /// is the first one. Without --time the scene is at its start
     #[arg(long, value_name = "N|NAME|all")]
     pub animation: Option<String>,
-    /// Play the file's animation until this time, seconds after its start. If not given, the
-    /// file is shown at rest. A file without a camera is framed so that the whole animation is in
-    /// view
+    /// Show the animation at this time, seconds after its start. Without it the scene is at rest. The
+    /// default camera of a file without cameras has the whole animation in view
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
-    /// Keep the trees of large meshes in this folder, and take them from there the next time. Files
-    /// that are damaged or of another mesh are built anew
+    /// Cache the BVHs of large meshes in this folder. A damaged file is built again
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
     /// Print the results as one JSON object
@@ -214,77 +207,77 @@ pub struct Common {
 }
 
 impl Common {
-    /// When, of the animation; none for the scene at rest.
+    /// The time of the animation; none for the scene at rest.
     pub fn start(&self) -> Option<f64> {
         self.time.or(self.animation.as_ref().map(|_| 0.0))
     }
-    /// How lights cast shadows.
+    /// The shadows of lights.
     pub fn shadows(&self) -> Shadows {
         if self.no_shadows { Shadows::Off } else { self.shadows }
     }
 }
 
-/// How much is said on standard error.
+/// The amount of output on standard error.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct Talk {
-    /// Say nothing but results and errors
+    /// Print only results and errors
     #[arg(short, long)]
     pub quiet: bool,
-    /// Say more
+    /// Print details
     #[arg(short, long, conflicts_with = "quiet")]
     pub verbose: bool,
-    /// Make every warning an error
+    /// Turn every warning into an error
     #[arg(long)]
     pub strict: bool,
 }
 
-/// Where the scene is seen from. What is not given is the scene's.
+/// The camera. The scene gives what the options do not.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraOptions {
-    /// Take this camera of the scene's, counted from 0
+    /// Use this camera of the scene, counted from 0
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub camera: Option<usize>,
-    /// Where the camera is; without --look-at it looks at the middle of the scene
+    /// The position of the camera; without --look-at it looks at the center of the scene
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub eye: Option<Vec3>,
-    /// A point in the middle of the picture
+    /// A point in the center of the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub look_at: Option<Vec3>,
-    /// What is up in the picture
+    /// The direction that is up in the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub up: Option<Vec3>,
-    /// Angle between the top and the bottom of the picture, degrees within 0 and 180
+    /// Vertical field of view, degrees within 0 and 180
     #[arg(long, value_name = "DEGREES", value_parser = angle, allow_hyphen_values = true)]
     pub fov_y: Option<f32>,
-    /// Look along parallel rays, and show so much from top to bottom, world units
+    /// Use parallel rays and a picture of this height, world units
     #[arg(long, value_name = "HEIGHT", value_parser = height, conflicts_with = "fov_y", allow_negative_numbers = true)]
     pub parallel: Option<f32>,
 }
 
-/// What renders.
+/// The backend.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Backend")]
 pub struct BackendOptions {
-    /// What renders; auto takes the first that works of: discrete, integrated, virtual GPU,
-    /// CPU, software Vulkan
+    /// The backend; auto takes the first that works of: discrete, integrated, virtual GPU, CPU,
+    /// software Vulkan
     #[arg(long, default_value = "auto", value_parser = choice())]
     pub backend: Choice,
-    /// The GPU adapter whose name contains this, or that has this number in `rtrt doctor`; auto
-    /// then takes no other. WGPU_BACKEND (vulkan, metal, dx12) and WGPU_POWER_PREF (low, high) in the
-    /// environment choose among adapters as well
+    /// The GPU adapter whose name contains this text, or whose number in `rtrt doctor` it is; auto then
+    /// takes no other. The environment variables WGPU_BACKEND (vulkan, metal, dx12) and WGPU_POWER_PREF
+    /// (low, high) also choose among adapters
     #[arg(long, value_name = "NAME", env = "WGPU_ADAPTER_NAME", hide_env_values = true)]
     pub adapter: Option<String>,
-    /// Threads for loading, and for rendering on the CPU; as many as run at once if not given
+    /// Threads for loading, and for rendering on the CPU; the default is one for each hardware thread
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]
     pub threads: Option<u16>,
-    /// Numbers side by side in one instruction on the CPU; the fastest if not given
+    /// SIMD lanes on the CPU; the default is the fastest
     #[arg(long, value_parser = one_of(["1", "8", "16"]))]
     pub lanes: Option<u32>,
 }
 
 impl BackendOptions {
-    /// What to choose from.
+    /// The options for [`choose::choose`].
     pub fn choose(&self, tell: Option<choose::Tell>) -> choose::Options {
         choose::Options {
             choice: self.backend,

@@ -1,4 +1,4 @@
-//! What a command leaves behind: lines on standard output, and picture files.
+//! Results: lines on standard output, and picture files.
 
 use super::Error;
 use super::parse::is_standard;
@@ -30,14 +30,14 @@ pub fn print_json(results: &impl serde::Serialize) -> Result<(), Error> {
     print(json(results)?)
 }
 
-/// Whether a picture could be written there, found out before it is rendered.
+/// Checks that a picture can be written to this path, before it is rendered.
 pub fn check(path: &Path) -> Result<(), Error> {
     if is_standard(path) {
         return Ok(());
     }
     let refused = |kind, why| Err(Error::Write { path: path.to_owned(), source: io::Error::new(kind, why) });
     if path.exists() && !path.is_file() {
-        return refused(io::ErrorKind::AlreadyExists, "it is there, and no file");
+        return refused(io::ErrorKind::AlreadyExists, "it exists, but is not a file");
     }
     if !folder(path).is_dir() {
         return refused(io::ErrorKind::NotFound, "its folder does not exist");

@@ -1,4 +1,4 @@
-//! What the words of a command line stand for.
+//! The values of command line options.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
@@ -50,7 +50,7 @@ pub fn occluders(text: &str) -> Result<Occluders, &'static str> {
     }
 }
 
-/// How levels of textures are chosen.
+/// The choice of mip levels.
 pub fn mip() -> impl TypedValueParser<Value = Mip> {
     PossibleValuesParser::new(["distance", "angle"]).map(|name| match &name[..] {
         "angle" => Mip::Angle,
@@ -58,7 +58,7 @@ pub fn mip() -> impl TypedValueParser<Value = Mip> {
     })
 }
 
-/// `blocks`, `objects`, `none`, or how many triangles a part of an object has at most.
+/// `blocks`, `objects`, `none`, or the most triangles of a part of an object.
 pub fn structure(text: &str) -> Result<Structure, String> {
     match text {
         "blocks" => Ok(Structure::Blocks),
@@ -91,7 +91,7 @@ pub fn vector(text: &str) -> Result<Vec3, String> {
     }
 }
 
-/// What is behind everything.
+/// The background.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Background {
     /// Linear RGB.
@@ -152,8 +152,8 @@ pub fn tone(text: &str) -> Result<Vec3, &'static str> {
     color.ok_or("not three numbers of 0 to 2^48 with commas between them")
 }
 
-/// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`, perhaps a radius, and perhaps what it is
-/// besides, such as `color=1,0.5,0`.
+/// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`, perhaps with a radius and properties such as
+/// `color=1,0.5,0`.
 pub fn light(text: &str) -> Result<Light, String> {
     const FORMS: &str = "not point:X,Y,Z, spot:X,Y,Z:X,Y,Z:DEGREES or sun:X,Y,Z, with or without :RADIUS";
     let (more, parts): (Vec<_>, Vec<_>) = text.split(':').partition(|part| part.contains('='));
@@ -172,7 +172,7 @@ pub fn light(text: &str) -> Result<Light, String> {
     })
 }
 
-/// The light with another property.
+/// The light with a property.
 fn with(mut light: Light, key: &str, value: &str) -> Result<Light, String> {
     let is_sun = light.kind == LightKind::Sun;
     match key {
@@ -181,20 +181,24 @@ fn with(mut light: Light, key: &str, value: &str) -> Result<Light, String> {
         "fade" if !is_sun => {
             light.inverse_square = match value {
                 "square" => true,
-                _ => return Err("a light fades by its square (fade=square), or as far as it reaches".into()),
+                _ => {
+                    return Err(
+                        "fade=square is the only fade; without it a light fades within its reach".into()
+                    );
+                }
             }
         }
         "inner" if light.kind == LightKind::Spot => {
             let angle = value.parse().map(|degrees: f64| degrees.to_radians() as f32);
             let angle = angle.ok().filter(|angle| (0.0..=light.outer).contains(angle));
-            light.inner = angle.ok_or("the inner angle is not within 0 and the other one")?;
+            light.inner = angle.ok_or("the inner angle is not within 0 and the outer one")?;
         }
-        _ => return Err(format!("such a light has no {key}; color, reach, fade and inner are known")),
+        _ => return Err(format!("this light has no {key}; the properties are color, reach, fade and inner")),
     }
     Ok(light)
 }
 
-/// Where a light is that is not infinitely far away.
+/// The position of a point or spot light.
 fn place(text: &str) -> Result<Vec3, String> {
     let place = vector(text)?;
     let is_near = place.abs().max_element() <= Light::FARTHEST;
@@ -207,7 +211,7 @@ pub fn point(position: &str, size: &str) -> Result<Light, String> {
     Ok(Light::point(position).radius(radius))
 }
 
-/// Where the sun stands, and its radius in degrees.
+/// The direction towards the sun, and its radius in degrees.
 pub fn sun(place: &str, size: &str) -> Result<Light, String> {
     let (place, radius) = (vector(place)?, seconds(size)?.to_radians() as f32);
     if place.abs().max_element() < 1e-18 {
@@ -219,8 +223,8 @@ pub fn sun(place: &str, size: &str) -> Result<Light, String> {
     Ok(Light::sun(-place).radius(radius))
 }
 
-/// Position, direction, outer angle and radius of a spot light. It fades from the middle on, as
-/// glTF's does if nothing else is said.
+/// Position, direction, outer angle and radius of a spot light. It fades from its axis on, the default
+/// of glTF.
 pub fn spot(position: &str, direction: &str, outer: &str, size: &str) -> Result<Light, String> {
     let (position, direction) = (place(position)?, vector(direction)?);
     let (outer, radius) = (angle(outer)?, radius(size)?);
@@ -250,7 +254,7 @@ pub fn exr(path: PathBuf) -> Result<PathBuf, &'static str> {
     if ends_in(&path, "exr") { Ok(path) } else { Err("the name must end in .exr") }
 }
 
-/// Whether a path stands for standard output.
+/// Whether a path means standard output.
 pub fn is_standard(path: &Path) -> bool {
     path.as_os_str() == "-"
 }

@@ -21,10 +21,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Sub-rays a pixel if not given: a picture is looked at.
+/// The default of sub-rays per pixel.
 pub const SAMPLES: u32 = 4;
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(serde::Serialize)]
 struct RenderReport<'a> {
     #[serde(flatten)]
@@ -32,7 +32,7 @@ struct RenderReport<'a> {
     size: [u32; 2],
     samples: u32,
     stages_ms: PerStage<f64>,
-    /// Wall clock of the frame, the upload of the scene included.
+    /// Wall-clock time of the frame, including the upload of the scene.
     frame_ms: f64,
     bvh_build_ms: f64,
     triangles: u64,
@@ -70,7 +70,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Error> {
     Ok(())
 }
 
-/// Renders a frame, writes its files, and prints what was asked for.
+/// Renders a frame, writes its files, and prints its results.
 fn render(
     options: &RenderOptions,
     job: &RenderJob,
@@ -110,13 +110,13 @@ fn render(
     if options.hash { console.print_hashes(&hash, buffers) } else { Ok(()) }
 }
 
-/// Stages with their times, those that took any.
+/// The stages that took time, with their times.
 fn stages(picture: &Picture) -> String {
     let all = STAGES.iter().zip(picture.stages_ms).filter(|(_, ms)| *ms > 0.0);
     all.map(|(stage, ms)| format!("{stage} {ms:.1}")).collect::<Vec<_>>().join(", ")
 }
 
-/// Whether the options go together, and files can be written where they say.
+/// Checks that the options do not contradict each other, and that the files can be written.
 fn check(options: &RenderOptions) -> Result<(), Error> {
     let output = options.output.as_deref();
     if output.is_some_and(is_standard) && (options.hash || options.common.json) {
@@ -125,7 +125,7 @@ fn check(options: &RenderOptions) -> Result<(), Error> {
         ));
     }
     if output.is_some_and(|path| ends_in(path, "exr")) && (options.debug.is_some() || options.bits != 8) {
-        return Err(Error::Usage("--debug and --bits are for PNG, and the picture is to be an EXR file"));
+        return Err(Error::Usage("--debug and --bits are for PNG, but the picture is an EXR file"));
     }
     if options.debug.is_some() && options.bits != 8 {
         return Err(Error::Usage("--debug has 8 bits a channel"));
@@ -138,9 +138,7 @@ fn check(options: &RenderOptions) -> Result<(), Error> {
     }
     let mut files = output.into_iter().chain(options.aov.as_deref());
     if options.frames > 1 && !files.clone().all(is_numbered) {
-        return Err(Error::Usage(
-            "every frame wants a file of its own, so the names need {frame} or {n} in them",
-        ));
+        return Err(Error::Usage("every frame needs a file of its own: add {frame} or {n} to the names"));
     }
     let name = |path: &Path| filled(path, &options.common.scene, 0);
     if output.is_some_and(|output| options.aov.as_deref() == Some(output)) {
@@ -148,14 +146,14 @@ fn check(options: &RenderOptions) -> Result<(), Error> {
     }
     if let Some(reference) = &options.compare {
         if files.clone().any(|path| name(path) == name(reference)) {
-            return Err(Error::Usage("the picture goes to the file that it is compared with"));
+            return Err(Error::Usage("the picture would replace the file of --compare"));
         }
         compare::check(&name(reference), options.common.size)?;
     }
     files.try_for_each(|path| output::check(&name(path)))
 }
 
-/// Whether what is to be written is made from the deferred buffers.
+/// Whether the outputs need the deferred buffers.
 fn keeps_buffers(options: &RenderOptions) -> bool {
     let is_exr = options.output.as_deref().is_some_and(|path| ends_in(path, "exr"));
     options.hash || options.aov.is_some() || options.debug.is_some() || options.bits != 8 || is_exr
@@ -193,7 +191,7 @@ fn write(
     output::write(path, &bytes)
 }
 
-/// What is said where a file could not be encoded.
+/// The error for a file that could not be encoded.
 pub fn encode<E: Into<Box<dyn std::error::Error + Send + Sync>>>(path: &Path) -> impl FnOnce(E) -> Error {
     |source| Error::Encode { path: path.to_owned(), source: source.into() }
 }

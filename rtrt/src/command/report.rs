@@ -1,11 +1,11 @@
-//! What several commands report: machines, times, hashes.
+//! Results that several commands print: machines, times, hashes.
 
 use rtrt_core::backend::{Description, Picture, STAGES};
 use serde::ser::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Where a frame was rendered.
+/// The backend and the hardware of a frame.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Machine {
     backend: String,
@@ -49,7 +49,7 @@ pub fn counted(count: u32, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Something for each stage: a map from its name, in the order of the stages.
+/// A value for each stage. It is serialized as a map from the stages' names, in their order.
 #[derive(Debug, Clone)]
 pub struct PerStage<T>(pub [T; STAGES.len()]);
 
@@ -59,7 +59,7 @@ impl<T: Serialize> Serialize for PerStage<T> {
     }
 }
 
-/// The SHA-256 of each deferred buffer, by name; none if they were not kept.
+/// The SHA-256 of each deferred buffer, by name; none for a picture without them.
 pub fn buffer_hashes(picture: &Picture) -> Option<BTreeMap<&'static str, String>> {
     Some(rtrt::hash::buffers(picture)?.into())
 }

@@ -1,9 +1,9 @@
-//! What is wrong with a command line, said like everything else that is wrong.
+//! Errors of the command line, in the form of all other errors.
 
 use super::Error;
 use clap::error::ErrorKind;
 
-/// The error of a command line that is refused. Help, which is no error, is printed, and the process ends.
+/// The error of an invalid command line. A request for help is no error: help is printed, and the process ends.
 pub fn refused(error: clap::Error) -> Error {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         error.exit();
@@ -12,15 +12,18 @@ pub fn refused(error: clap::Error) -> Error {
     Error::Line { what, hint }
 }
 
-/// What is wrong, and what may help, each in a line. `text` has paragraphs: what is wrong, perhaps tips, the usage,
-/// and where to read more.
+/// The error and a hint, a line each. The paragraphs of `text` are the error, perhaps tips, the usage, and a
+/// reference to help.
 fn message_and_hint(text: &str) -> (String, String) {
     let mut parts = text.split("\n\n").map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
     let what = parts.next().unwrap_or_default();
     let mut tips = parts.filter_map(|part| part.strip_prefix("tip: ").map(str::to_owned));
-    // What looks like an option hardly ever is a name.
+    // This tip is for values that look like options, which are rare.
     let tip = tips.find(|tip| !tip.starts_with("to pass "));
-    (what.trim_start_matches("error: ").to_owned(), tip.unwrap_or("--help says more, with examples".into()))
+    (
+        what.trim_start_matches("error: ").to_owned(),
+        tip.unwrap_or("--help has all options and examples".into()),
+    )
 }
 
 #[cfg(test)]

@@ -16,13 +16,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
-/// Sub-rays a pixel if not given.
+/// The default of sub-rays per pixel.
 const SAMPLES: u32 = 1;
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(serde::Serialize)]
 struct VerifyReport {
-    /// What the others are compared with.
+    /// The reference of all comparisons.
     reference: String,
     size: [u32; 2],
     samples: u32,
@@ -35,14 +35,14 @@ struct VerifyReport {
     variants: Vec<Verdict>,
 }
 
-/// What came of a variant.
+/// The result of a variant.
 #[derive(serde::Serialize)]
 struct Verdict {
     variant: String,
     result: Outcome,
-    /// The first difference, or why it was skipped.
+    /// The first difference, or the reason for skipping it.
     detail: Option<String>,
-    /// The adapter, if it is one.
+    /// The GPU adapter.
     #[serde(skip)]
     gpu: Option<String>,
 }
@@ -55,7 +55,7 @@ enum Outcome {
     Skipped,
 }
 
-/// A backend to be compared with the reference.
+/// A backend with its settings.
 #[derive(PartialEq)]
 enum Variant {
     Cpu {
@@ -63,17 +63,17 @@ enum Variant {
         threads: usize,
     },
     Gpu {
-        /// Its number, or none for the first that can be used.
+        /// Its number; none for the first usable one.
         adapter: Option<usize>,
         name: String,
         route: Route,
     },
 }
 
-/// What the others are compared with.
+/// The reference of all comparisons.
 const REFERENCE: Variant = Variant::Cpu { lanes: 1, threads: 1 };
 
-/// Compares.
+/// Compares all variants with the reference.
 pub fn run(options: &VerifyOptions) -> Result<(), Error> {
     let common = &options.common;
     let variants = variants(&common.backend)?;
@@ -112,7 +112,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Error> {
     failure.map_or(Ok(()), Err)
 }
 
-/// Renders on the variant, and compares.
+/// Renders with a variant, and compares the result with the reference.
 fn verdict(
     variant: &Variant,
     job: &RenderJob,
@@ -136,15 +136,14 @@ fn verdict(
     Ok(Verdict { variant: variant.to_string(), result, detail, gpu })
 }
 
-/// What the exit code is to tell.
+/// The error for these verdicts, if any.
 fn failure(verdicts: &[Verdict], scene: &Path) -> Option<Error> {
     let differ = verdicts.iter().filter(|verdict| verdict.result == Outcome::Differs).count();
     if differ > 0 {
         return Some(Error::Disagree { scene: scene.to_owned(), differ, variants: verdicts.len() });
     }
     let is_required = std::env::var_os("RTRT_REQUIRE_GPU").is_some_and(|value| value == "1");
-    // A route that an adapter does not take, or by which the canary refuses it, is made up
-    // for by its other route.
+    // One of the two routes of an adapter is enough.
     let is_compared =
         |gpu: &str| verdicts.iter().any(|v| v.gpu.as_deref() == Some(gpu) && v.result == Outcome::Equal);
     let skipped = verdicts.iter().find(|v| v.gpu.as_deref().is_some_and(|gpu| !is_compared(gpu)));
@@ -155,7 +154,7 @@ fn failure(verdicts: &[Verdict], scene: &Path) -> Option<Error> {
     is_nothing.then_some(Error::NothingCompared)
 }
 
-/// What to compare, without what the options leave out.
+/// The variants that match the options.
 fn variants(options: &BackendOptions) -> Result<Vec<Variant>, ChooseError> {
     let cpu = if options.backend == Choice::Gpu { vec![] } else { cpu_variants(options) };
     let gpu = if options.backend == Choice::Cpu { vec![] } else { gpu_variants(options)? };
@@ -184,7 +183,7 @@ fn gpu_variants(options: &BackendOptions) -> Result<Vec<Variant>, ChooseError> {
         .map(|(number, report)| (Some(number), format!("adapter {number}, {}", report.name)))
         .collect();
     if names.is_empty() {
-        // Opening it tells why there is none.
+        // Opening it gives the reason for the absence.
         names.push((None, "any adapter".into()));
     }
     let both = |(adapter, name): (Option<usize>, String)| {

@@ -1,4 +1,4 @@
-//! What the scenes built in code are made with.
+//! A builder for the scenes in code.
 
 use super::shape::Shape;
 use crate::import::builder::Builder;
@@ -12,7 +12,7 @@ use std::path::Path;
 pub(super) fn loaded(scene: Scene, name: &str, camera: Camera, bvh_build_ms: f64) -> Loaded {
     Loaded {
         scene,
-        cameras: vec![NamedCamera { name: name.into(), camera }],
+        cameras: vec![NamedCamera { name: name.into(), camera, aspect: None }],
         camera,
         lit_by_default: false,
         animation: None,
@@ -22,7 +22,7 @@ pub(super) fn loaded(scene: Scene, name: &str, camera: Camera, bvh_build_ms: f64
     }
 }
 
-/// A scene in the making.
+/// A scene that is being built.
 pub(super) struct DemoBuilder<'a, J> {
     pub builder: Builder<'a, J>,
     name: &'static str,

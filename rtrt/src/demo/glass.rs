@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// The lower and the upper corner of the room.
 const ROOM: [Vec3; 2] = [vec3(-1.9, 0.0, -2.2), vec3(2.6, 3.4, 4.6)];
-/// What the scene is called where a path is expected.
+/// The name of the scene in place of a path.
 pub const GLASS: &str = "demo:glass";
 
 /// The colors of the panes.
@@ -34,7 +34,7 @@ const CORNER: Vec3 = vec3(-1.9, 0.35, -1.35);
 /// glass that overlap, and a ball within a ball of glass.
 ///
 /// # Errors
-/// As for [`crate::import::load`]; nothing in the scene gives rise to any.
+/// Those of [`crate::import::load`]; the scene causes none.
 pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut stage = GlassBuilder { builder: Builder::new(Path::new(GLASS), join, None) };
     stage.room()?;
@@ -54,7 +54,7 @@ pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
     Ok(loaded(scene, "window", camera, stage.builder.bvh_build_ms))
 }
 
-/// The scene in the making.
+/// The scene that is being built.
 struct GlassBuilder<'a, J> {
     builder: Builder<'a, J>,
 }
@@ -63,7 +63,7 @@ impl<J: Join> GlassBuilder<'_, J> {
     fn opaque(&mut self, color: [f32; 3], roughness: f32) -> Result<MaterialIndex, ImportError> {
         self.builder.add_material(Material::new(color).roughness(roughness))
     }
-    /// Glass that glows in its color: nothing else shows that light comes through it.
+    /// Glass with a glow in its color, as light that passes through would give it.
     fn glass(&mut self, color: [f32; 3], alpha: f32, glow: f32) -> Result<MaterialIndex, ImportError> {
         let glass = Material::new(color).roughness(0.15).emission(color.map(|c| c * glow));
         self.builder.add_material(glass.blend(alpha))
@@ -131,7 +131,7 @@ impl<J: Join> GlassBuilder<'_, J> {
         self.add(bars, lead)
     }
 
-    /// Two sheets on the floor that stand in each other's way, and a ball within a ball of glass.
+    /// Two overlapping sheets on the floor, and a ball within a ball of glass.
     fn sheets(&mut self) -> Result<(), ImportError> {
         let (red, blue) =
             (self.glass([0.95, 0.15, 0.05], 0.5, 0.1)?, self.glass([0.05, 0.25, 0.95], 0.5, 0.1)?);

@@ -1,4 +1,4 @@
-//! `demo:levels`: objects with fewer triangles the farther away they are.
+//! `demo:levels`: objects with levels of detail.
 
 use super::builder::loaded;
 use super::shape::Shape;
@@ -10,18 +10,18 @@ use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Camera, Join, Light, Material, Projection};
 use std::path::Path;
 
-/// What the scene is called where a path is expected.
+/// The name of the scene in place of a path.
 pub const LEVELS: &str = "demo:levels";
 
-/// For each level: from which distance on, rings, and its color as linear RGBA, red lowest.
+/// The levels: least distance, rings, and color as linear RGBA with red in the lowest byte.
 const STEPS: [(f32, u32, u32); 4] =
     [(0.0, 48, 0xffff_ffff), (8.0, 12, 0xff70_d0ff), (16.0, 6, 0xff80_ff80), (32.0, 3, 0xffff_9070)];
 
-/// A field of balls, each of 4,608 triangles near the camera and of 18 far away. Every level
-/// has a color of its own, so that it can be seen.
+/// A field of balls with 4,608 triangles near the camera and 18 far away. Each level has its own
+/// color.
 ///
 /// # Errors
-/// As for [`crate::import::load`]; nothing in the scene gives rise to any.
+/// Those of [`crate::import::load`]; the scene causes none.
 pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut builder = Builder::new(Path::new(LEVELS), join, None);
     let floor = builder.add_material(Material::new([0.5, 0.48, 0.45]).roughness(0.9))?;

@@ -9,18 +9,18 @@ use rtrt_core::scene::{
     Camera, InstanceIndex, Join, Light, Material, MaterialIndex, MeshIndex, Motion, Projection,
 };
 
-/// What the scene is called where a path is expected.
+/// The name of the scene in place of a path.
 pub const MOVING: &str = "demo:moving";
 
-/// Lanes, and how far they are apart.
+/// The number of lanes, and their distance.
 const LANES: u32 = 7;
 const APART: f32 = 1.5;
-/// Objects of a lane.
+/// The number of objects on a lane.
 const OBJECTS: u32 = 14;
-/// Seconds until everything rests.
+/// The end of all motions, seconds.
 const END: f64 = 4.0;
 
-/// What the lanes carry.
+/// The shapes on the lanes.
 struct Goods {
     cube: MeshIndex,
     board: MaterialIndex,
@@ -33,7 +33,7 @@ struct Goods {
 /// [`Motion`]s, which end after four seconds.
 ///
 /// # Errors
-/// As for [`crate::import::load`]; nothing in the scene gives rise to any.
+/// Those of [`crate::import::load`]; the scene causes none.
 pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut stage = DemoBuilder::new(MOVING, join);
     let planks = stage.texture(paint::planks())?;
@@ -58,7 +58,7 @@ pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
 }
 
 impl<J: Join> DemoBuilder<'_, J> {
-    /// What flies, where it starts, and how.
+    /// The objects with their starts and motions.
     fn lanes(&mut self) -> Result<Vec<(InstanceIndex, Mat4, Motion)>, ImportError> {
         let board = self.texture(paint::board())?;
         let tints = [[0.9, 0.25, 0.15], [0.15, 0.7, 0.3], [0.15, 0.35, 0.9]];

@@ -94,7 +94,7 @@ pub(super) fn board() -> Image {
     })
 }
 
-/// What a match is struck on: dark, grainy, in a pattern of lozenges; repeats.
+/// The striking surface: dark, grainy, in a pattern of lozenges; repeats.
 pub(super) fn striker() -> Image {
     picture([256, 128], |u, v| {
         let (a, b) = (u * 24.0 + v * 12.0, u * 24.0 + 12.0 - v * 12.0);

@@ -6,7 +6,7 @@ use rtrt_core::layout::Attribute;
 
 const WHITE: u32 = !0;
 
-/// A mesh in the making.
+/// A mesh that is being built.
 #[derive(Default)]
 pub(super) struct Shape(pub Geometry);
 

@@ -1,4 +1,4 @@
-//! `demo:spheres`: what spheres can be.
+//! `demo:spheres`: spheres and ellipsoids.
 
 use super::builder::{DemoBuilder, loaded};
 use super::paint;
@@ -8,13 +8,13 @@ use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::layout::Texture;
 use rtrt_core::scene::{Camera, Join, Light, Material, MaterialIndex, Projection};
 
-/// What the scene is called where a path is expected.
+/// The name of the scene in place of a path.
 pub const SPHERES: &str = "demo:spheres";
 
 /// Spheres on a floor: plain, textured, of glass, of metal, and drawn out to ellipsoids.
 ///
 /// # Errors
-/// As for [`crate::import::load`]; nothing in the scene gives rise to any.
+/// Those of [`crate::import::load`]; the scene causes none.
 pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut stage = DemoBuilder::new(SPHERES, join);
     let planks = stage.texture(paint::planks())?;

@@ -1,4 +1,4 @@
-//! What moves in a file: where everything is at a time.
+//! The animations of a scene: the pose at a time.
 
 use super::ImportError;
 use super::deformed::DeformedMesh;
@@ -10,44 +10,44 @@ use rtrt_core::scene::{
 };
 use std::path::{Path, PathBuf};
 
-/// The animations of a file: its nodes, and how they move. The first one is played, unless another
-/// is chosen. Or that of a scene built in code: objects with motions of their own.
+/// The animations of a file, or the motions of a scene built in code. Unless another one is chosen, the first
+/// animation is played.
 #[derive(Debug, Clone)]
 pub struct Animation {
     path: PathBuf,
     names: Vec<String>,
-    /// Which one is played; all at once if none.
+    /// The animation that is played; none for all at once.
     played: Option<usize>,
     /// Parents come before their children.
     nodes: Vec<SceneNode>,
-    /// Objects that move by themselves, and where they start.
+    /// Instances with a motion, and their transforms at the start.
     motions: Vec<(InstanceIndex, Mat4, Motion)>,
-    /// When these come to rest, seconds.
+    /// The end of the motions, seconds.
     rest: f64,
 }
 
-/// A node, and what hangs on it.
+/// A node with its instances, deformed meshes, camera and light.
 #[derive(Debug, Clone)]
 pub(super) struct SceneNode {
-    /// Among the nodes.
+    /// The parent's place in the list of nodes.
     pub parent: Option<usize>,
     pub local: Local,
     pub tracks: Vec<Track>,
-    /// Objects, and where they are seen from the node.
+    /// The instances, with their transforms relative to the node.
     pub objects: Vec<(InstanceIndex, DMat4)>,
-    /// Meshes that change their shape.
+    /// The deformed meshes.
     pub shapes: Vec<DeformedMesh>,
-    /// A camera of the file, by its place in [`super::Loaded::cameras`].
+    /// A camera, by its place in [`super::Loaded::cameras`].
     pub camera: Option<(usize, Projection)>,
     /// A light, by its place in the scene.
     pub light: Option<usize>,
 }
 
-/// A node's own transform, in double precision: long chains multiply many.
+/// A node's own transform. Long chains multiply many, so it is in double precision.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Local {
     Matrix(DMat4),
-    /// Scaled, then turned (by a rotation of any length), then moved.
+    /// Scale, then rotation (a quaternion of any length), then translation.
     Parts {
         translation: DVec3,
         rotation: DQuat,
@@ -75,7 +75,7 @@ impl Local {
         ) * DMat4::from_scale(scale)
     }
 
-    /// The transform at a time. A matrix that is animated all the same counts for nothing.
+    /// The transform at a time. The format forbids to animate a matrix; tracks replace it.
     fn at(&self, tracks: &[&Track], time: f64) -> Self {
         let Some(Self::Parts { mut translation, mut rotation, mut scale }) = (match self {
             Self::Matrix(_) if tracks.is_empty() => None,
@@ -96,16 +96,16 @@ impl Local {
     }
 }
 
-/// Where everything that moves is at a time.
+/// The state of all moving things at a time.
 #[derive(Debug, Clone, Default)]
 pub struct Pose {
-    /// Objects, and their way to world space.
+    /// Instances, and their transforms to world space.
     pub objects: Vec<(InstanceIndex, Mat4)>,
-    /// Meshes, and the shape that they have.
+    /// Deformed meshes.
     pub shapes: Vec<(MeshIndex, Mesh)>,
     /// Cameras, by their place in [`super::Loaded::cameras`].
     pub cameras: Vec<(usize, Camera)>,
-    /// Lights, by their place in the scene; where they are, and where they shine.
+    /// Lights, by their place in the scene, with position and direction.
     pub lights: Vec<(usize, Vec3, Vec3)>,
     path: PathBuf,
 }
@@ -115,47 +115,46 @@ impl Animation {
         Self { path: path.to_owned(), names, played: Some(0), nodes, motions: Vec::new(), rest: 0.0 }
     }
 
-    /// Motions that come to rest after so many seconds.
+    /// An animation of these motions, which end after `rest` seconds.
     pub(crate) fn of_motions(path: &str, motions: Vec<(InstanceIndex, Mat4, Motion)>, rest: f64) -> Self {
         Self { motions, rest, ..Self::new(Path::new(path), vec!["motion".into()], Vec::new()) }
     }
 
-    /// What the file calls its animations, in their order; empty for one without a name.
+    /// The names of the animations, in their order; empty for one without a name.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Plays this animation, counted from 0, or all at once. Of several that move the same thing the
-    /// last one counts.
+    /// Chooses the animation, counted from 0, or all at once. Of several for the same property the last one
+    /// counts.
     pub fn play(&mut self, number: Option<usize>) {
         self.played = number;
     }
 
-    /// The tracks of a node that are played.
+    /// The tracks of a node in the chosen animation.
     fn played<'a>(&'a self, node: &'a SceneNode) -> impl Iterator<Item = &'a Track> {
         node.tracks.iter().filter(|track| self.played.is_none_or(|number| track.animation == number))
     }
 
-    /// Whether something moves in any of them.
+    /// Whether any animation moves something.
     pub(super) fn moves(&self) -> bool {
         self.nodes.iter().any(|node| !node.tracks.is_empty())
     }
 
-    /// When the last thing comes to rest, seconds.
+    /// The end of the chosen animation, seconds.
     pub fn end(&self) -> f64 {
         self.nodes.iter().flat_map(|node| self.played(node)).map(Track::end).fold(self.rest, f64::max)
     }
 
-    /// Where everything that moves is `time` seconds after the start. What moves by nothing that
-    /// the file says is not in it.
+    /// The pose `time` seconds after the start, without things that do not move.
     ///
     /// # Errors
-    /// A mesh would have a shape that cannot be drawn.
+    /// A deformed mesh cannot be drawn.
     pub fn at(&self, time: f64) -> Result<Pose, ImportError> {
         self.pose(Some(time))
     }
 
-    /// The shapes that meshes have at rest, where nothing moves.
+    /// The deformed meshes without animation.
     pub(super) fn rest(&self) -> Result<Pose, ImportError> {
         self.pose(None)
     }
@@ -207,23 +206,22 @@ impl Animation {
 }
 
 impl Pose {
-    /// Moves the scene's objects. One without volume, because its transform has no inverse, is
-    /// not seen.
+    /// Moves the scene's instances. An instance whose transform has no inverse is hidden.
     ///
     /// # Errors
-    /// An object would be out of range.
+    /// An instance is out of range.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), ImportError> {
         let refused = |source: SceneError| ImportError::Scene { path: self.path.clone(), source };
-        let (seen, hidden): (Vec<_>, Vec<_>) =
+        let (visible, hidden): (Vec<_>, Vec<_>) =
             self.objects.iter().partition(|(_, to_world)| has_inverse(to_world));
         for (mesh, shape) in &self.shapes {
             scene.reshape(*mesh, shape).map_err(refused)?;
         }
-        scene.set_transforms(seen).map_err(refused)?;
+        scene.set_transforms(visible).map_err(refused)?;
         hidden.into_iter().try_for_each(|(object, _)| scene.hide(object)).map_err(refused)
     }
 
-    /// Moves the lights, which are those of the file.
+    /// Moves the lights of the file.
     pub fn aim(&self, lights: &mut [Light]) {
         for &(index, place, along) in &self.lights {
             if let Some(light) = lights.get_mut(index) {
@@ -233,13 +231,13 @@ impl Pose {
     }
 }
 
-/// Whether an object can be placed so.
+/// Whether an instance can have this transform.
 fn has_inverse(to_world: &Mat4) -> bool {
     let m = to_world.as_dmat4();
     m.determinant() != 0.0 && m.is_finite() && m.inverse().as_mat4().is_finite()
 }
 
-/// A camera at its node's place; none if it shows nothing. The aspect ratio is the frame's.
+/// The camera of a node; none if its picture would be empty.
 pub(super) fn camera(projection: Projection, to_world: &DMat4) -> Option<Camera> {
     let usable = match projection {
         Projection::Perspective { fov_y } => fov_y > 0.0 && fov_y < std::f32::consts::PI,
@@ -249,7 +247,7 @@ pub(super) fn camera(projection: Projection, to_world: &DMat4) -> Option<Camera>
     let up = to_world.y_axis.truncate().as_vec3();
     let forward = -to_world.z_axis.truncate();
     let length = libm::sqrt(forward.length_squared());
-    // Far enough to be another point in single precision.
+    // So far that the point differs from the eye in single precision.
     let distance = eye.abs().max_element().max(1.0);
     let look_at = (eye + forward * (distance / length)).as_vec3();
     let across = up.cross(forward.as_vec3());

@@ -1,4 +1,4 @@
-//! What both formats fill: a scene, within limits, with warnings.
+//! The scene that an import fills, with limits and warnings.
 
 use super::file::Files;
 use super::geometry::{Geometry, Tangents};
@@ -13,30 +13,30 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The most triangles that a scene may store: 67 million.
+/// The limit of stored triangles: 67 million.
 const TRIANGLES: u64 = 1 << 26;
-/// The most objects that a scene may place: 4 million.
+/// The limit of instances: 4 million.
 const OBJECTS: u64 = 1 << 22;
-/// The most texels that all textures may have at full size: 4 GiB of them.
+/// The limit of texels of all textures at full size: 4 GiB.
 const TEXELS: u64 = 1 << 30;
-/// Trees of fewer triangles are built faster than files are opened.
-const WORTH_KEEPING: usize = 1000;
-/// The most warnings.
+/// The triangles from which on a BVH is cached. A smaller one is built faster than a file is opened.
+const LEAST_CACHED: usize = 1000;
+/// The limit of warnings.
 const WARNINGS: usize = 40;
-/// The most vertices that meshes which change their shape may have, once for each target: at
-/// some 30 bytes each, 2 GB.
+/// The limit of vertices of deformed meshes, counted once for each morph target: 2 GB at about
+/// 30 bytes each.
 const DEFORMED: u64 = 1 << 26;
 
-/// A scene in the making.
+/// A scene that is being imported.
 pub(crate) struct Builder<'a, J> {
     pub scene: Scene,
     pub warnings: Vec<String>,
-    /// Kinds of things that the file has and the renderer does not draw.
+    /// Features of the file that the renderer does not have.
     pub not_drawn: BTreeSet<&'static str>,
     pub bvh_build_ms: f64,
-    /// The file, for messages.
+    /// The scene's file.
     pub path: PathBuf,
-    /// What was read.
+    /// The files that were read.
     pub files: Files,
     join: &'a J,
     cache: Option<&'a Cache>,
@@ -60,8 +60,7 @@ impl<'a, J: Join> Builder<'a, J> {
         }
     }
 
-    /// Says something that the user should know, once; a file with very much wrong does
-    /// not drown the rest.
+    /// Adds a warning, unless the same one or too many are there.
     pub fn warn(&mut self, warning: String) {
         if self.warnings.len() < WARNINGS && !self.warnings.contains(&warning) {
             self.warnings.push(warning);
@@ -71,7 +70,7 @@ impl<'a, J: Join> Builder<'a, J> {
         }
     }
 
-    /// The file breaks a rule.
+    /// The error of a file that breaks a rule of its format.
     pub fn invalid(&self, why: String) -> ImportError {
         ImportError::Invalid { path: self.path.clone(), why }
     }
@@ -80,7 +79,7 @@ impl<'a, J: Join> Builder<'a, J> {
         ImportError::Limit { path: self.path.clone(), what, limit }
     }
 
-    /// Checks a mesh, builds its tree and adds it. `name` is for messages.
+    /// Checks a mesh, builds its BVH and adds both. `name` is for messages.
     pub fn add_mesh(&mut self, name: &str, geometry: Geometry) -> Result<MeshIndex, ImportError> {
         let refused =
             |source: MeshError| ImportError::Mesh { path: self.path.clone(), mesh: name.into(), source };
@@ -98,9 +97,9 @@ impl<'a, J: Join> Builder<'a, J> {
             return Err(self.limit("triangles", TRIANGLES));
         }
         let start = Instant::now();
-        let tree = match self.cache.filter(|_| mesh.triangles() >= WORTH_KEEPING) {
+        let tree = match self.cache.filter(|_| mesh.triangles() >= LEAST_CACHED) {
             Some(cache) => cache.tree(&mesh, self.join).unwrap_or_else(|(tree, error)| {
-                self.warn(format!("a mesh's tree is not kept for the next time: {error}"));
+                self.warn(format!("a mesh's BVH is not cached: {error}"));
                 tree
             }),
             None => Bvh::build(&mesh, self.join),
@@ -116,14 +115,17 @@ impl<'a, J: Join> Builder<'a, J> {
         self.scene.add_material(material).map_err(|source| ImportError::Scene { path: path.clone(), source })
     }
 
-    /// Whether there is room for so many more vertices that change their places.
-    pub fn deform(&mut self, vertices: u64) -> Result<(), ImportError> {
+    /// Counts vertices of deformed meshes against their limit.
+    pub fn count_deformed(&mut self, vertices: u64) -> Result<(), ImportError> {
         self.deformed = self.deformed.saturating_add(vertices);
-        if self.deformed > DEFORMED { Err(self.limit("vertices that change", DEFORMED)) } else { Ok(()) }
+        if self.deformed > DEFORMED {
+            Err(self.limit("vertices of deformed meshes", DEFORMED))
+        } else {
+            Ok(())
+        }
     }
 
-    /// Places a mesh. One whose transform cannot be inverted has no volume to be seen: it
-    /// is left out with a warning.
+    /// Places a mesh; none, with a warning, if its transform has no inverse and so nothing of it is visible.
     pub fn add_instance(
         &mut self,
         name: &str,
@@ -137,15 +139,14 @@ impl<'a, J: Join> Builder<'a, J> {
         match self.scene.add_instance(mesh, material, to_world) {
             Ok(object) => Ok(Some(object)),
             Err(SceneError::Transform) => {
-                self.warn(format!("{name} is left out: its transform cannot be inverted"));
+                self.warn(format!("{name} is left out: its transform has no inverse"));
                 Ok(None)
             }
             Err(source) => Err(ImportError::Scene { path: self.path.clone(), source }),
         }
     }
 
-    /// Places a mesh that will move. One whose transform cannot be inverted is there, and hidden
-    /// until it has another.
+    /// Places a mesh that moves. Without an inverse of its transform it is hidden until it has another one.
     pub fn add_moving(
         &mut self,
         name: &str,
@@ -165,13 +166,13 @@ impl<'a, J: Join> Builder<'a, J> {
         Ok(object)
     }
 
-    /// Adds a texture. One that could not be read becomes a checker of magenta and black,
-    /// with a warning. `name` is for messages.
+    /// Adds a texture of colors. In place of one that cannot be read there is a checker of magenta and
+    /// black, with a warning. `name` is for messages.
     pub fn add_texture(&mut self, name: &str, image: Result<Image, String>) -> Result<Texture, ImportError> {
         self.add_map(name, image, Content::Color)
     }
 
-    /// The same for a texture of colors or of numbers.
+    /// [`Self::add_texture`] for colors or numbers.
     pub fn add_map(
         &mut self,
         name: &str,

@@ -1,21 +1,21 @@
-//! Meshes that change their shape: morph targets and skins.
+//! Meshes with morph targets or skins.
 
 use super::ImportError;
-use super::geometry::{Geometry, JointWeights, Tangents};
+use super::geometry::{Deform, Geometry, Tangents};
 use glam::{DMat4, DVec3};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Mesh, MeshIndex};
 use std::path::Path;
 
-/// A mesh of a node of its own, and what it follows from.
+/// A deformed mesh of one node, with its geometry at rest.
 #[derive(Debug, Clone)]
 pub(super) struct DeformedMesh {
-    /// What the file calls the mesh.
+    /// The name of the mesh in the file.
     pub name: String,
     pub mesh: MeshIndex,
-    /// As the file has it.
+    /// The geometry in the file.
     pub rest: Geometry,
-    /// Of the targets, where they are not animated.
+    /// The weights of the targets without animation.
     pub weights: Vec<f64>,
     pub skin: Option<Skin>,
 }
@@ -23,22 +23,22 @@ pub(super) struct DeformedMesh {
 /// The joints of a skin.
 #[derive(Debug, Clone)]
 pub(super) struct Skin {
-    /// Nodes: of the file, and once all are known by their place among those of the animation.
+    /// The nodes of the joints: their numbers in the file, later their places in the animation.
     pub joints: Vec<usize>,
-    /// From the mesh to each joint.
+    /// The inverse bind matrices: from the mesh to each joint.
     pub inverse: Vec<DMat4>,
 }
 
 impl DeformedMesh {
-    /// The mesh with these weights of its targets and nodes there. A skin takes it to world space.
+    /// The mesh for these weights of its targets and transforms of nodes. A skinned mesh is in world space.
     ///
     /// ```text
     /// p = Σ weight · world(joint) · inverse(joint) · (p + Σ weight · target)
     /// ```
     ///
-    /// Computed in `f64`. Weights of joints that do not add up to 1 are made to. Normals go by
-    /// the cofactors of the matrix, so that stretching a mesh turns them as it should; tangents of the
-    /// file go by the matrix, and others are made anew.
+    /// Computed in `f64`. The weights of joints are normalized to a sum of 1. Normals are transformed by the
+    /// inverse transpose up to a positive factor: the cofactors with the sign of the determinant. Tangents
+    /// of the file are transformed by the matrix, computed ones are computed again.
     pub fn at(&self, path: &Path, weights: &[f64], worlds: &[DMat4]) -> Result<Mesh, ImportError> {
         let joints: Vec<DMat4> = self.skin.iter().flat_map(|skin| skin.matrices(worlds)).collect();
         let deform = &self.rest.deform;
@@ -50,10 +50,11 @@ impl DeformedMesh {
                 position += target.positions.get(i).map_or(DVec3::ZERO, |&p| double(p)) * weight;
                 normal += target.normals.get(i).map_or(DVec3::ZERO, |&n| double(n)) * weight;
             }
-            if let Some(matrix) = deform.joints.get(i).and_then(|bound| blended(&joints, bound)) {
+            if let Some(matrix) = blended(&joints, deform, i) {
                 position = matrix.transform_point3(position);
                 let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.truncate());
                 normal = y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z;
+                normal *= handedness(&matrix);
             }
             (position.as_vec3().to_array(), Attribute { normal: normal.as_vec3().to_array(), ..attribute })
         };
@@ -77,39 +78,62 @@ impl DeformedMesh {
         }
     }
 
-    /// A vertex's tangent of the file. The hand of its bitangent stays: normals by cofactors turn
-    /// around where a matrix mirrors.
-    fn tangent(&self, i: usize, [x, y, z, hand]: [f32; 4], weights: &[f64], joints: &[DMat4]) -> [f32; 4] {
+    /// A vertex's tangent of the file. A matrix that mirrors changes the hand of the bitangent.
+    fn tangent(
+        &self,
+        i: usize,
+        [x, y, z, mut hand]: [f32; 4],
+        weights: &[f64],
+        joints: &[DMat4],
+    ) -> [f32; 4] {
         let deform = &self.rest.deform;
         let mut tangent = double([x, y, z]);
         for (target, &weight) in deform.targets.iter().zip(weights) {
             tangent += target.tangents.get(i).map_or(DVec3::ZERO, |&t| double(t)) * weight;
         }
-        if let Some(matrix) = deform.joints.get(i).and_then(|bound| blended(joints, bound)) {
+        if let Some(matrix) = blended(joints, deform, i) {
             tangent = matrix.transform_vector3(tangent);
+            hand *= handedness(&matrix) as f32;
         }
         let [x, y, z] = tangent.as_vec3().to_array();
         [x, y, z, hand]
     }
 }
 
+/// Turns the triangles around that a skin mirrors at rest: a mirrored triangle would show its back. `joints` are the
+/// matrices of the skin's joints.
+pub(super) fn turn_mirrored(geometry: &mut Geometry, joints: &[DMat4]) {
+    for triangle in geometry.indices.chunks_exact_mut(3) {
+        let matrix = blended(joints, &geometry.deform, triangle[0] as usize);
+        if matrix.is_some_and(|matrix| handedness(&matrix) < 0.0) {
+            triangle.swap(1, 2);
+        }
+    }
+}
+
+/// −1 for a matrix that mirrors, else 1.
+fn handedness(matrix: &DMat4) -> f64 {
+    if matrix.determinant() < 0.0 { -1.0 } else { 1.0 }
+}
+
 impl Skin {
-    /// From the mesh to the world, by each joint. One that is not in the scene does not move.
-    fn matrices(&self, worlds: &[DMat4]) -> impl Iterator<Item = DMat4> {
+    /// The matrix of each joint, from the mesh to the world. A joint outside of the scene does not move.
+    pub fn matrices(&self, worlds: &[DMat4]) -> impl Iterator<Item = DMat4> {
         let world = |&joint: &usize| worlds.get(joint).copied().unwrap_or(DMat4::IDENTITY);
         self.joints.iter().map(world).zip(&self.inverse).map(|(world, inverse)| world * *inverse)
     }
 }
 
-/// The mean of four joints' matrices; none if none of them counts.
-fn blended(joints: &[DMat4], (bound, weights): &JointWeights) -> Option<DMat4> {
-    let weight = |w: f32| if w > 0.0 { f64::from(w) } else { 0.0 };
-    let sum: f64 = weights.iter().map(|&w| weight(w)).sum();
+/// The weighted mean of the matrices of a vertex's joints; none if no joint has a weight.
+fn blended(joints: &[DMat4], deform: &Deform, vertex: usize) -> Option<DMat4> {
+    let bound = || {
+        let sets = deform.joint_sets.iter().filter_map(move |set| set.get(vertex));
+        sets.flat_map(|(bound, weights)| bound.iter().zip(weights)).filter(|(_, weight)| **weight > 0.0)
+    };
+    let sum: f64 = bound().map(|(_, &weight)| f64::from(weight)).sum();
     let mut matrix = DMat4::ZERO;
-    for (&joint, &w) in bound.iter().zip(weights) {
-        if w > 0.0 {
-            matrix += *joints.get(joint as usize)? * (weight(w) / sum);
-        }
+    for (&joint, &weight) in bound() {
+        matrix += *joints.get(joint as usize)? * (f64::from(weight) / sum);
     }
     (sum > 0.0 && sum.is_finite()).then_some(matrix)
 }
@@ -120,7 +144,7 @@ fn double(v: [f32; 3]) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::geometry::{Deform, Target};
+    use super::super::geometry::Target;
     use super::*;
 
     /// A triangle whose corners hang on two joints: the first on one, the second on the other,
@@ -138,7 +162,7 @@ mod tests {
             positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             attributes: vec![attribute; 3],
             indices: vec![0, 1, 2],
-            deform: Deform { targets, joints },
+            deform: Deform { targets, joint_sets: vec![joints] },
             ..Geometry::default()
         };
         let mut scene = rtrt_core::scene::Scene::new();
@@ -172,7 +196,7 @@ mod tests {
         let mesh = shape(vec![], Some(skin)).at(Path::new(""), &[], &worlds).unwrap();
         let places = [[0.0, 0.0, 6.0], [0.0, 0.0, 0.0], [-2.0, 1.0, 3.0]];
         assert_eq!(mesh.positions(), places);
-        // What is stretched along x has normals that turn away from x.
+        // Normals turn away from the direction of a stretch.
         assert_eq!(mesh.attributes()[0].normal, [1.0, 1.0, 0.0]);
         assert_eq!(mesh.attributes()[1].normal, [1.0, 4.0, 0.0]);
     }

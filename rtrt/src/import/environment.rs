@@ -1,19 +1,20 @@
 //! Environments: panoramas and cubes, from pictures.
 
+use super::color::srgb_to_linear;
 use super::{ImportError, file};
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use rtrt_core::scene::{Cube, Panorama, Scene};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// The most columns or rows of a picture.
+/// The limit of columns and rows of a picture.
 const MAX_SIDE: u32 = 16_384;
-/// How names of a cube's pictures may end.
+/// The endings of a cube's pictures.
 const ENDINGS: [&str; 4] = ["hdr", "png", "jpg", "jpeg"];
 
-/// Surrounds the scene with the environment at `path`, and returns the files that it consists of.
+/// Surrounds the scene with the environment at `path`, and returns its files.
 ///
-/// | what is there | what it is |
+/// | file or folder | environment |
 /// |---|---|
 /// | a folder with pictures named px, nx, py, ny, pz, nz, all square and of one size | a [`Cube`] |
 /// | a picture of 2 to 1 | a [`Panorama`] |
@@ -21,14 +22,12 @@ const ENDINGS: [&str; 4] = ["hdr", "png", "jpg", "jpeg"];
 /// | a picture of 4 to 3 | a cube unfolded: nx, pz, px, nz in the middle row, py above pz, ny below |
 /// | a picture of 3 to 4 | the same with nz, upside down, below ny |
 ///
-/// Any other picture is refused, and so is one of 4 to 3 or 3 to 4 that is not empty, which is of one color, beside
-/// the arms of the cross: photographs have that shape.
+/// Any other picture is refused. Photographs are 4 to 3, too, so a cross must be empty beside its arms: of one color.
 ///
-/// Pictures are Radiance RGBE (`.hdr`), whose numbers are light, or PNG or JPEG, whose numbers are
-/// sRGB, 1 at most.
+/// Pictures are Radiance RGBE (`.hdr`), which is linear, or PNG or JPEG, which are sRGB and at most 1.
 ///
 /// # Errors
-/// A file cannot be read, or is no such picture.
+/// A file cannot be read, or has another shape.
 pub fn surround(scene: &mut Scene, path: &Path) -> Result<Vec<PathBuf>, ImportError> {
     let (files, result) = if path.is_dir() {
         let files = faces(path)?;
@@ -47,7 +46,7 @@ pub fn surround(scene: &mut Scene, path: &Path) -> Result<Vec<PathBuf>, ImportEr
     Ok(files)
 }
 
-/// The pictures of a cube in a folder, in their order.
+/// The pictures of a cube in a folder, in the order of its faces.
 fn faces(folder: &Path) -> Result<[PathBuf; 6], ImportError> {
     let find = |name: &str| {
         let mut paths = ENDINGS.iter().map(|ending| folder.join(format!("{name}.{ending}")));
@@ -60,7 +59,7 @@ fn faces(folder: &Path) -> Result<[PathBuf; 6], ImportError> {
     Ok(Cube::NAMES.map(|name| find(name).unwrap_or_default()))
 }
 
-/// The cube of these pictures.
+/// The cube with these pictures as faces.
 fn assembled(files: &[PathBuf; 6]) -> Result<Cube, ImportError> {
     let mut cube = Cube { side: 0, faces: Default::default() };
     for (face, path) in cube.faces.iter_mut().zip(files) {
@@ -68,18 +67,18 @@ fn assembled(files: &[PathBuf; 6]) -> Result<Cube, ImportError> {
         let refused = |why| Err(ImportError::Environment { path: path.clone(), why });
         if width != height {
             return refused(format!(
-                "a picture of a cube has to be square, and it has {width} x {height} pixels"
+                "pictures of a cube are square, and this one has {width} x {height} pixels"
             ));
         }
         if cube.side != 0 && cube.side != width {
-            return refused(format!("it has {width} columns, and {} {}", files[0].display(), cube.side));
+            return refused(format!("it has {width} columns, but {} has {}", files[0].display(), cube.side));
         }
         (cube.side, *face) = (width, rgb);
     }
     Ok(cube)
 }
 
-/// The cube that a picture is, by its shape; none if it is a panorama. What is wrong if it is neither.
+/// The cube in a picture, by its shape; none for a panorama. Any other shape is an error.
 fn unfolded(picture: &Panorama) -> Result<Option<Cube>, String> {
     // Columns and rows of px, nx, py, ny, pz, nz.
     const LAYOUTS: [([u32; 2], [[u32; 2]; 6]); 4] = [
@@ -126,7 +125,7 @@ fn unfolded(picture: &Panorama) -> Result<Option<Cube>, String> {
     Ok(Some(Cube { side, faces }))
 }
 
-/// Whether a square of a picture is of one color, as far as its middle tells: JPEG files are not exact beside
+/// Whether the middle of a square of a picture has one color. The rest is ignored: JPEG files are not exact beside
 /// edges.
 fn is_empty(picture: &Panorama, [x, y]: [u32; 2], side: u32) -> bool {
     let (margin, middle) = (side / 4, side - 2 * (side / 4));
@@ -139,13 +138,13 @@ fn is_empty(picture: &Panorama, [x, y]: [u32; 2], side: u32) -> bool {
     })
 }
 
-/// Texels of a picture's row, from the first one on.
+/// Texels of a picture's row from this one on.
 fn row(picture: &Panorama, [x, y]: [u32; 2], count: u32) -> &[[f32; 3]] {
     let start = (y * picture.width + x) as usize;
     &picture.rgb[start..start + count as usize]
 }
 
-/// A picture, linear.
+/// A picture in linear light.
 fn read(path: &Path) -> Result<Panorama, ImportError> {
     let refused = |why| ImportError::Environment { path: path.to_owned(), why };
     let bytes = file::read(path, file::LONGEST).map_err(|error| refused(error.to_string()))?;
@@ -174,12 +173,9 @@ fn decode(bytes: &[u8]) -> Result<Panorama, String> {
     Ok(Panorama { width, height, rgb })
 }
 
-/// The light that sRGB stands for (IEC 61966-2-1), computed in `f64` by `libm`, so that hosts agree.
+/// The linear light of a picture's pixels.
 fn linear(picture: DynamicImage) -> Vec<[f32; 3]> {
-    let light = |channel: u16| {
-        let c = f64::from(channel) / 65_535.0;
-        (if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }) as f32
-    };
-    let table: Vec<f32> = (0..=u16::MAX).map(light).collect();
+    let table: Vec<f32> =
+        (0..=u16::MAX).map(|channel| srgb_to_linear(f64::from(channel) / 65_535.0)).collect();
     picture.into_rgb16().pixels().map(|pixel| pixel.0.map(|channel| table[usize::from(channel)])).collect()
 }

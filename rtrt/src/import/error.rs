@@ -4,33 +4,33 @@ use rtrt_core::scene::{MeshError, SceneError};
 use std::io;
 use std::path::PathBuf;
 
-/// Why a scene could not be loaded. Each is one line: what, which file, why.
+/// Why a scene could not be loaded. Each message is one line: problem, file, reason.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// A file that the scene consists of cannot be read.
+    /// A file of the scene cannot be read.
     #[error("cannot read the scene: {}: {source}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: io::Error,
     },
-    /// The file is none that can be imported.
+    /// The file has an unknown format.
     #[error("not a scene: {}: neither glTF 2.0 (.glb, .gltf) nor OBJ (.obj)", path.display())]
     Format {
         /// The file.
         path: PathBuf,
     },
-    /// The file breaks its format's rules where they matter for drawing it.
+    /// The file breaks a rule of its format in content that would be drawn.
     #[error("invalid scene: {}: {why}", path.display())]
     Invalid {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and where in the file.
+        /// The error, and its place in the file.
         why: String,
     },
-    /// The file cannot be drawn without an extension that is not implemented.
+    /// The file requires an extension that is not supported.
     #[error("unsupported scene: {}: it requires the extension {extension}", path.display())]
     Extension {
         /// The file.
@@ -38,50 +38,50 @@ pub enum ImportError {
         /// The name of the extension.
         extension: String,
     },
-    /// The bytes of a buffer are not there.
+    /// The bytes of a buffer are missing.
     #[error("missing buffer: {}: buffer {buffer}: {why}", path.display())]
     Buffer {
         /// The scene's file.
         path: PathBuf,
-        /// Which buffer.
+        /// The number of the buffer.
         buffer: usize,
-        /// Where it was looked for, and what was found.
+        /// The place of the bytes, and the reason.
         why: String,
     },
-    /// A mesh has numbers or indices that cannot be drawn.
+    /// A mesh has invalid numbers or indices.
     #[error("mesh refused: {}: {mesh}: {source}", path.display())]
     Mesh {
         /// The file.
         path: PathBuf,
-        /// The mesh, as the file calls it.
+        /// The name of the mesh in the file.
         mesh: String,
-        /// Why.
+        /// The reason.
         source: MeshError,
     },
-    /// The scene has more of something than is allowed to be loaded.
+    /// The scene exceeds a limit.
     #[error("scene too large: {}: more than {limit} {what}", path.display())]
     Limit {
         /// The file.
         path: PathBuf,
-        /// Of what.
+        /// The kind of things.
         what: &'static str,
-        /// The most there may be.
+        /// The limit.
         limit: u64,
     },
-    /// The environment is no picture that can be read.
+    /// The environment is invalid.
     #[error("environment refused: {}: {why}", path.display())]
     Environment {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         why: String,
     },
-    /// The scene cannot hold what the file has.
+    /// The scene refuses something of the file.
     #[error("scene refused: {}: {source}", path.display())]
     Scene {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: SceneError,
     },
 }

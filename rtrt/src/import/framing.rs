@@ -1,30 +1,29 @@
-//! The camera and the light of scenes that bring none.
+//! The camera and the lights of scenes without their own.
 
 use super::{Animation, ImportError};
 use glam::{DVec3, Vec3};
 use rtrt_core::scene::{Camera, Light, Projection, Scene};
 
-/// Where the camera of a scene without one looks from, seen from its middle: the front
-/// (+z in glTF), from somewhat above and to the right. Any length.
+/// The direction from the center of a scene to its default camera: the front (+z in glTF), slightly above and
+/// to the right. Any length.
 const FROM: DVec3 = DVec3::new(0.4, 0.3, 1.0);
 /// Its vertical field of view, radians: 45°.
 const FOV_Y: f64 = core::f64::consts::FRAC_PI_4;
-/// How much of the picture the bounds may fill in either direction.
+/// The share of the picture that the bounds may fill in either direction.
 const FILL: f64 = 0.95;
 
-/// A camera that has the whole scene in view: it looks at the middle of the bounds from a
-/// fixed direction (front, right, above) with a vertical field of view of 45°, from as near
-/// as a picture of this `aspect` (width / height) allows, 5% left free. The same scene gives
-/// the same camera on every host.
+/// A camera with the whole scene in view, for a picture of this `aspect` (width / height). It looks at the center
+/// of the bounds from a fixed direction (front, right, above) with a vertical field of view of 45°. The bounds fill
+/// 95 % of the picture's width or height. The same scene gives the same camera on every host.
 pub fn framing(scene: &Scene, aspect: f32) -> Camera {
     around(scene.extent(), aspect)
 }
 
-/// [`framing`] of everywhere that the animation takes the scene: of its bounds at 33 times, evenly
-/// apart. The scene is then at the end of the animation.
+/// [`framing`] of a whole animation: of the bounds at 33 evenly spaced times. The scene is at the end of the
+/// animation afterwards.
 ///
 /// # Errors
-/// The animation takes it out of range.
+/// The animation moves something out of range.
 pub fn framing_played(scene: &mut Scene, animation: &Animation, aspect: f32) -> Result<Camera, ImportError> {
     const STEPS: u32 = 32;
     let mut extent: Option<(Vec3, Vec3)> = None;
@@ -38,7 +37,7 @@ pub fn framing_played(scene: &mut Scene, animation: &Animation, aspect: f32) -> 
     Ok(around(extent, aspect))
 }
 
-/// A camera that has these bounds in view.
+/// A camera with these bounds in view.
 fn around(extent: Option<(Vec3, Vec3)>, aspect: f32) -> Camera {
     let (low, high) = extent.unwrap_or((Vec3::splat(-1.0), Vec3::splat(1.0)));
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
@@ -48,7 +47,7 @@ fn around(extent: Option<(Vec3, Vec3)>, aspect: f32) -> Camera {
     let up = back.cross(right);
     let tangent = libm::tan(FOV_Y * 0.5) * FILL;
     let aspect = if aspect.is_finite() && aspect > 0.0 { f64::from(aspect) } else { 1.0 };
-    // How far away each corner of the bounds wants the camera.
+    // The distance of the camera that each corner of the bounds needs.
     let distance = (0..8).map(|corner| {
         let pick = |bit: u32, low: f64, high: f64| if corner >> bit & 1 == 0 { low } else { high };
         let corner = DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
@@ -66,13 +65,10 @@ fn around(extent: Option<(Vec3, Vec3)>, aspect: f32) -> Camera {
     }
 }
 
-/// Lights a scene that has no lights of its own, for a picture by this `camera`; lights
-/// that it has are replaced.
+/// Replaces the lights of a scene by default lights for a picture by this `camera`.
 ///
-/// A sun, slightly warm, shines from above, and somewhat from the left and from behind the
-/// camera. A lamp at the camera itself, a third as bright and not fading, tells shapes apart
-/// where the sun does not reach, such as in rooms. Ambient light, slightly blue, does the
-/// rest.
+/// A slightly warm sun shines from above, from the left and from behind the camera. A lamp at the camera, a third as
+/// bright and without falloff, lights surfaces out of the sun, such as in rooms. The ambient light is slightly blue.
 pub fn light_by_default(scene: &mut Scene, camera: &Camera) {
     let forward = unit(camera.look_at.as_dvec3() - camera.eye.as_dvec3());
     let right = unit(forward.cross(camera.up.as_dvec3()));
@@ -86,7 +82,7 @@ pub fn light_by_default(scene: &mut Scene, camera: &Camera) {
     scene.ambient = Vec3::new(0.16, 0.17, 0.19);
 }
 
-/// `v` at length 1; z for a vector without length.
+/// `v` at length 1; the z axis for a vector without a length.
 fn unit(v: DVec3) -> DVec3 {
     let length = libm::sqrt(v.length_squared());
     if length > 0.0 && length.is_finite() { v / length } else { DVec3::Z }

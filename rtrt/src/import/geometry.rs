@@ -2,7 +2,7 @@
 
 use rtrt_core::layout::Attribute;
 
-/// Positions, attributes and indices of a mesh that is not checked yet.
+/// Positions, attributes and indices of a mesh, before they are checked.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Geometry {
     pub positions: Vec<[f32; 3]>,
@@ -10,38 +10,38 @@ pub(crate) struct Geometry {
     pub indices: Vec<u32>,
     pub second_uv: Option<Vec<[f32; 2]>>,
     pub tangents: Tangents,
-    /// What changes its shape.
+    /// Morph targets and skin.
     pub deform: Deform,
 }
 
-/// The tangents of a mesh's vertices, which normal maps need.
+/// The tangents of vertices, for normal maps.
 #[derive(Debug, Clone, Default)]
 pub(crate) enum Tangents {
-    /// Nothing needs them.
+    /// No normal map.
     #[default]
     None,
-    /// As the file has them.
+    /// From the file.
     Given(Vec<[f32; 4]>),
-    /// Made from texture coordinates.
+    /// Computed from texture coordinates.
     Made {
-        /// Those of the second set.
+        /// Whether from the second set.
         second: bool,
     },
 }
 
-/// The joints that a vertex hangs on, and how much each counts.
+/// Four joints of a vertex, and their weights.
 pub(crate) type JointWeights = ([u32; 4], [f32; 4]);
 
-/// What changes the shape of a mesh.
+/// Morph targets and skin of a mesh.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Deform {
-    /// What is added to positions, normals and tangents, as much as their weights say.
+    /// The morph targets.
     pub targets: Vec<Target>,
-    /// Four joints of the skin for each vertex, and how much each counts; none without a skin.
-    pub joints: Vec<JointWeights>,
+    /// The joints of the skin. Each set has four joints for each vertex; there is no set without a skin.
+    pub joint_sets: Vec<Vec<JointWeights>>,
 }
 
-/// A morph target. Empty lists change nothing.
+/// A morph target: offsets of all vertices, multiplied by its weight. An empty list has no offsets.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Target {
     pub positions: Vec<[f32; 3]>,
@@ -60,11 +60,14 @@ impl Deform {
             normals: pick(&t.normals, vertices),
             tangents: pick(&t.tangents, vertices),
         };
-        Self { targets: self.targets.iter().map(target).collect(), joints: pick(&self.joints, vertices) }
+        Self {
+            targets: self.targets.iter().map(target).collect(),
+            joint_sets: self.joint_sets.iter().map(|set| pick(set, vertices)).collect(),
+        }
     }
 }
 
-/// A color as vertices have it: linear RGBA, 8 bits each; NaN is white.
+/// A vertex color: linear RGBA of 8 bits each; NaN becomes 255.
 pub(super) fn pack_color(color: [f32; 4]) -> u32 {
     let byte = |c: f32| if c.is_nan() { 255 } else { (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 };
     u32::from_le_bytes(color.map(byte))

@@ -1,36 +1,71 @@
 //! A scene from a file, with its cameras, its animation and warnings.
 
 use super::animation::Animation;
-use rtrt_core::scene::{Camera, Scene};
+use rtrt_core::scene::{Camera, Projection, Scene};
 use std::path::PathBuf;
 
 /// A camera of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedCamera {
-    /// What the file calls it; empty if it has no name.
+    /// Its name in the file; empty if it has none.
     pub name: String,
-    /// The camera.
+    /// The camera, with the height of picture that the file gives it.
     pub camera: Camera,
+    /// The shape of the picture that the camera is made for, width / height, if the file has one.
+    pub aspect: Option<f32>,
+}
+
+impl NamedCamera {
+    /// The camera for a picture of this `aspect` (width / height): no part of the picture that the file's camera sees is
+    /// cropped. A narrower picture shows more above and below, a wider one more on the sides.
+    ///
+    /// ```
+    /// # use rtrt::import::NamedCamera;
+    /// # use rtrt_core::scene::{Camera, Projection};
+    /// # use glam::Vec3;
+    /// # let (eye, look_at, up) = (Vec3::Z, Vec3::ZERO, Vec3::Y);
+    /// let camera = Camera { eye, look_at, up, projection: Projection::Orthographic { height: 2.0 } };
+    /// let wide = NamedCamera { name: "wide".into(), camera, aspect: Some(3.0) };
+    /// assert_eq!(wide.fitted(1.5).projection, Projection::Orthographic { height: 4.0 });
+    /// assert_eq!(wide.fitted(6.0).projection, camera.projection);
+    /// ```
+    pub fn fitted(&self, aspect: f32) -> Camera {
+        let scale = self.aspect.map_or(1.0, |own| f64::from(own) / f64::from(aspect));
+        if !(scale > 1.0 && scale.is_finite()) {
+            return self.camera;
+        }
+        let projection = match self.camera.projection {
+            Projection::Perspective { fov_y } => {
+                let tangent = libm::tan(f64::from(fov_y) * 0.5) * scale;
+                Projection::Perspective { fov_y: (2.0 * libm::atan(tangent)) as f32 }
+            }
+            Projection::Orthographic { height } => {
+                Projection::Orthographic { height: (f64::from(height) * scale) as f32 }
+            }
+        };
+        Camera { projection, ..self.camera }
+    }
 }
 
 /// A scene from a file.
 #[derive(Debug)]
 pub struct Loaded {
-    /// The scene, lit.
+    /// The scene, with lights.
     pub scene: Scene,
-    /// The file's cameras, in the order in which its nodes are met.
+    /// The file's cameras, in the depth-first order of its nodes.
     pub cameras: Vec<NamedCamera>,
-    /// The first of them, or [`framing`](super::framing) for a picture of 16 to 9.
+    /// The first of them, for any picture ([`NamedCamera::fitted`] is for one of a given shape), or
+    /// [`framing`](super::framing) for a picture of 16 to 9.
     pub camera: Camera,
-    /// Whether the file has no lights, and [`light_by_default`](super::light_by_default) was asked for
-    /// [`Loaded::camera`]. Who looks from elsewhere may ask again.
+    /// Whether the file has no lights. The lights are then those of [`light_by_default`](super::light_by_default) for
+    /// [`Loaded::camera`]; a caller with another camera may call it again.
     pub lit_by_default: bool,
-    /// What moves, if something does; see [`Animation::play`]. The scene is as the file has it at rest.
+    /// The animations of the file, if it has any; see [`Animation::play`]. The scene is at rest.
     pub animation: Option<Animation>,
-    /// What the file has that is not drawn as it says, a line each.
+    /// Deviations from the file, a line each.
     pub warnings: Vec<String>,
-    /// The files that the scene consists of, also those that were looked for and are not there.
+    /// The files of the scene, including missing ones.
     pub files: Vec<PathBuf>,
-    /// Time taken to build mesh trees, or to take them from the cache, in milliseconds.
+    /// The time in which BVHs were built or read from the cache, milliseconds.
     pub bvh_build_ms: f64,
 }

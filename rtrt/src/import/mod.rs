@@ -7,16 +7,16 @@
 //! # Ok::<(), rtrt::import::ImportError>(())
 //! ```
 //!
-//! What a file has that is not drawn is said in [`Loaded::warnings`]. A file is refused,
-//! with one line that says why, where it is broken in what would be drawn; nothing that a
-//! file says makes the import panic, hang, or allocate much more than the file's size and
-//! the documented limits.
+//! [`Loaded::warnings`] names the content of a file that is not drawn. A file with an error in
+//! content that would be drawn is refused with one line that gives the reason. No file makes the
+//! import panic, hang, or allocate much more than the file's size and the documented limits.
 //!
-//! Scenes without lights are lit as by [`light_by_default`], scenes without a camera are
-//! seen as by [`framing`], and what no surface covers is dark blue.
+//! [`light_by_default`] lights scenes without lights, and [`framing`] is the camera of scenes
+//! without one. The background is dark blue.
 
 mod animation;
 pub(crate) mod builder;
+mod color;
 mod deformed;
 mod environment;
 mod error;
@@ -27,6 +27,7 @@ mod gltf;
 mod loaded;
 mod obj;
 mod picture;
+mod placement;
 mod track;
 
 pub use animation::{Animation, Pose};
@@ -39,21 +40,20 @@ use crate::cache::Cache;
 use rtrt_core::scene::Join;
 use std::path::Path;
 
-/// Loads a scene. `join` runs the halves of tree builds, at once where it has threads.
+/// Loads a scene. `join` runs the two halves of a BVH build, in parallel if it has threads.
 ///
-/// What the file is follows from its name's ending, else from its first bytes.
+/// The ending of the name decides on the format, else the first bytes do.
 ///
 /// # Errors
-/// The file cannot be read, drawn, or is too large; see [`ImportError`].
+/// The file cannot be read, cannot be drawn, or is too large; see [`ImportError`].
 pub fn load(path: &Path, join: &impl Join) -> Result<Loaded, ImportError> {
     load_cached(path, join, None)
 }
 
-/// [`load`], with the trees of meshes taken from a cache where they are there, and kept in it
-/// where not.
+/// [`load`] with a cache: BVHs of meshes come from it, and new ones are added to it.
 ///
 /// # Errors
-/// As for [`load`]. A cache that cannot be used is a warning.
+/// As for [`load`]. A cache that cannot be written is a warning.
 pub fn load_cached(path: &Path, join: &impl Join, cache: Option<&Cache>) -> Result<Loaded, ImportError> {
     let mut builder = builder::Builder::new(path, join, cache);
     let bytes = builder.files.read(path, file::LONGEST);

@@ -1,4 +1,4 @@
-//! Textures: PNG and JPEG, and what stands in for one that is missing.
+//! Pictures for textures: PNG and JPEG, and a placeholder.
 
 use image::{ImageReader, Limits};
 use rtrt_core::scene::Image;
@@ -7,7 +7,7 @@ use std::io::Cursor;
 /// The picture in these bytes (PNG or JPEG), 8 bits a channel.
 ///
 /// # Errors
-/// What is wrong with the bytes, in one line.
+/// The reason, in one line.
 pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
@@ -21,8 +21,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
     Ok(Image { width: picture.width(), height: picture.height(), rgba: picture.into_raw() })
 }
 
-/// What is drawn instead of a texture that cannot be read: a checker of magenta and black
-/// that nobody takes for intended.
+/// The picture in place of one that cannot be read: an unmistakable checker of magenta and black.
 pub(super) fn placeholder() -> Image {
     const SIDE: u32 = 8;
     let texel = |i: u32| {

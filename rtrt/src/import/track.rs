@@ -2,36 +2,34 @@
 
 use gltf_json::animation::{Interpolation, Property};
 
-/// How one property of a node changes with time.
+/// The keyframes of a property of a node.
 #[derive(Debug, Clone)]
 pub(crate) struct Track {
-    /// The animation that it is of, in the file.
+    /// The number of its animation in the file.
     pub animation: usize,
-    /// The node, in the file.
+    /// The number of its node in the file.
     pub node: usize,
-    /// Which of its properties.
+    /// The property.
     pub property: Property,
     pub interpolation: Interpolation,
-    /// Seconds, rising.
+    /// The times of the keyframes, seconds, strictly increasing.
     pub times: Vec<f64>,
-    /// Numbers of one value.
+    /// The numbers of a value.
     pub width: usize,
-    /// `width` numbers a keyframe; three times as many for splines (tangent on the way in, value,
-    /// tangent on the way out).
+    /// `width` numbers a keyframe; for splines three times as many: in-tangent, value, out-tangent.
     pub values: Vec<f64>,
 }
 
 impl Track {
-    /// When the last keyframe is.
+    /// The time of the last keyframe, seconds.
     pub fn end(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
     }
 
-    /// The value at a time. Before the first keyframe it is that of the first, after the last
-    /// that of the last.
+    /// The value at a time. The first keyframe's value holds before it, the last one's after it.
     ///
-    /// Rotations turn at constant speed along the shorter way (slerp); splines are Hermite's, as
-    /// the format has them. Sines come from `libm`, so that hosts agree.
+    /// Rotations are interpolated by slerp along the shorter way, splines are cubic Hermite splines, as
+    /// the format defines. Sines come from `libm`, so that hosts agree.
     pub fn at(&self, time: f64) -> Vec<f64> {
         let after = self.times.partition_point(|&key| key <= time);
         let (Some(from), Some(&end)) = (after.checked_sub(1), self.times.get(after)) else {
@@ -74,11 +72,11 @@ fn mix(a: &[f64], b: &[f64], by_a: f64, by_b: f64) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a * by_a + b * by_b).collect()
 }
 
-/// A rotation between two (Shoemake, "Animating Rotation with Quaternion Curves", 1985).
+/// The rotation between two (Shoemake, "Animating Rotation with Quaternion Curves", 1985).
 fn slerp(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
     let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
     let (dot, sign) = if dot < 0.0 { (-dot, -1.0) } else { (dot, 1.0) };
-    // Too near to each other to divide by the sine of the angle between them.
+    // The sine of a small angle is too small to divide by.
     if dot > 0.9999 {
         return mix(a, b, 1.0 - share, share * sign);
     }

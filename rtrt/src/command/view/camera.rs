@@ -1,15 +1,15 @@
-//! How a camera is moved. Camera in, camera out; what cannot be moved stays as it is.
+//! Moves of a camera. A camera that cannot make a move is returned unchanged.
 
 use glam::DVec3;
 use rtrt_core::scene::{Camera, Projection};
 use std::f64::consts::PI;
 
-/// How near the view may come to up and down, radians.
+/// The least angle between the view and the vertical, radians.
 const POLE: f64 = 0.01;
-/// How much a notch of the wheel changes the focal length.
+/// The factor of the focal length per notch of the wheel.
 const NOTCH: f64 = 1.1;
-/// The focal lengths that the wheel stays between, in units of half the picture's height: fields
-/// of view of about 0.6 and 169 degrees.
+/// The range of focal lengths, in units of half the picture's height: fields of view from about 169 to 0.6
+/// degrees.
 const FOCAL: [f64; 2] = [0.1, 200.0];
 
 /// The camera's axes, of length 1 and at right angles to each other.
@@ -19,7 +19,7 @@ struct Axes {
     forward: DVec3,
 }
 
-/// The axes; none for a camera that shows nothing.
+/// The axes; none for a degenerate camera.
 fn axes(camera: &Camera) -> Option<Axes> {
     let forward = unit(camera.look_at.as_dvec3() - camera.eye.as_dvec3())?;
     let right = unit(forward.cross(unit(camera.up.as_dvec3())?))?;
@@ -40,7 +40,7 @@ pub fn turned(camera: &Camera, yaw: f64, pitch: f64) -> Camera {
     looking(camera, camera.eye.as_dvec3(), forward)
 }
 
-/// The camera moved around the point that is `distance` in front of it, which stays there.
+/// The camera on an orbit around the fixed point `distance` in front of it.
 pub fn orbited(camera: &Camera, distance: f64, yaw: f64, pitch: f64) -> Camera {
     let (Some(axes), Some(forward)) = (axes(camera), forward_turned(camera, yaw, pitch)) else {
         return *camera;
@@ -55,7 +55,7 @@ pub fn tilted(camera: &Camera, angle: f64) -> Camera {
     usable(camera, Camera { up: rotated(up, forward, angle).as_vec3(), ..*camera })
 }
 
-/// The camera with a focal length that so many notches of a wheel make longer.
+/// The camera with its focal length longer by so many notches of a wheel.
 pub fn zoomed(camera: &Camera, notches: f64) -> Camera {
     let scale = libm::pow(NOTCH, notches);
     let projection = match camera.projection {
@@ -71,8 +71,8 @@ pub fn zoomed(camera: &Camera, notches: f64) -> Camera {
     usable(camera, Camera { projection, ..*camera })
 }
 
-/// A view of all that lies within `radius` of `center`, from the direction `from`, with `up` on
-/// top, in a picture of this `aspect` (width / height).
+/// A view of the ball around `center` from the direction `from`, with `up` at the top, for a picture of this
+/// `aspect` (width / height).
 pub fn standard(
     camera: &Camera,
     (center, radius): (DVec3, f64),
@@ -94,13 +94,13 @@ pub fn standard(
     usable(camera, Camera { eye, look_at: center.as_vec3(), up: up.as_vec3(), projection })
 }
 
-/// How far in front of the camera the middle of a scene is; at least a little.
+/// The distance of the center of a scene in front of the camera, at least a twentieth of its radius.
 pub fn pivot(camera: &Camera, (center, radius): (DVec3, f64)) -> f64 {
     let Some(Axes { forward, .. }) = axes(camera) else { return radius };
     (center - camera.eye.as_dvec3()).dot(forward).max(radius * 0.05)
 }
 
-/// How much of what is `distance` in front of the camera the picture shows from top to bottom.
+/// The height of the picture at a distance in front of the camera, world units.
 pub fn height_at(camera: &Camera, distance: f64) -> f64 {
     match camera.projection {
         Projection::Perspective { fov_y } => 2.0 * distance * libm::tan(f64::from(fov_y) * 0.5),
@@ -108,7 +108,7 @@ pub fn height_at(camera: &Camera, distance: f64) -> f64 {
     }
 }
 
-/// Where the camera looks after a turn.
+/// The direction of the view after a turn.
 fn forward_turned(camera: &Camera, yaw: f64, pitch: f64) -> Option<DVec3> {
     let Axes { right, forward, .. } = axes(camera)?;
     let up = unit(camera.up.as_dvec3())?;
@@ -117,15 +117,15 @@ fn forward_turned(camera: &Camera, yaw: f64, pitch: f64) -> Option<DVec3> {
     unit(rotated(forward, right, polar - (polar - pitch).clamp(POLE, PI - POLE)))
 }
 
-/// The camera at another place and looking elsewhere. It looks at a point that is far enough away for the
-/// direction to survive rounding.
+/// The camera with another position and direction. The point that it looks at is so far away that rounding keeps
+/// the direction.
 fn looking(camera: &Camera, eye: DVec3, forward: DVec3) -> Camera {
     let distance = camera.look_at.as_dvec3().distance(camera.eye.as_dvec3());
     let look_at = eye + forward * distance.max(eye.abs().max_element());
     usable(camera, Camera { eye: eye.as_vec3(), look_at: look_at.as_vec3(), ..*camera })
 }
 
-/// `next`, or `camera` if `next` would show nothing.
+/// `next`, or `camera` if `next` is degenerate.
 fn usable(camera: &Camera, next: Camera) -> Camera {
     let finite = next.eye.is_finite() && next.look_at.is_finite() && next.up.is_finite();
     let height = match next.projection {
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn what_shows_nothing_stays_as_it_is() {
+    fn degenerate_cameras_do_not_change() {
         let blind = Camera { look_at: FRONT.eye, ..FRONT };
         assert_eq!(turned(&blind, 1.0, 1.0), blind);
         assert_eq!(moved(&FRONT, [f64::INFINITY, 0.0, 0.0]), FRONT);

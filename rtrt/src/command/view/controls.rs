@@ -1,4 +1,4 @@
-//! What keys and the mouse do.
+//! The controls: keys and mouse.
 
 use super::camera;
 use super::input::{Button, Event, Modifiers};
@@ -9,7 +9,7 @@ use rtrt_core::scene::Camera;
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-/// The keys, and what they do.
+/// The keys and their functions.
 pub const KEYS: [(&str, &str); 17] = [
     ("W A S D", "move; with Shift faster"),
     ("PageUp PageDown", "move up and down"),
@@ -19,13 +19,13 @@ pub const KEYS: [(&str, &str); 17] = [
     ("middle button", "drag to shift the picture"),
     ("wheel", "focal length"),
     ("1 3 7 9", "view from the front, right, top, behind"),
-    ("Enter", "camera and animation as in the beginning"),
+    ("Enter", "reset the camera and the animation"),
     ("Space", "play and pause the animation"),
-    ("B", "the other backend: CPU or GPU"),
+    ("B", "switch between CPU and GPU"),
     ("P", "panel: samples, shadows, hybrid frames, lights"),
     ("Z", "timing"),
     ("Ctrl 1 … 6", "albedo, normal, depth, ids, block heat map, shadow"),
-    ("Ctrl 0", "the picture again"),
+    ("Ctrl 0", "back to the picture"),
     ("F12", "screenshot"),
     ("H  Esc", "these keys; close"),
 ];
@@ -46,16 +46,16 @@ const VIEWS: [DebugView; 6] = [
     DebugView::Shadow,
 ];
 
-/// Radians a pixel that the mouse is dragged.
+/// Radians per pixel of a drag.
 const TURN: f64 = 0.005;
-/// Radians a second.
+/// Radians per second.
 const TILT: f64 = 0.8;
-/// Radii of the scene a second.
+/// Radii of the scene per second.
 const SPEED: f64 = 0.3;
-/// How much faster with Shift.
+/// The factor of Shift.
 const FAST: f64 = 4.0;
 
-/// Something to do besides moving the camera.
+/// An action other than a move of the camera.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Action {
     Help,
@@ -70,11 +70,11 @@ pub enum Action {
     Close,
 }
 
-/// The camera, and what is needed to move it.
+/// The camera, with the values that its moves depend on.
 #[derive(Debug, Clone, Copy)]
 pub struct Rig {
     pub camera: Camera,
-    /// Middle and radius of the scene.
+    /// Center and radius of the scene.
     pub scene: (DVec3, f64),
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
@@ -86,24 +86,24 @@ impl Rig {
     }
 }
 
-/// Who may have an event: what lies over the picture comes first.
+/// Which events the overlay leaves to the camera.
 #[derive(Debug, Clone, Copy)]
 pub struct Free {
     pub keys: bool,
     pub pointer: bool,
 }
 
-/// What a drag with a button does.
+/// The effect of a drag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Drag {
-    /// Around the point so far in front of the camera.
+    /// An orbit around the point at this distance in front of the camera.
     Orbit(f64),
     Look,
-    /// With what lies so far in front of the camera.
+    /// A shift together with the points at this distance in front of the camera.
     Shift(f64),
 }
 
-/// What is held at the moment.
+/// The held keys and buttons.
 #[derive(Debug, Default)]
 pub struct Controls {
     keys: HashSet<Key>,
@@ -113,7 +113,7 @@ pub struct Controls {
 }
 
 impl Controls {
-    /// An event happens: the camera may move, or something else is to do.
+    /// Handles an event. It may move the camera or return an action.
     pub fn handle(&mut self, event: &Event, free: Free, rig: &mut Rig) -> Option<Action> {
         match event {
             Event::Press(key) if free.keys && !self.keys.contains(key) => {
@@ -136,7 +136,7 @@ impl Controls {
             Event::Wheel(notches) if free.pointer => {
                 rig.camera = camera::zoomed(&rig.camera, f64::from(*notches));
             }
-            // What is released elsewhere is not told.
+            // Another window gets the release of a key.
             Event::Focus(false) => (self.keys, self.drag) = (HashSet::new(), None),
             Event::Drop(path) => return Some(Action::Open(path.clone())),
             _ => {}
@@ -186,7 +186,7 @@ impl Controls {
         };
     }
 
-    /// Moves the camera by what is held for so many seconds.
+    /// Moves the camera by the held keys for so many seconds.
     pub fn advance(&self, seconds: f64, rig: &mut Rig) {
         if self.modifiers.ctrl {
             return;
@@ -206,7 +206,7 @@ impl Controls {
         }
     }
 
-    /// Whether something is held that moves the camera, or may.
+    /// Whether a key or a button is held.
     pub fn is_busy(&self) -> bool {
         !self.keys.is_empty() || self.drag.is_some()
     }
@@ -230,7 +230,7 @@ mod tests {
         size: [640, 360],
     };
 
-    /// The rig after these events and a second, and what is to do.
+    /// The rig after these events and a second, and the actions.
     fn after(free: Free, events: &[Event]) -> (Rig, Vec<Action>) {
         let (mut rig, mut controls) = (RIG, Controls::default());
         let actions = events.iter().filter_map(|event| controls.handle(event, free, &mut rig)).collect();
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_meant_for_the_panel_is_left_to_it() {
+    fn events_of_the_panel_do_not_move_the_camera() {
         let events = [
             Event::Press(Key::W),
             Event::Press(Key::B),
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_key_that_repeats_itself_acts_once() {
+    fn repetitions_of_a_held_key_are_ignored() {
         let (_, actions) = after(FREE, &[Event::Press(Key::B), Event::Press(Key::B)]);
         assert_eq!(actions, [Action::Backend]);
     }

@@ -1,4 +1,4 @@
-//! What renders for the viewer: a backend, or one that shares the window's device.
+//! The viewer's backend, which may share the window's device.
 
 use crate::command::Error;
 use crate::command::console::Console;
@@ -9,41 +9,41 @@ use rtrt::choose::ChooseError;
 use rtrt_core::backend::Backend;
 use rtrt_gpu::{Gpu, Route};
 
-/// A backend, opened.
+/// An open backend.
 pub struct Engine {
     renders: Renders,
     machine: Machine,
-    /// How it was opened.
+    /// The options that opened it.
     options: BackendOptions,
-    /// Whether it draws what the camera sees.
+    /// Whether it rasterizes the first surfaces.
     hybrid: bool,
-    /// Whether it has made a picture: for the first one, a GPU compiles shaders.
+    /// Whether it has rendered a picture. A GPU compiles shaders for the first one.
     pub is_warm: bool,
 }
 
-/// Where pictures are made.
+/// The place of rendering.
 enum Renders {
-    /// Wherever the backend makes them; they are read back.
-    Apart(Box<dyn Backend>),
-    /// On the window's device, where they may stay.
-    Here(Box<Gpu>),
+    /// A separate backend; pictures are read back.
+    Separate(Box<dyn Backend>),
+    /// The window's device; pictures stay there.
+    Shared(Box<Gpu>),
 }
 
 impl Engine {
-    /// Opens a backend. With `hybrid`, it draws what the camera sees.
+    /// Opens a backend. With `hybrid` it rasterizes the first surfaces.
     pub fn open(options: &BackendOptions, hybrid: bool, console: &Console) -> Result<Self, Error> {
         let (backend, machine) = open(options, hybrid, console)?;
-        let (renders, options) = (Renders::Apart(backend), options.clone());
+        let (renders, options) = (Renders::Separate(backend), options.clone());
         Ok(Self { renders, machine, options, hybrid, is_warm: false })
     }
 
-    /// Which it is.
+    /// The backend and its hardware.
     pub fn machine(&self) -> &Machine {
         &self.machine
     }
 
-    /// Goes over to the window's device, if that is of the same adapter. Where it is not, or is
-    /// refused, pictures are read back as before.
+    /// Switches to the window's device if it has the same adapter. If not, or if the device is refused, pictures
+    /// are still read back.
     pub fn share(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, console: &Console) {
         let info = device.adapter_info();
         let adapter = format!("{} ({})", info.name, info.backend);
@@ -54,21 +54,21 @@ impl Engine {
             .and_then(|mut gpu| gpu.set_hybrid(self.hybrid).map(|()| gpu));
         match gpu {
             Ok(gpu) => {
-                self.renders = Renders::Here(Box::new(gpu));
+                self.renders = Renders::Shared(Box::new(gpu));
                 console.detail("pictures stay on the window's device");
             }
             Err(error) => console.detail(format_args!("pictures are read back: {error}")),
         }
     }
 
-    /// Lets it draw what the camera sees, or no longer. Only a GPU can.
+    /// Switches hybrid frames on or off. Only a GPU has them.
     pub fn set_hybrid(&mut self, hybrid: bool, console: &Console) -> Result<(), Error> {
         if self.hybrid == hybrid {
             return Ok(());
         }
         match &mut self.renders {
-            Renders::Here(gpu) => gpu.set_hybrid(hybrid).map_err(ChooseError::from)?,
-            Renders::Apart(_) => self.renders = Self::open(&self.options, hybrid, console)?.renders,
+            Renders::Shared(gpu) => gpu.set_hybrid(hybrid).map_err(ChooseError::from)?,
+            Renders::Separate(_) => self.renders = Self::open(&self.options, hybrid, console)?.renders,
         }
         (self.hybrid, self.is_warm) = (hybrid, false);
         Ok(())
@@ -79,25 +79,25 @@ impl Engine {
         self.machine.kind() == "gpu"
     }
 
-    /// Leaves the window's device.
-    pub fn part(&mut self, console: &Console) -> Result<(), Error> {
+    /// Stops sharing the window's device.
+    pub fn unshare(&mut self, console: &Console) -> Result<(), Error> {
         self.renders = Self::open(&self.options, self.hybrid, console)?.renders;
         Ok(())
     }
 
-    /// That of the window's device, if it is shared.
-    pub fn here(&mut self) -> Option<&mut Gpu> {
+    /// The backend on the window's device, if it is shared.
+    pub fn shared(&mut self) -> Option<&mut Gpu> {
         match &mut self.renders {
-            Renders::Here(gpu) => Some(gpu),
-            Renders::Apart(_) => None,
+            Renders::Shared(gpu) => Some(gpu),
+            Renders::Separate(_) => None,
         }
     }
 
     /// The backend.
     pub fn backend(&mut self) -> &mut dyn Backend {
         match &mut self.renders {
-            Renders::Apart(backend) => &mut **backend,
-            Renders::Here(gpu) => &mut **gpu,
+            Renders::Separate(backend) => &mut **backend,
+            Renders::Shared(gpu) => &mut **gpu,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Input as data: what a window tells, one event a line, so that it can be recorded and replayed.
+//! Input events as text, one a line, for recordings and replays.
 //!
 //! ```text
 //! rtrt input 1
@@ -10,33 +10,33 @@
 //! frame 0.016666668
 //! ```
 //!
-//! Events come before the frame that sees them; a frame says how many seconds after the one before it
-//! happened. So the same file always gives the same frames. Lines that begin with # are comments.
+//! Events stand before the frame that handles them. A frame has the seconds since the frame before it, so a
+//! file always gives the same frames. Lines that begin with # are comments.
 
 use egui::Key;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// What the first line of a recording says.
+/// The first line of a recording.
 const HEADER: &str = "rtrt input 1";
 
-/// Something that a window tells. Places are in pixels from the upper left corner.
+/// An event of a window. Positions are in pixels from the upper left corner.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
-    /// The window has another size; then how many pixels a unit of text and buttons takes.
+    /// A new size of the window, and the pixels per unit of the user interface.
     Size([u32; 2], f32),
     Press(Key),
     Release(Key),
     Modifiers(Modifiers),
-    /// What the keys pressed would write.
+    /// Text from the keyboard.
     Text(String),
-    /// The pointer moved there.
+    /// A new position of the pointer.
     Move(f32, f32),
     /// The pointer left the window.
     Leave,
     Button(Button, bool),
-    /// Notches of the wheel, up is positive.
+    /// Notches of the wheel; up is positive.
     Wheel(f32),
     /// The window got or lost the keyboard.
     Focus(bool),
@@ -44,7 +44,7 @@ pub enum Event {
     Drop(PathBuf),
 }
 
-/// Keys that are held while others are pressed.
+/// The modifier keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Modifiers {
     pub ctrl: bool,
@@ -135,17 +135,17 @@ impl FromStr for Event {
     }
 }
 
-/// A finite number that is not too large for a place in a window.
+/// A finite number within the range of positions.
 fn number(text: &str) -> Option<f32> {
     text.parse().ok().filter(|number: &f32| number.abs() <= 1e6)
 }
 
-/// Whether the word is the second of two; none if it is neither.
+/// Whether a word is the second of two; none if it is neither.
 fn one_of(word: &str, words: [&str; 2]) -> Option<bool> {
     words.iter().position(|known| *known == word).map(|place| place == 1)
 }
 
-/// What [`char::escape_default`] has made of a text.
+/// The text that [`char::escape_default`] escaped.
 fn unescaped(text: &str) -> Option<String> {
     let mut chars = text.chars();
     let mut plain = String::new();
@@ -168,7 +168,7 @@ fn unescaped(text: &str) -> Option<String> {
     Some(plain)
 }
 
-/// What happened before a frame, and how long after the frame before it, seconds.
+/// The events before a frame, and the seconds since the frame before it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Step {
     pub events: Vec<Event>,
@@ -187,7 +187,7 @@ pub fn header() -> String {
     format!("{HEADER}\n")
 }
 
-/// Why a recording cannot be replayed: where, and what is wrong there.
+/// An error in a recording, with its line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Malformed {
     line: usize,
@@ -203,14 +203,14 @@ impl fmt::Display for Malformed {
 /// A recording, read frame by frame.
 #[derive(Debug, Clone)]
 pub struct Replay {
-    /// Steps, and how often each happens; its events only the first time.
+    /// The steps with their repetitions, which have no events.
     steps: std::vec::IntoIter<(Step, u32)>,
-    /// How often the last step still happens.
+    /// The seconds of the last step, and its remaining repetitions.
     again: (f32, u32),
 }
 
 impl Replay {
-    /// Reads a recording. `folder` is where the files that it drops are.
+    /// Reads a recording. Paths of dropped files are relative to `folder`.
     pub fn parse(text: &str, folder: &Path) -> Result<Self, Malformed> {
         let mut steps = Vec::new();
         let mut events = Vec::new();
@@ -267,7 +267,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_recorded_is_replayed() {
+    fn a_replay_equals_its_recording() {
         let steps = [
             Step { events: vec![Event::Size([640, 360], 1.25), Event::Focus(true)], seconds: 0.1 },
             Step { events: vec![], seconds: 1.0 / 60.0 },
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_repeat_and_their_events_do_not() {
+    fn repeated_frames_have_no_events() {
         let text = "rtrt input 1\n# a comment\n\npress W\nframes 3 0.5\ndrop a.obj\nframe 1\n";
         let steps: Vec<_> = Replay::parse(text, Path::new("in")).unwrap().collect();
         let counts: Vec<_> = steps.iter().map(|step| (step.events.len(), step.seconds)).collect();
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_that_say_nothing_are_refused_with_their_number() {
+    fn invalid_lines_are_refused_with_their_number() {
         let bad = [
             "",
             "frame",

@@ -56,7 +56,7 @@ use winit::event_loop::EventLoop;
 pub fn run(options: &ViewOptions) -> Result<(), Error> {
     let refused = |why| Error::Window { scene: options.common.scene.clone(), why };
     let replay = options.replay.as_deref().map(replay).transpose()?;
-    // Before anything is loaded: without a display there is nobody to show it to.
+    // Before the scene is loaded: loading is in vain without a display.
     let events = panics_caught(|| EventLoop::new().map_err(|error| reason(&error))).map_err(refused)?;
     let viewer = Viewer::new(options)?;
     let mut app = App::new(options, viewer, replay, events.create_proxy())?;

@@ -1,4 +1,4 @@
-//! What lies over the picture: keys, timing, messages.
+//! The overlay: keys, timing, messages.
 
 use super::controls::KEYS;
 use super::pace::Detail;
@@ -6,10 +6,10 @@ use super::viewer::{Timing, Viewer};
 use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Rect, Sense, Ui, vec2};
 use rtrt_core::backend::STAGES;
 
-/// What is left free at the sides of the window.
+/// The margin at the sides of the window.
 pub const MARGIN: f32 = 8.0;
 
-/// Shows all that is to be shown. `waits` is what is waited for.
+/// Shows the overlay. `waits` is a message in place of the viewer's.
 pub fn show(context: &Context, viewer: &Viewer, waits: Option<&str>) {
     if viewer.settings.timing {
         boxed(context, "timing", Align2::LEFT_TOP, |ui| timing(ui, viewer));
@@ -30,7 +30,7 @@ fn boxed<R>(context: &Context, name: &'static str, side: Align2, content: impl F
     let inward = -vec2(side.x().to_sign(), side.y().to_sign()) * MARGIN;
     let id = Id::unique(name);
     if context.memory(|memory| memory.area_rect(id)).is_none() {
-        // Where it has to be is known once it has a size; there may be no other frame for long.
+        // The position follows from the size, and the next frame may be far away.
         context.request_discard("a new box");
     }
     let area = Area::new(id).anchor(side, inward).interactable(false).fade_in(false);

@@ -1,6 +1,6 @@
-//! How fine a picture can be while things move, if frames are not to take too long.
+//! The detail of pictures for a frame rate while things move.
 
-/// How many pixels a frame has, and how many sub-rays each of them.
+/// The pixels of a frame, and the sub-rays per pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Detail {
     pub size: [u32; 2],
@@ -12,7 +12,7 @@ impl Detail {
         f64::from(self.size[0]) * f64::from(self.size[1]) * f64::from(self.samples)
     }
 
-    /// With one sub-ray a pixel, and only every so-and-so-many-th pixel of a row and column.
+    /// The detail with one sub-ray per pixel, and width and height divided.
     fn coarser(&self, divisor: u32) -> Self {
         Self { size: self.size.map(|side| side.div_ceil(divisor)), samples: 1 }
     }
@@ -20,29 +20,29 @@ impl Detail {
 
 /// Steps from fine to coarse behind the full detail.
 const DIVISORS: [u32; 6] = [1, 2, 3, 4, 6, 8];
-/// A finer step is taken only if its frame leaves this much of the time free: times vary.
+/// The share of the budget that the frame of a finer step may take: times vary.
 const HEADROOM: f64 = 0.75;
-/// How much a new measurement counts beside the earlier ones.
+/// The weight of a new measurement in the mean.
 const WEIGHT: f64 = 0.5;
 
-/// What frames have taken.
+/// The measured cost of frames.
 #[derive(Debug, Clone, Default)]
 pub struct Pace {
     ms_per_ray: Option<f64>,
-    /// The step that was taken last: 0 is the full detail.
+    /// The last step; 0 is full detail.
     step: usize,
 }
 
 impl Pace {
-    /// A frame of so many rays took so many milliseconds.
+    /// Records a frame.
     pub fn measured(&mut self, rays: f64, ms: f64) {
         let now = ms / rays.max(1.0);
         let mean = self.ms_per_ray.map_or(now, |before| before + (now - before) * WEIGHT);
         self.ms_per_ray = Some(mean);
     }
 
-    /// The finest detail whose frame takes no longer than `budget_ms`, or the coarsest. Before
-    /// anything is measured it is the full one.
+    /// The finest detail with frames within `budget_ms`, else the coarsest one. Without a measurement it is
+    /// full detail.
     pub fn detail(&mut self, full: Detail, budget_ms: f64) -> Detail {
         let Some(ms_per_ray) = self.ms_per_ray else { return full };
         let steps = || std::iter::once(full).chain(DIVISORS.iter().map(|&divisor| full.coarser(divisor)));
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn is_as_fine_as_time_allows() {
+    fn detail_fits_the_budget() {
         assert_eq!(Pace::default().detail(FULL, 1.0), FULL);
         assert_eq!(pace(30.0).detail(FULL, 30.0), FULL);
         assert_eq!(pace(100.0).detail(FULL, 30.0), Detail { size: [1001, 500], samples: 1 });
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn does_not_go_back_and_forth_where_times_vary() {
+    fn varying_times_do_not_toggle_the_detail() {
         let mut pace = pace(110.0);
         let coarse = pace.detail(FULL, 100.0);
         assert_eq!(coarse.samples, 1);

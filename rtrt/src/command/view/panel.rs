@@ -1,4 +1,4 @@
-//! The panel: what can be changed besides the camera.
+//! The panel: settings and lights.
 
 use super::overlay::MARGIN;
 use super::viewer::{Settings, Viewer};
@@ -8,7 +8,7 @@ use glam::Vec3;
 use rtrt::debug::DebugView;
 use rtrt_core::scene::{Light, LightKind, Setup};
 
-/// Shows the panel, and does what is chosen.
+/// Shows the panel, and applies changes.
 pub fn show(context: &Context, viewer: &mut Viewer) {
     let mut is_open = viewer.settings.panel;
     let corner = context.content_rect().right_top() + vec2(-MARGIN, MARGIN);
@@ -85,7 +85,7 @@ fn lights(ui: &mut Ui, viewer: &mut Viewer) {
     viewer.touch();
 }
 
-/// A button that shows a color and changes it. What is not touched stays as it is to the bit.
+/// A button for a color. Without a change the color keeps its bits.
 fn tone(ui: &mut Ui, color: &mut Vec3) {
     let mut shown = color.to_array();
     if ui.color_edit_button_rgb(&mut shown).changed() {
@@ -126,14 +126,14 @@ fn size(ui: &mut Ui, radius: &mut f32) {
     ui.horizontal(|ui| (ui.label("radius"), ui.add(drag)));
 }
 
-/// An angle of a cone; it stays one that a light may have.
+/// An angle of a cone, within the range of lights.
 fn angle(ui: &mut Ui, angle: &mut f32) {
     if ui.drag_angle(angle).changed() {
         *angle = angle.clamp(0.01, std::f32::consts::FRAC_PI_2);
     }
 }
 
-/// Where a light shines, which must be somewhere.
+/// The direction of a light, which is never 0.
 fn aim(ui: &mut Ui, direction: &mut Vec3) {
     let mut next = *direction;
     vector(ui, "direction", &mut next);
@@ -171,7 +171,7 @@ fn power(ui: &mut Ui, color: &mut Vec3) {
     }
 }
 
-/// How far a light reaches, if it does not reach everywhere.
+/// The reach of a light, if it is limited.
 fn limit(ui: &mut Ui, reach: &mut Option<f32>) {
     ui.horizontal(|ui| {
         let mut is_limited = reach.is_some();

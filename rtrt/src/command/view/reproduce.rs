@@ -1,4 +1,4 @@
-//! The command line that renders what is seen.
+//! The command line that renders the current picture.
 
 use crate::command::Command;
 use crate::command::options::Common;
@@ -14,25 +14,25 @@ use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::Path;
 
-/// What a screenshot shows.
+/// The inputs of a screenshot.
 pub struct Shot<'a> {
     pub common: &'a Common,
     /// See [`passed_on`].
     pub passed_on: &'a [String],
     pub request: Request<'a>,
-    /// When, of the animation, if it was played.
+    /// The time of the animation; none at rest.
     pub time: Option<f64>,
-    /// Whether a GPU draws what the camera sees.
+    /// Whether a GPU rasterizes the first surfaces.
     pub hybrid: bool,
     pub debug: Option<DebugView>,
-    /// The lights, if they are no longer those that the scene and the options give.
+    /// The lights, if the panel has changed them.
     pub lights: Option<&'a [Light]>,
-    /// The same for ambient light and background.
+    /// Ambient light and background, if the panel has changed them.
     pub colors: Option<(Vec3, Vec3)>,
 }
 
-/// Options of `rtrt view` that are not passed on: those that say nothing about the picture, and those
-/// that [`command`] gives anew, because they may have changed.
+/// Options of `rtrt view` that are not passed on: they do not affect the picture, or [`command`] gives their
+/// current values.
 const OWN: [&str; 30] = [
     "output",
     "fps",
@@ -66,7 +66,7 @@ const OWN: [&str; 30] = [
     "parallel",
 ];
 
-/// The options of a command line that change the picture, and that nothing in a viewer changes.
+/// The options of a command line that affect the picture and that the viewer does not change.
 pub fn passed_on(line: impl IntoIterator<Item = OsString>) -> Vec<String> {
     let command = Command::command();
     let parsed = command.clone().try_get_matches_from(line);
@@ -92,7 +92,7 @@ pub fn passed_on(line: impl IntoIterator<Item = OsString>) -> Vec<String> {
     options
 }
 
-/// The command that writes the same file.
+/// The command that renders the same file.
 pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     let Shot { common, request, .. } = shot;
     let [width, height] = request.size;
@@ -126,7 +126,7 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     }
     if let Some((ambient, background)) = shot.colors.filter(|_| common.environment.is_none()) {
         option(format_args!("--ambient {}", vector(ambient)));
-        // Views of what a frame is made of have none.
+        // Debug views have no background.
         if shot.debug.is_none() {
             option(format_args!("--background {}", vector(background)));
         }
@@ -145,7 +145,7 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
         Projection::Orthographic { height } => option(format_args!("--parallel {height}")),
     }
     if shot.hybrid {
-        // Another one would draw another picture.
+        // The CPU has no hybrid frames.
         option(format_args!("--hybrid --backend gpu"));
         if let Some(adapter) = &common.backend.adapter {
             option(format_args!("--adapter {}", quoted(Path::new(adapter))));
@@ -157,12 +157,12 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     line
 }
 
-/// Numbers that are read as the same ones.
+/// Three numbers, which parse to the same bits.
 fn vector(v: Vec3) -> String {
     format!("{},{},{}", v.x, v.y, v.z)
 }
 
-/// What `--light` takes for a light.
+/// The value of `--light` for a light.
 fn light_option(light: &Light) -> String {
     let degrees = |radians: f32| f64::from(radians).to_degrees();
     let Light { kind, position, direction, color, reach, inverse_square, inner, outer, radius, .. } = *light;
@@ -186,7 +186,7 @@ fn light_option(light: &Light) -> String {
     text
 }
 
-/// A path as a shell takes it.
+/// A path, quoted for a shell if necessary.
 fn quoted(path: &Path) -> String {
     let text = path.to_string_lossy();
     let is_plain = |c: char| c.is_alphanumeric() || "/._-:+,=@".contains(c);

@@ -1,4 +1,4 @@
-//! The window's surface: the picture, pixel for pixel, and what lies over it.
+//! The window's surface: the picture, pixel for pixel, under the overlay.
 
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive};
 use egui::{Color32, Context, FullOutput, Pos2, Rect, TextureId, pos2, vec2};
@@ -8,14 +8,14 @@ use wgpu::{CurrentSurfaceTexture, TextureFormat, TextureUsages};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
-/// The backends that can show a window.
+/// The graphics APIs for windows.
 const BACKENDS: wgpu::Backends =
     wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
 
-/// A surface, and what paints on it.
+/// A surface with its device and painter.
 pub struct Screen {
     pub window: Arc<Window>,
-    /// What draws on the surface, if that is a processor.
+    /// The name of the adapter, if it is a software adapter.
     pub software: Option<String>,
     instance: wgpu::Instance,
     surface: wgpu::Surface<'static>,
@@ -34,7 +34,7 @@ struct ScreenTexture {
 }
 
 impl Screen {
-    /// A screen on a window; or what failed, and why.
+    /// A screen on a window, or the reason for a failure.
     pub fn new(window: Arc<Window>, events: &ActiveEventLoop) -> Result<Self, String> {
         let display = Box::new(events.owned_display_handle());
         let wanted = wgpu::Backends::from_env().unwrap_or(BACKENDS);
@@ -55,40 +55,40 @@ impl Screen {
         .map_err(|error| format!("no adapter draws in windows: {error}"))?;
         let info = adapter.get_info();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            // All that it has: a renderer may share the device.
+            // All features: a renderer may share the device.
             required_features: adapter.features() & rtrt_gpu::FEATURES,
             required_limits: adapter.limits(),
             ..Default::default()
         }))
         .map_err(|error| format!("{}: {error}", info.name))?;
         let failure = Arc::new(Mutex::new(None));
-        let kept = Arc::clone(&failure);
+        let first = Arc::clone(&failure);
         device.on_uncaptured_error(Arc::new(move |error| {
-            kept.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.to_string());
+            first.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.to_string());
         }));
         let config = config(&surface, &adapter, &window, &device)
             .ok_or_else(|| format!("{} draws in windows of another kind", info.name))?;
         surface.configure(&device, &config);
-        // Nearest texels are fetched by their number, so that no device's filter has a say.
+        // Texels are fetched by index, so the filters of devices do not matter.
         let renderer = Renderer::new(&device, config.format, RendererOptions::PREDICTABLE);
         let software = (info.device_type == wgpu::DeviceType::Cpu).then_some(info.name);
         let picture = None;
         Ok(Self { window, software, instance, surface, config, device, queue, renderer, picture, failure })
     }
 
-    /// The size of what is shown, pixels.
+    /// The size of the surface, pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.config.width, self.config.height]
     }
 
-    /// The window has another size.
+    /// Changes the size of the surface.
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         let most = self.device.limits().max_texture_dimension_2d;
         (self.config.width, self.config.height) = (width.clamp(1, most), height.clamp(1, most));
         self.surface.configure(&self.device, &self.config);
     }
 
-    /// Takes a new picture: pixels of red, green, blue and alpha, row by row.
+    /// Uploads a picture: red, green, blue and alpha, row by row.
     pub fn upload(&mut self, pixels: &[u8], size: [u32; 2]) {
         let texture = self.texture(size);
         let layout =
@@ -96,7 +96,7 @@ impl Screen {
         self.queue.write_texture(texture.as_image_copy(), pixels, layout, texture.size());
     }
 
-    /// What a picture of this size is drawn into, to be shown.
+    /// The texture for a picture of this size.
     pub fn texture(&mut self, [width, height]: [u32; 2]) -> wgpu::Texture {
         let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
         if let Some(shown) = self.picture.as_ref().filter(|shown| shown.texture.size() == size) {
@@ -125,7 +125,7 @@ impl Screen {
         texture
     }
 
-    /// Shows the picture at so many pixels, and what lies over it.
+    /// Shows the picture at this size in pixels, and the overlay.
     pub fn show(&mut self, context: &Context, mut over: FullOutput, size: [u32; 2]) -> Result<(), String> {
         let scale = over.pixels_per_point;
         let mut jobs: Vec<_> = self.backdrop(size, scale).into_iter().collect();
@@ -176,7 +176,7 @@ impl Screen {
         Ok(())
     }
 
-    /// What to paint on; nothing while the window is not to be seen.
+    /// The texture of the next frame; none while the window is hidden.
     fn frame(&mut self) -> Result<Option<wgpu::SurfaceTexture>, String> {
         for _ in 0..2 {
             match self.surface.get_current_texture() {
@@ -197,7 +197,7 @@ impl Screen {
     }
 }
 
-/// How the surface is used: 8 bits a channel, written as they are.
+/// The configuration of the surface: 8 bits per channel, without a conversion.
 fn config(
     surface: &wgpu::Surface<'_>,
     adapter: &wgpu::Adapter,

@@ -1,4 +1,4 @@
-//! What is looked at, and how: everything about a viewer but its window.
+//! The viewer without its window.
 
 mod draw;
 
@@ -23,29 +23,29 @@ use rtrt_core::backend::{Picture, STAGES, Shadows};
 use rtrt_core::scene::Camera;
 use std::path::{Path, PathBuf};
 
-/// How long nothing must change before a picture is rendered as fine as it gets, seconds.
+/// The time without a change after which a picture has full detail, seconds.
 const SETTLE: f64 = 0.2;
-/// How long a message is shown, seconds.
+/// The duration of a message, seconds.
 const MESSAGE: f64 = 6.0;
 
-/// What a person chooses.
+/// The settings of the panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     pub samples: u32,
     pub shadows: Shadows,
     pub layers: u32,
-    /// Whether a GPU draws what the camera sees.
+    /// Whether a GPU rasterizes the first surfaces.
     pub hybrid: bool,
-    /// What is shown instead of the picture.
+    /// The debug view in place of the picture.
     pub debug: Option<DebugView>,
-    /// Frames a second that are worth fewer rays.
+    /// The frame rate for which detail is reduced.
     pub fps: f64,
     pub help: bool,
     pub timing: bool,
     pub panel: bool,
 }
 
-/// All that a picture depends on, the scene by the number of its changes.
+/// The inputs of a picture. The number of changes stands for the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wanted {
     camera: Camera,
@@ -58,22 +58,22 @@ pub struct Wanted {
     changes: u64,
 }
 
-/// How long the picture on the screen took.
+/// The rendering time of the current picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Timing {
     pub detail: Detail,
-    /// Wall clock, milliseconds, readback included where there is one.
+    /// Wall-clock time including readback, milliseconds.
     pub frame_ms: f64,
     pub stages_ms: [f64; STAGES.len()],
 }
 
-/// What `--json` prints of a screenshot.
+/// The output of `--json` for a screenshot.
 #[derive(serde::Serialize)]
 struct ScreenshotReport<'a> {
     #[serde(flatten)]
     machine: Machine,
     size: [u32; 2],
-    /// What renders the same without a window.
+    /// The command that renders the same picture.
     command: String,
     output: &'a Path,
 }
@@ -83,12 +83,12 @@ pub struct Viewer {
     pub job: RenderJob,
     pub settings: Settings,
     pub timing: Option<Timing>,
-    /// The lights are no longer those that the scene and the options give.
+    /// Whether the panel has changed the lights.
     pub has_own_lights: bool,
-    /// Neither are the ambient light and the background.
+    /// Whether the panel has changed the ambient light or the background.
     pub has_own_colors: bool,
     options: Common,
-    /// Options for a command that renders the same.
+    /// The options that the command of a screenshot repeats.
     passed_on: Vec<String>,
     output: PathBuf,
     console: Console,
@@ -98,20 +98,20 @@ pub struct Viewer {
     window: Option<(wgpu::Device, wgpu::Queue)>,
     controls: Controls,
     start: Camera,
-    /// Whether the camera is where the scene has it.
+    /// Whether the camera is that of the scene.
     is_at_start: bool,
-    /// When, of the animation, if it was played; seconds.
+    /// The time of the animation, seconds; none at rest.
     time: Option<f64>,
     is_playing: bool,
     size: [u32; 2],
     pace: Pace,
-    /// Whether every picture has full detail, however long it takes.
+    /// Whether every picture has full detail.
     is_exact: bool,
     changes: u64,
-    /// Since when nothing has changed, seconds.
+    /// The time since the last change, seconds.
     still: f64,
     before: Option<Wanted>,
-    /// What the picture is of, and the one that was given out last.
+    /// The inputs of the current picture, and of the last requested one.
     drawn: Option<Wanted>,
     given: Option<Wanted>,
     picture: Picture,
@@ -122,7 +122,7 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// Loads the scene, and opens the backend.
+    /// Loads the scene and opens the backend.
     pub fn new(options: &options::ViewOptions) -> Result<Self, Error> {
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
@@ -173,17 +173,17 @@ impl Viewer {
         })
     }
 
-    /// What failed, and ends the viewer.
+    /// The error that ends the viewer.
     pub fn failure(&mut self) -> Option<Error> {
         self.failure.take()
     }
 
-    /// Says something that is no result.
+    /// Prints a message.
     pub fn announce(&self, line: impl std::fmt::Display) {
         self.console.say(line);
     }
 
-    /// Says what is not as it should be with what the window needs.
+    /// Prints a warning about the window.
     pub fn warn(&self, warning: impl std::fmt::Display) -> Result<(), Error> {
         self.console.warn(4, warning)
     }
@@ -193,12 +193,12 @@ impl Viewer {
         self.engine().machine()
     }
 
-    /// Whether a GPU renders, which can draw.
+    /// Whether a GPU renders.
     pub fn is_gpu(&self) -> bool {
         self.engine().is_gpu()
     }
 
-    /// Whether a picture takes longer to come than the following ones.
+    /// Whether the next picture takes longer than later ones, because shaders are compiled.
     pub fn is_cold(&self) -> bool {
         self.is_gpu() && !self.engine().is_warm
     }
@@ -207,43 +207,43 @@ impl Viewer {
         &self.backends[self.current]
     }
 
-    /// The scene that was loaded last.
+    /// The path of the scene.
     pub fn scene(&self) -> &Path {
         &self.options.scene
     }
 
-    /// What is to be said at the moment.
+    /// The current message.
     pub fn message(&self) -> Option<&str> {
         self.message.as_ref().map(|(text, _)| text.as_str())
     }
 
-    /// What the colors of a debug view stand for.
+    /// The legend of a debug view.
     pub fn legend(&self) -> Option<&str> {
         self.shown.as_ref().and_then(|shown| shown.legend.as_deref())
     }
 
-    /// When, of the animation, and when it ends.
+    /// The time of the animation, and its end.
     pub fn time(&self) -> Option<(f64, f64)> {
         self.time.zip(self.job.end())
     }
 
-    /// There is a window, on this device.
+    /// Shares the device of the window.
     pub fn share(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) {
         self.backends.iter_mut().for_each(|backend| backend.share(device, queue, &self.console));
         self.window = Some((device.clone(), queue.clone()));
     }
 
-    /// The picture has another size.
+    /// Changes the size of the picture.
     pub fn resize(&mut self, size: [u32; 2]) {
         self.size = size;
     }
 
-    /// The scene has changed.
+    /// Notes a change of the scene.
     pub fn touch(&mut self) {
         self.changes += 1;
     }
 
-    /// Lets events happen.
+    /// Handles an event.
     pub fn handle(&mut self, event: &Event, free: Free) {
         let mut rig = self.rig();
         let action = self.controls.handle(event, free, &mut rig);
@@ -254,7 +254,7 @@ impl Viewer {
         }
     }
 
-    /// Lets time pass.
+    /// Advances the time.
     pub fn advance(&mut self, seconds: f64) {
         let mut rig = self.rig();
         self.controls.advance(seconds, &mut rig);
@@ -265,18 +265,18 @@ impl Viewer {
             self.note(played);
         }
         self.message =
-            self.message.take().filter(|(_, left)| *left > 0.0).map(|(text, left)| (text, left - seconds));
+            self.message.take().filter(|(_, rest)| *rest > 0.0).map(|(text, rest)| (text, rest - seconds));
         let now = Some(self.wanted(self.full()));
         self.still = if now == self.before { self.still + seconds } else { 0.0 };
         self.before = now;
     }
 
-    /// Whether time has to go on for something to happen.
+    /// Whether the picture may change without an event.
     pub fn is_busy(&self) -> bool {
         self.is_playing || self.controls.is_busy() || self.still < SETTLE || self.message.is_some()
     }
 
-    /// The picture that is to be seen next, if it is another one.
+    /// The next picture, if it differs from the last requested one.
     pub fn next(&mut self) -> Option<Wanted> {
         let full = self.full();
         let detail = if self.is_exact || self.still >= SETTLE {
@@ -285,17 +285,17 @@ impl Viewer {
             self.pace.detail(full, 1e3 / self.settings.fps)
         };
         let wanted = self.wanted(detail);
-        // Once, whatever comes of it: what fails is not tried again and again.
+        // A failed picture is not tried again.
         (self.given.replace(wanted) != Some(wanted)).then_some(wanted)
     }
 
-    /// Loads the scene again, or another one. If that fails, the scene stays as it is.
+    /// Loads the scene again, or another one. On a failure the scene does not change.
     pub fn load(&mut self, scene: Option<PathBuf>) {
         let is_other = scene.is_some();
         let mut options = self.options.clone();
         if let Some(scene) = scene {
             options.scene = scene;
-            // These were for the scene before.
+            // These options belong to the previous scene.
             options.camera = options::CameraOptions::default();
             (options.time, options.animation) = (None, None);
         }
@@ -352,7 +352,7 @@ impl Viewer {
         let camera = self.job.camera;
         self.time = Some(time);
         let played = self.job.play(time);
-        // A camera that is part of the animation leads until it is moved by hand.
+        // The animation moves the camera until a person does.
         let leads = self.is_at_start && self.job.has_cameras();
         self.job.look(if leads { self.job.camera } else { camera });
         self.touch();
@@ -362,7 +362,7 @@ impl Viewer {
         played
     }
 
-    /// Goes on with the other backend, which is opened the first time.
+    /// Switches to the other backend, and opens it the first time.
     fn switch(&mut self) -> Result<(), Error> {
         if self.backends.len() == 1 {
             let mut options = self.options.backend.clone();
@@ -380,7 +380,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Writes what is seen, at full detail, and prints how to get the same without a window.
+    /// Writes the picture at full detail, and prints the command that renders it.
     fn screenshot(&mut self) -> Result<(), Error> {
         let path = self.free_name();
         output::check(&path)?;
@@ -414,7 +414,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// The first name for a picture that no file has, if the name may change.
+    /// The first unused name for a picture, if the name has a number.
     fn free_name(&self) -> PathBuf {
         if !is_numbered(&self.output) {
             return filled(&self.output, &self.options.scene, 0);
@@ -453,7 +453,7 @@ impl Viewer {
         self.settings.hybrid && self.is_gpu()
     }
 
-    /// Takes note of what did not work: a person may go on, a replay ends.
+    /// Notes an error: a replay ends, otherwise a message shows it.
     fn note(&mut self, done: Result<(), Error>) {
         let Err(error) = done else { return };
         if self.is_exact {

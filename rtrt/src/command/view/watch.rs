@@ -1,24 +1,24 @@
-//! Whether files have changed since they were last looked at.
+//! Detection of changed files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-/// How often the files are looked at.
+/// The interval of checks.
 pub const EVERY: Duration = Duration::from_millis(300);
 
-/// What is known of a file at a time: its length, and when it was written; none if it is not there.
+/// The length of a file, and its time of modification; none for a missing file.
 type State = Option<(u64, SystemTime)>;
 
-/// Files that are watched.
+/// A set of watched files.
 #[derive(Debug)]
 pub struct Watch {
-    /// The scene's own.
+    /// The scene's file.
     scene: PathBuf,
     paths: Vec<PathBuf>,
-    /// As they were when [`Watch::has_changed`] last said so, or in the beginning.
+    /// The states at the last reported change, or at the start.
     known: Vec<State>,
-    /// As they were when they were last looked at.
+    /// The states at the last check.
     last: Vec<State>,
     next: Instant,
 }
@@ -30,15 +30,15 @@ impl Watch {
         Self { scene, paths, known, last, next: Instant::now() + EVERY }
     }
 
-    /// Watches these files, if it does not already.
+    /// Watches these files from now on.
     pub fn follow(&mut self, scene: &Path, paths: &[PathBuf]) {
         if self.scene != scene || self.paths != paths {
             *self = Self::new(scene, paths);
         }
     }
 
-    /// Whether one of the files is another one, and all are at rest: whoever writes them is done, as
-    /// far as one can tell. Looks at them only now and then, and while the scene's own file is there.
+    /// Whether a file has changed and no file changed since the last check, so that writers are probably done.
+    /// Checks the files once per interval, and only while the scene's file exists.
     pub fn has_changed(&mut self, now: Instant) -> bool {
         if now < self.next {
             return false;
@@ -71,17 +71,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_change_is_told_once_and_only_when_it_is_over() {
+    fn a_change_is_reported_once_after_it_is_over() {
         let state = |length| vec![Some((7, SystemTime::UNIX_EPOCH)), Some((length, SystemTime::UNIX_EPOCH))];
         let gone = || vec![Some((7, SystemTime::UNIX_EPOCH)), None];
         let mut watch = Watch::new(Path::new(""), &[]);
         (watch.known, watch.last) = (state(1), state(1));
         assert!(!watch.look(state(1)));
-        // Being written, gone for a moment, written.
+        // A write in progress, a moment without the file, the end of the write.
         assert!(!watch.look(state(2)) && !watch.look(gone()) && !watch.look(state(3)));
         assert!(watch.look(state(3)));
         assert!(!watch.look(state(3)));
-        // A texture that is gone for good is a change too.
+        // A removed texture is a change.
         assert!(!watch.look(gone()) && watch.look(gone()) && !watch.look(gone()));
     }
 }

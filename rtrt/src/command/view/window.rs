@@ -1,4 +1,4 @@
-//! The window: what it tells becomes events, and each frame is events, overlay, picture.
+//! The window: it turns system events into input events, and runs the frames.
 
 use super::controls::Free;
 use super::failure::{panics_caught, reason};
@@ -24,65 +24,64 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::keyboard::{Key, PhysicalKey};
 use winit::window::{Window, WindowId};
 
-/// The longest time that a frame stands for, seconds: nothing is to jump.
+/// The longest time step of a frame, seconds; longer ones would make jumps.
 const LONGEST: f32 = 0.1;
-/// The time that a frame usually stands for, seconds.
+/// The usual time step of a frame, seconds.
 const FRAME: f32 = 1.0 / 60.0;
-/// How many pixels of a touchpad are a notch of a wheel.
+/// Pixels of a touchpad per notch of a wheel.
 const NOTCH: f64 = 40.0;
 
 /// The viewer in its window.
 pub struct App {
-    /// Not here while it renders.
+    /// None while a thread renders with it.
     viewer: Option<Viewer>,
-    away: Option<Away>,
-    /// Wakes the window when it is back.
+    in_progress: Option<FrameInProgress>,
+    /// Wakes the window when the thread ends.
     proxy: EventLoopProxy<()>,
-    /// What the window's title says, and what is watched.
+    /// The scene of the title and of the watch.
     scene: PathBuf,
     screen: Option<Screen>,
     context: Context,
-    /// What happened since the last frame.
+    /// The events since the last frame.
     events: Vec<Event>,
     modifiers: Modifiers,
-    /// Where the pointer is, in units of text and buttons.
+    /// The position of the pointer, in units of the user interface.
     pointer: Pos2,
-    /// Of the picture, pixels; and pixels for a unit of text and buttons.
+    /// The size of the picture in pixels, and the pixels per unit of the user interface.
     size: [u32; 2],
     scale: f32,
     time: f64,
     last: Instant,
-    /// Whether nothing went on since then.
+    /// Whether nothing has happened since then.
     is_idle: bool,
     replay: Option<Replay>,
     record: Option<(PathBuf, File)>,
     watch: Option<Watch>,
-    /// When the overlay wants to be painted again.
+    /// The time at which the overlay needs the next frame.
     wake: Option<Instant>,
     /// Why the viewer ended.
     pub result: Result<(), Error>,
 }
 
-/// A frame that is being rendered, by a thread of its own: the window goes on telling what happens.
-/// The thread has the whole viewer, so nothing changes under what it renders.
-struct Away {
-    /// Gives the viewer back, and the size of a picture that is not on the screen yet.
+/// A frame in progress. The viewer renders on a worker thread; input waits in a queue.
+struct FrameInProgress {
+    /// Returns the viewer, and the size of a picture that is not on the screen yet.
     thread: JoinHandle<(Viewer, Option<[u32; 2]>)>,
     over: FullOutput,
 }
 
-/// Wakes the window when the thread ends, in whichever way.
+/// Wakes the window when the thread ends, also by a panic.
 struct Wake(EventLoopProxy<()>);
 
 impl Drop for Wake {
     fn drop(&mut self) {
-        // Without a window there is nobody to wake.
+        // The window may be closed.
         _ = self.0.send_event(());
     }
 }
 
 impl App {
-    /// A viewer that is ready to have a window.
+    /// A viewer without its window.
     pub fn new(
         options: &options::ViewOptions,
         viewer: Viewer,
@@ -96,12 +95,12 @@ impl App {
         });
         let scene = options.common.scene.clone();
         let context = Context::default();
-        // The keys for it are the viewer's.
+        // The viewer uses these keys.
         context.options_mut(|options| options.zoom_with_keyboard = false);
         Ok(Self {
             watch: options.watch.then(|| Watch::new(&scene, viewer.job.files())),
             viewer: Some(viewer),
-            away: None,
+            in_progress: None,
             proxy,
             screen: None,
             context,
@@ -134,11 +133,11 @@ impl App {
         Ok(screen)
     }
 
-    /// Takes the screen, and says what draws it if that is no GPU.
+    /// Takes the screen. A software adapter is a warning.
     fn take(&mut self, screen: Screen) -> Result<(), Error> {
         screen.window.request_redraw();
         let scale = screen.window.scale_factor() as f32;
-        self.tell(Event::Size(screen.size(), scale));
+        self.queue(Event::Size(screen.size(), scale));
         let screen = self.screen.insert(screen);
         match (&screen.software, &self.viewer) {
             (Some(name), Some(viewer)) => {
@@ -148,8 +147,7 @@ impl App {
         }
     }
 
-    /// A frame: events, what lies over the picture, the picture. While one is being rendered, what
-    /// happens waits for it.
+    /// Runs a frame: events, overlay, picture. Events wait while a frame is in progress.
     fn frame(&mut self, events: &ActiveEventLoop) {
         let Some(mut viewer) = self.viewer.take() else { return };
         let mut over = match self.step(&mut viewer) {
@@ -161,7 +159,7 @@ impl App {
         if viewer.is_cold() {
             over = self.wait(&mut viewer, over);
         }
-        let screen = self.screen.as_mut().filter(|_| viewer.is_drawn_here(&wanted));
+        let screen = self.screen.as_mut().filter(|_| viewer.is_rendered_in_place(&wanted));
         let texture = screen.map(|screen| screen.texture(wanted.detail.size));
         if self.replay.is_some() {
             let new = viewer.render(wanted, texture);
@@ -173,22 +171,22 @@ impl App {
             let new = viewer.render(wanted, texture);
             (viewer, new)
         });
-        self.away = Some(Away { thread, over });
+        self.in_progress = Some(FrameInProgress { thread, over });
     }
 
-    /// Shows what lies over the picture while that takes its time. Gives what is to lie over it then.
+    /// Shows a message while shaders are compiled. Returns the overlay of the finished picture.
     fn wait(&mut self, viewer: &mut Viewer, mut over: FullOutput) -> FullOutput {
         over.append(self.overlay(viewer, &Step::default(), Some("compiling shaders …")));
         if let Some(screen) = &mut self.screen {
-            // What does not work here does not work when the picture is there either.
+            // The finished picture will report the error.
             _ = screen.show(&self.context, over, self.size);
         }
         self.overlay(viewer, &Step::default(), None)
     }
 
-    /// Lets what happened in a step happen. Gives what lies over the picture.
+    /// Handles the events of a step. Returns the overlay.
     fn happen(&mut self, viewer: &mut Viewer, step: &Step) -> FullOutput {
-        // What lies over the picture has the first say, also where a key ends what it says.
+        // The overlay has precedence, also for a key that closes a part of it.
         let were_free = self.are_keys_free();
         let over = self.overlay(viewer, step, None);
         let free = Free {
@@ -202,12 +200,12 @@ impl App {
         over
     }
 
-    /// Whether no text is written and nothing has popped up.
+    /// Whether no text field and no popup has the keyboard.
     fn are_keys_free(&self) -> bool {
         !self.context.egui_wants_keyboard_input() && !Popup::is_any_open(&self.context)
     }
 
-    /// Shows a frame; `new` is the size of the viewer's picture, if that is not on the screen yet.
+    /// Shows a frame. `new` is the size of the viewer's picture if it is not on the screen yet.
     fn finish(&mut self, events: &ActiveEventLoop, viewer: Viewer, over: FullOutput, new: Option<[u32; 2]>) {
         let viewer = self.viewer.insert(viewer);
         let Some(screen) = &mut self.screen else { return };
@@ -231,10 +229,10 @@ impl App {
         }
     }
 
-    /// What happened before this frame; none at the end of a recording.
+    /// The events before this frame; none at the end of a recording.
     fn step(&mut self, viewer: &mut Viewer) -> Result<Option<Step>, Error> {
         let now = Instant::now();
-        // What begins after a rest begins now.
+        // Motion after a rest begins now.
         let longest = if self.is_idle { FRAME } else { LONGEST };
         let seconds = (now - self.last).as_secs_f32().min(longest);
         self.last = now;
@@ -253,7 +251,7 @@ impl App {
                 (self.size, self.scale) = (*size, *scale);
                 viewer.resize(*size);
                 if let (Some(_), Some(screen)) = (&self.replay, &self.screen) {
-                    // The system may have its own idea; the picture has its size all the same.
+                    // The system may refuse; the picture has its size nevertheless.
                     _ = screen.window.request_inner_size(PhysicalSize::new(size[0], size[1]));
                 }
             }
@@ -261,7 +259,7 @@ impl App {
         Ok(Some(step))
     }
 
-    /// Lets what lies over the picture see the events. `waits` is what is waited for.
+    /// Passes the events to the overlay, and returns it. `waits` is a message to show.
     fn overlay(&mut self, viewer: &mut Viewer, step: &Step, waits: Option<&str>) -> FullOutput {
         self.time += f64::from(step.seconds);
         let [width, height] = self.size.map(|side| side as f32 / self.scale);
@@ -283,7 +281,7 @@ impl App {
         })
     }
 
-    /// The event as the overlay takes it.
+    /// The event for the overlay.
     fn egui_event(&mut self, event: &Event) -> Option<egui::Event> {
         let key = |key: &egui::Key, pressed, modifiers| egui::Event::Key {
             key: *key,
@@ -329,10 +327,10 @@ impl App {
         })
     }
 
-    /// What the window tells, as events.
+    /// Queues the input event of a window event.
     fn translate_window_event(&mut self, event: &WindowEvent) {
         let scale = |screen: &Screen| screen.window.scale_factor() as f32;
-        let told = match event {
+        let input = match event {
             WindowEvent::Resized(size) if size.width > 0 && size.height > 0 => {
                 let Some(screen) = &mut self.screen else { return };
                 screen.resize([size.width, size.height]);
@@ -368,22 +366,22 @@ impl App {
             WindowEvent::KeyboardInput { event, .. } => return self.typed(event),
             _ => return,
         };
-        self.tell(told);
+        self.queue(input);
     }
 
     fn typed(&mut self, event: &KeyEvent) {
         let pressed = event.state == ElementState::Pressed;
         if let Some(key) = key(event) {
-            self.tell(if pressed { Event::Press(key) } else { Event::Release(key) });
+            self.queue(if pressed { Event::Press(key) } else { Event::Release(key) });
         }
         let text = event.text.as_ref().filter(|text| pressed && !text.chars().any(char::is_control));
         if let Some(text) = text {
-            self.tell(Event::Text(text.to_string()));
+            self.queue(Event::Text(text.to_string()));
         }
     }
 
-    /// An event happens before the next frame; a replay has its own.
-    fn tell(&mut self, event: Event) {
+    /// Queues an event for the next frame. A replay ignores it.
+    fn queue(&mut self, event: Event) {
         if self.replay.is_none() {
             self.events.push(event);
         }
@@ -393,8 +391,8 @@ impl App {
         if self.result.is_ok() {
             self.result = result;
         }
-        // Nothing is to be rendered while the process ends.
-        if let Some(Away { thread, .. }) = self.away.take() {
+        // The process must not end while a frame is in progress.
+        if let Some(FrameInProgress { thread, .. }) = self.in_progress.take() {
             _ = thread.join();
         }
         events.exit();
@@ -406,7 +404,7 @@ fn title(scene: &Path) -> String {
     format!("{} – rtrt", name.to_string_lossy())
 }
 
-/// The key by what is printed on it; digits, and letters of other scripts, by their place.
+/// The key by its label; digits and letters of other scripts by their position.
 fn key(event: &KeyEvent) -> Option<egui::Key> {
     let by_place = || match event.physical_key {
         PhysicalKey::Code(code) => {
@@ -460,12 +458,12 @@ impl ApplicationHandler for App {
         }
     }
 
-    /// The viewer is back.
+    /// A frame is finished.
     fn user_event(&mut self, events: &ActiveEventLoop, (): ()) {
-        let Some(Away { thread, over }) = self.away.take() else { return };
+        let Some(FrameInProgress { thread, over }) = self.in_progress.take() else { return };
         let (viewer, new) = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
         self.finish(events, viewer, over, new);
-        // For what happened in the meantime, and for how long the picture took.
+        // For the queued events and the new timing.
         if let Some(screen) = &self.screen {
             screen.window.request_redraw();
         }

@@ -8,27 +8,27 @@ use gltf_json::{Index, Root, buffer};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// The most elements of an accessor without bytes of its own (all are 0 then, but for the
-/// sparse ones): nothing else bounds what a few bytes of JSON would make of it.
+/// The limit of elements of an accessor without bytes, which are 0 but for the sparse ones. Without it
+/// a few bytes of JSON could ask for any amount of memory.
 const ZEROS: u64 = 1 << 20;
 
-/// The elements of an accessor, checked to lie within their buffer and read one by one.
+/// The elements of an accessor. All lie within their buffer.
 pub(super) struct Column<'a> {
-    /// From the first element on; none if all are 0.
+    /// The bytes from the first element on; none if all elements are 0.
     bytes: Option<&'a [u8]>,
     stride: usize,
-    /// How many there are.
+    /// The number of elements.
     pub count: usize,
     component: ComponentType,
-    /// Numbers in an element.
+    /// The numbers of an element.
     pub width: usize,
     normalized: bool,
-    /// The values that replace others.
+    /// The replaced elements, by index.
     sparse: HashMap<usize, &'a [u8]>,
 }
 
 impl<'a> Column<'a> {
-    /// The accessor `index`, which must be of one of these types.
+    /// The accessor `index`. Any other type than these is an error.
     pub fn new(
         path: &Path,
         root: &Root,
@@ -47,7 +47,7 @@ impl<'a> Column<'a> {
             return Err(invalid("has an unknown type"));
         };
         if !types.contains(&kind) {
-            return Err(invalid(&format!("has the type {kind:?}, which does not fit its use")));
+            return Err(invalid(&format!("has the type {kind:?}, which its use does not allow")));
         }
         let (component, width) = (component.0, kind.multiplicity());
         let size = component.size() * width;
@@ -101,7 +101,7 @@ impl<'a> Column<'a> {
         Ok(Self { bytes, stride, count, component, width, normalized: accessor.normalized, sparse: replaced })
     }
 
-    /// The bytes from element `i` on; none if it is 0.
+    /// The bytes from element `i` on; none if the element is 0.
     fn element(&self, i: usize) -> Option<&[u8]> {
         match self.sparse.get(&i) {
             Some(bytes) => Some(bytes),
@@ -109,15 +109,14 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// Element `i`, below `count`; normalized numbers are 0 ..= 1, or −1 ..= 1. What an
-    /// element does not have is 0.
+    /// Element `i`, below `count`, filled up with zeros. Normalized numbers are 0 ..= 1, or −1 ..= 1.
     pub fn at(&self, i: usize) -> [f32; 4] {
         let Some(bytes) = self.element(i) else { return [0.0; 4] };
         let size = self.component.size();
         core::array::from_fn(|k| if k < self.width { self.number(&bytes[k * size..]) } else { 0.0 })
     }
 
-    /// All numbers of element `i`, below `count`; zeros where it has no bytes.
+    /// All numbers of element `i`, below `count`.
     pub fn all(&self, i: usize) -> Vec<f32> {
         let (size, bytes) = (self.component.size(), self.element(i));
         (0..self.width).map(|k| bytes.map_or(0.0, |bytes| self.number(&bytes[k * size..]))).collect()
@@ -141,13 +140,13 @@ impl<'a> Column<'a> {
         self.element(i).map_or(0, |bytes| number_at(bytes, self.component) as u32)
     }
 
-    /// Whether an index has this type.
+    /// Whether the type is one that indices may have.
     pub fn is_index(&self) -> bool {
         matches!(self.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)
     }
 }
 
-/// The first number in the bytes.
+/// The number at the start of the bytes.
 fn number_at(bytes: &[u8], component: ComponentType) -> f64 {
     let two = || [bytes[0], bytes[1]];
     let four = || [bytes[0], bytes[1], bytes[2], bytes[3]];

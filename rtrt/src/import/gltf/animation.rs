@@ -10,8 +10,7 @@ use gltf_json::validation::Checked;
 use rtrt_core::scene::Join;
 
 impl<J: Join> Import<'_, '_, J> {
-    /// The tracks of all animations of the file. Those that mean nothing are left out with a
-    /// warning.
+    /// The tracks of all animations of the file. A channel with an error is left out with a warning.
     pub fn tracks(&mut self) -> Vec<Track> {
         let mut tracks = Vec::new();
         for (index, animation) in self.root.animations.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The bytes that accessors and images read.
+//! The bytes of accessors and images.
 
 use crate::import::file::Files;
 use crate::import::{ImportError, file};
@@ -8,7 +8,7 @@ use gltf_json::{Index, Root, buffer};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// The buffers of a file, all read: an accessor then borrows from them.
+/// The buffers of a file. Accessors borrow from them.
 pub(super) struct Buffers<'a> {
     /// The scene's file.
     pub path: &'a Path,
@@ -17,20 +17,20 @@ pub(super) struct Buffers<'a> {
 }
 
 impl<'a> Buffers<'a> {
-    /// Reads them. One that cannot be read is an error only once something is in it.
+    /// Reads the buffers. One that cannot be read is an error when something in it is needed.
     pub fn new(path: &'a Path, root: &Root, binary: Option<&'a [u8]>, files: Files) -> Self {
-        // All together, so that naming one long file many times is of no use.
-        let mut left = file::LONGEST;
+        // One limit for all buffers: they may name the same file many times.
+        let mut remaining = file::LONGEST;
         let bytes = root.buffers.iter().enumerate().map(|(index, buffer)| {
             let size = buffer.byte_length.0;
             let bytes = match &buffer.uri {
                 Some(uri) => {
-                    let bytes = fetch(path, &files, uri, left)?;
-                    left = left.saturating_sub(bytes.len() as u64);
+                    let bytes = fetch(path, &files, uri, remaining)?;
+                    remaining = remaining.saturating_sub(bytes.len() as u64);
                     Cow::Owned(bytes)
                 }
                 None if index == 0 => {
-                    Cow::Borrowed(binary.ok_or("it has no URI, and the file no binary chunk")?)
+                    Cow::Borrowed(binary.ok_or("it has no URI, and the file has no binary chunk")?)
                 }
                 None => return Err("it has no URI".into()),
             };
@@ -46,7 +46,7 @@ impl<'a> Buffers<'a> {
     /// The bytes behind a URI of an image.
     ///
     /// # Errors
-    /// What is wrong, in one line.
+    /// The reason, in one line.
     pub fn fetch(&self, uri: &str) -> Result<Vec<u8>, String> {
         fetch(self.path, &self.files, uri, file::LONGEST)
     }
@@ -81,22 +81,24 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// The bytes behind a URI: within it (`data:`), or in a file of at most `limit` bytes beside
-/// the scene's.
+/// The bytes of a URI: its own data (`data:`), or those of a file of at most `limit` bytes, relative to
+/// the scene's file.
 ///
 /// # Errors
-/// What is wrong, in one line.
+/// The reason, in one line.
 fn fetch(path: &Path, files: &Files, uri: &str, limit: u64) -> Result<Vec<u8>, String> {
-    if let Some(data) = uri.strip_prefix("data:") {
+    // Schemes of URIs have no case.
+    if let Some(data) = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:")).map(|_| &uri[5..])
+    {
         let (_, data) = data.split_once(";base64,").ok_or("its data URI is not in base64")?;
         return STANDARD.decode(data).map_err(|error| format!("its data URI: {error}"));
     }
     if uri.contains("://") {
         return Err(format!("{} is not beside the scene", crate::import::error::quoted(uri)));
     }
-    // Names with a percent sign in them, not encoded, exist too.
-    let exact = file::beside(path, uri);
+    // Some exporters do not encode a percent sign.
+    let exact = file::relative(path, uri);
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
-    let place = if exact.is_file() { exact } else { file::beside(path, &decoded) };
+    let place = if exact.is_file() { exact } else { file::relative(path, &decoded) };
     files.read(&place, limit).map_err(|error| format!("{}: {error}", place.display()))
 }

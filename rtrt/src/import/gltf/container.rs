@@ -1,4 +1,4 @@
-//! From a file's bytes to its JSON and its binary chunk.
+//! The JSON and the binary chunk of a file.
 
 use super::extensions::SUPPORTED;
 use crate::import::ImportError;
@@ -11,7 +11,7 @@ use gltf_json::{Root, Value};
 /// The first bytes of a binary file.
 pub(super) const MAGIC: &[u8] = b"glTF";
 
-/// A file's JSON, and its binary chunk if it has one.
+/// The JSON of a file, and its binary chunk if it has one.
 ///
 /// # Errors
 /// It is not glTF 2.0, or requires an extension that is not implemented.
@@ -22,11 +22,14 @@ pub(super) fn open<'a, J: rtrt_core::scene::Join>(
     let path = builder.path.clone();
     let invalid = |why| ImportError::Invalid { path: path.clone(), why };
     let (json, binary) = if bytes.starts_with(MAGIC) {
-        chunks(bytes).map_err(|why| invalid(why.into()))?
+        let (json, binary) = chunks(bytes).map_err(|why| invalid(why.into()))?;
+        // The padding has to be spaces; some exporters write zeros.
+        (trim_zeros(json), binary)
     } else {
         (bytes, None)
     };
-    let root = parse(json).map_err(|error| invalid(format!("JSON: {error}")))?;
+    let (root, warning) = parse(json).map_err(|error| invalid(format!("JSON: {error}")))?;
+    warning.into_iter().for_each(|warning| builder.warn(warning));
     let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
     if version.split('.').next() != Some("2") {
         return Err(invalid(format!("glTF {}, but only glTF 2 is supported", version.escape_debug())));
@@ -44,10 +47,10 @@ pub(super) fn open<'a, J: rtrt_core::scene::Join>(
     Ok((root, binary))
 }
 
-/// Where the file refers to something that it does not have, be it drawn or not. Its other
-/// errors are found where they matter, in what is drawn.
+/// The place of a reference to a missing element, drawn or not. Other errors are found in the content
+/// that is drawn.
 fn dangling(root: &Root) -> Option<String> {
-    // Looked at first, because the validation indexes with this one unchecked.
+    // The validation does not check this index before it uses it.
     for (mesh, source) in root.meshes.iter().enumerate() {
         for (primitive, source) in source.primitives.iter().enumerate() {
             let positions = source.attributes.get(&Checked::Valid(Semantic::Positions));
@@ -65,8 +68,8 @@ fn dangling(root: &Root) -> Option<String> {
     place
 }
 
-/// The JSON chunk and the binary chunk of a `.glb`. Other chunks, and bytes after the end,
-/// are passed over, as the format asks for.
+/// The JSON chunk and the binary chunk of a `.glb`. Other chunks and bytes after the end are
+/// ignored, as the format requires.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), &'static str> {
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     match word(4) {
@@ -96,25 +99,63 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), &'static str> {
     json.map(|json| (json, binary)).ok_or("there is no JSON chunk")
 }
 
-/// The JSON, in the types of the format.
+/// The bytes without zeros at the end.
+fn trim_zeros(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    &bytes[..end]
+}
+
+/// The JSON, in the types of the format, and a warning if something is missing from it.
 ///
-/// Those refuse some things that the format allows, or that no picture depends on. If they
-/// do, they get a second try with numbers such as `1.0` written as integers, which they are
-/// in this format, and a third one without animations.
-fn parse(json: &[u8]) -> Result<Root, gltf_json::Error> {
-    gltf_json::deserialize::from_slice(json).or_else(|error| {
+/// Those types refuse some things that the format allows, and some that no picture depends on. The JSON then gets a
+/// second try, with numbers such as `1.0` as integers, which they are in this format, with scenes without `nodes` as
+/// scenes without nodes, and without animation channels that have no target node, as the format asks for. A third try
+/// leaves all animations out.
+fn parse(json: &[u8]) -> Result<(Root, Option<String>), gltf_json::Error> {
+    gltf_json::deserialize::from_slice(json).map(|root| (root, None)).or_else(|error| {
         let mut value: Value = gltf_json::deserialize::from_slice(json)?;
         whole_numbers(&mut value);
-        gltf_json::deserialize::from_value(value.clone()).or_else(|_| {
+        add_missing_nodes(&mut value);
+        let ignored = remove_channels_without_node(&mut value);
+        let warning =
+            (ignored > 0).then(|| format!("{ignored} animation channels without a target node are ignored"));
+        gltf_json::deserialize::from_value(value.clone()).map(|root| (root, warning)).or_else(|_| {
             if let Some(root) = value.as_object_mut() {
                 root.remove("animations");
             }
-            gltf_json::deserialize::from_value(value).map_err(|_| error)
+            let warning = Some("the animations are left out: they cannot be read".into());
+            gltf_json::deserialize::from_value(value).map(|root| (root, warning)).map_err(|_| error)
         })
     })
 }
 
-/// Makes integers of numbers without a fraction.
+/// The elements of a list, by its key.
+fn elements<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
+    value.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
+}
+
+/// Gives scenes without `nodes` an empty list.
+fn add_missing_nodes(root: &mut Value) {
+    for scene in elements(root, "scenes").filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| Value::Array(vec![]));
+    }
+}
+
+/// Removes animation channels that have no target node, and returns how many.
+fn remove_channels_without_node(root: &mut Value) -> usize {
+    let mut removed = 0;
+    for animation in elements(root, "animations") {
+        if let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) {
+            let before = channels.len();
+            channels
+                .retain(|channel| channel.get("target").is_none_or(|target| target.get("node").is_some()));
+            removed += before - channels.len();
+        }
+    }
+    removed
+}
+
+/// Turns numbers without a fraction into integers.
 fn whole_numbers(value: &mut Value) {
     match value {
         Value::Number(number) => {

@@ -12,6 +12,7 @@ pub(super) const SUPPORTED: &[&str] = &[
     GPU_INSTANCING,
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume",

@@ -10,22 +10,22 @@ use gltf_json::validation::Checked;
 use gltf_json::{Node, Value, deserialize};
 use rtrt_core::scene::{InstanceIndex, Join, MaterialIndex, MeshIndex};
 
-/// The shape of the picture that coverages are of: width by height.
+/// The aspect ratio of the picture that coverages refer to.
 const ASPECT: f64 = 16.0 / 9.0;
 /// The field of view of files without a perspective camera, radians: 45°.
 const FOV_Y: f64 = core::f64::consts::FRAC_PI_4;
 
-/// A lower level: what the level before it covers at least, and what is drawn below that.
+/// A lower level: the share of the picture below which it is drawn, and its primitives.
 pub(super) type NodeLevel = (f64, MeshParts);
 
-/// The numbers of the nodes that are the lower levels of this one.
+/// The numbers of a node's lower levels, which are nodes.
 pub(super) fn ids(node: &Node) -> Vec<usize> {
     let extension = node.extensions.as_ref().and_then(|extensions| extensions.others.get(LOD));
     let ids = extension.and_then(|extension| extension.get("ids")?.as_array());
     ids.into_iter().flatten().map(|id| id.as_u64().map_or(usize::MAX, |id| id as usize)).collect()
 }
 
-/// The shares of a picture that the levels of this node cover at least.
+/// The least share of a picture that each level of a node covers.
 fn coverages(node: &Node) -> Vec<f64> {
     let extras = node.extras.as_ref().and_then(|extras| deserialize::from_str::<Value>(extras.get()).ok());
     let shares = extras.as_ref().and_then(|extras| extras.get("MSFT_screencoverage")?.as_array());
@@ -33,8 +33,8 @@ fn coverages(node: &Node) -> Vec<f64> {
 }
 
 impl<J: Join> Import<'_, '_, J> {
-    /// The lower levels of a node with these parts. Those that cannot be put in its place are left
-    /// out with a warning. `name` is for messages.
+    /// The lower levels of a node with these primitives. A level that cannot replace the node is left out
+    /// with a warning. `name` is for messages.
     pub fn levels(
         &mut self,
         name: &str,
@@ -57,7 +57,7 @@ impl<J: Join> Import<'_, '_, J> {
                 }
             }
         }
-        // Below what the last one covers at least there is nothing.
+        // Nothing is drawn below the share of the last level.
         if let Some(&last) = shares.get(ids.len()).filter(|&&share| share > 0.0) {
             let nothing = self.builder.add_mesh(name, Geometry::default())?;
             levels.push((last, parts.iter().map(|&(_, material)| (nothing, material)).collect()));
@@ -65,7 +65,7 @@ impl<J: Join> Import<'_, '_, J> {
         Ok(levels)
     }
 
-    /// The parts of a level, or why it cannot take the place of its node.
+    /// The primitives of a level, or why it cannot replace its node.
     fn level(
         &mut self,
         node: &Node,
@@ -86,7 +86,7 @@ impl<J: Join> Import<'_, '_, J> {
         Ok(if found.len() == parts { Ok(found) } else { Err("it has another number of primitives") })
     }
 
-    /// Gives an object, which is a part of a node, the levels of that part.
+    /// Gives an instance, which is a primitive of a node, that primitive's levels.
     pub fn set_levels(
         &mut self,
         object: InstanceIndex,
@@ -113,13 +113,13 @@ impl<J: Join> Import<'_, '_, J> {
     }
 }
 
-/// How far away, beyond its own surface, a ball is that covers this share of a picture.
+/// The distance to the surface of a ball that covers this share of a picture.
 ///
 /// ```text
 /// share = π r² / (4 · d² · tan²(fov / 2) · aspect)
 /// ```
 ///
-/// with `d` from the camera to its middle: levels are chosen by the distance of bounds.
+/// `d` is the distance of its center; levels are chosen by the distance of bounds.
 fn distance(share: f64, radius: f64, fov_y: f64) -> f64 {
     let tangent = libm::tan(fov_y * 0.5);
     let middle = radius / tangent * libm::sqrt(core::f64::consts::PI / (4.0 * ASPECT * share));
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ball_at_that_distance_covers_that_share() {
+    fn a_ball_at_the_distance_covers_the_share() {
         for (share, radius, fov_y) in [(0.5, 2.0, FOV_Y), (0.01, 0.3, 1.2), (0.2, 1e6, 0.4)] {
             let away = distance(share, radius, fov_y);
             if away > radius / 1000.0 {
@@ -140,7 +140,7 @@ mod tests {
                 assert!((found - share).abs() < 1e-9, "{found} {share}");
             }
         }
-        // What fills the picture is near, but not at no distance.
+        // A level that fills the picture has a distance above 0.
         assert_eq!(distance(1.0, 1024.0, 3.0), 1.0);
         assert!(distance(0.2, 1.0, FOV_Y) < distance(0.1, 1.0, FOV_Y));
     }

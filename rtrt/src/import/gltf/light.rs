@@ -7,8 +7,8 @@ use gltf_json::validation::Checked;
 use rtrt_core::scene::{Join, Light, LightKind, Scene, Setup};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// A light of the file at its node's place: in candela (point, spot) or lux (sun), not yet
-/// exposed.
+/// Adds a light of the file where its node is: in candela (point, spot) or lux (sun), before
+/// [`expose`].
 pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_world: &DMat4) {
     let color = Vec3::from(source.color) * source.intensity;
     let position = to_world.w_axis.truncate().as_vec3();
@@ -26,7 +26,7 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
                 .spot
                 .as_ref()
                 .map_or((0.0, FRAC_PI_4), |spot| (spot.inner_cone_angle, spot.outer_cone_angle));
-            // The format's own limits; an outer angle of 0 would shine nowhere.
+            // The limits of the format. An outer angle of 0 has no light.
             let outer = if outer > 0.0 { outer.clamp(1e-3, FRAC_PI_2) } else { FRAC_PI_4 };
             let inner = if inner > 0.0 { inner.min(outer) } else { 0.0 };
             Light::spot(position, direction, outer)
@@ -43,8 +43,8 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
     builder.scene.add_light(light);
 }
 
-/// Exposes the lights: multiplies them all by one factor, so that the strongest one arrives
-/// in the middle of the scene as 1, which is what makes a white surface white.
+/// Exposes the lights: scales all of them by one factor, so that the strongest one has an incoming light of
+/// 1 in the center of the scene. A white surface is then white.
 ///
 /// ```text
 /// sun    arrives as   color
@@ -52,10 +52,9 @@ pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_wor
 /// spot   likewise, wherever it points
 /// ```
 ///
-/// Files give lights in candela and lux, with powers from a few (a lamp written by hand) to
-/// a hundred thousand (daylight); an 8-bit picture has no room for that, nor does it say
-/// what its exposure is. The factor 1/π between illuminance and the light a surface
-/// reflects, which this renderer leaves out everywhere, goes with it.
+/// Files give lights in candela and lux, from a few (a lamp written by hand) to a hundred thousand
+/// (daylight). An 8-bit picture does not have that range, and files have no exposure. The factor
+/// also contains the 1/π between illuminance and reflected light, which this renderer omits.
 pub(super) fn expose(scene: &mut Scene) {
     let Some((low, high)) = scene.extent() else { return };
     let (low, high) = (low.as_dvec3(), high.as_dvec3());

@@ -4,9 +4,10 @@ use super::buffer::Buffers;
 use super::extensions::{LOD, TEXTURE_TRANSFORM};
 use super::primitive::Coordinates;
 use crate::import::builder::Builder;
+use crate::import::placement::Placement;
 use crate::import::{ImportError, error::quoted, picture};
 use gltf_json::deserialize::from_value;
-use gltf_json::extensions::material::Volume;
+use gltf_json::extensions::material::{PbrSpecularGlossiness, Volume};
 use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material;
 use gltf_json::texture::{self, Info, WrappingMode};
@@ -16,14 +17,14 @@ use rtrt_core::layout::{COLOR_LIMIT, LIGHT_LIMIT, Texture, Wrap};
 use rtrt_core::scene::{Content, Image, Join, Material, MaterialIndex};
 use std::collections::HashMap;
 
-/// The materials and textures of a file, made when they are first used.
+/// The materials and textures of a file. Each is added when it is first used.
 pub(super) struct Materials<'a> {
     root: &'a Root,
     buffers: &'a Buffers<'a>,
-    /// By index; none is the default material.
+    /// The materials by index; none is the default material.
     made: HashMap<Option<usize>, (MaterialIndex, Coordinates)>,
-    /// By index, and by what it stands for: mip levels of colors are made otherwise than those
-    /// of numbers. One image is stored once for each, whatever its samplers.
+    /// The images by index and content: mip levels of colors and of numbers are computed differently.
+    /// Samplers share an image.
     images: HashMap<(usize, Content), Texture>,
 }
 
@@ -32,7 +33,7 @@ impl<'a> Materials<'a> {
         Self { root, buffers, made: HashMap::new(), images: HashMap::new() }
     }
 
-    /// A material of the scene, and how its base color is looked up.
+    /// A material of the scene, and the sets of texture coordinates that it uses.
     pub fn get<J: Join>(
         &mut self,
         builder: &mut Builder<'_, J>,
@@ -52,25 +53,34 @@ impl<'a> Materials<'a> {
             None => &none,
         };
         let pbr = &source.pbr_metallic_roughness;
+        let extensions = source.extensions.as_ref();
+        let glossy = extensions.and_then(|e| e.pbr_specular_glossiness.as_ref());
+        if glossy.is_some_and(|glossy| glossy.specular_glossiness_texture.is_some()) {
+            builder.not_drawn.insert("textures of specular color and glossiness");
+        }
+        let (color_texture, roughness_texture) = match glossy {
+            Some(glossy) => (&glossy.diffuse_texture, &None),
+            None => (&pbr.base_color_texture, &pbr.metallic_roughness_texture),
+        };
         let none = || Ok(None);
-        // Those that look things up, and the sets of texture coordinates they look them up with.
+        // The textures with their sets of texture coordinates.
         let found = [
-            pbr.base_color_texture.as_ref().map_or_else(none, |info| {
-                self.texture(builder, info.index, Content::Color, &placing(info))
+            color_texture.as_ref().map_or_else(none, |info| {
+                self.texture(builder, info.index, Content::Color, &texture_use(info))
             })?,
             source.normal_texture.as_ref().map_or_else(none, |info| {
                 let others = info.extensions.as_ref().and_then(|e| e.others.get(TEXTURE_TRANSFORM));
-                self.texture(builder, info.index, Content::Numbers, &placing_of(info.tex_coord, others))
+                self.texture(builder, info.index, Content::Numbers, &texture_use_of(info.tex_coord, others))
             })?,
-            pbr.metallic_roughness_texture.as_ref().map_or_else(none, |info| {
-                self.texture(builder, info.index, Content::Numbers, &placing(info))
+            roughness_texture.as_ref().map_or_else(none, |info| {
+                self.texture(builder, info.index, Content::Numbers, &texture_use(info))
             })?,
             source.occlusion_texture.as_ref().map_or_else(none, |info| {
                 let others = info.extensions.as_ref().and_then(|e| e.others.get(TEXTURE_TRANSFORM));
-                self.texture(builder, info.index, Content::Numbers, &placing_of(info.tex_coord, others))
+                self.texture(builder, info.index, Content::Numbers, &texture_use_of(info.tex_coord, others))
             })?,
             source.emissive_texture.as_ref().map_or_else(none, |info| {
-                self.texture(builder, info.index, Content::Color, &placing(info))
+                self.texture(builder, info.index, Content::Color, &texture_use(info))
             })?,
         ];
         let mut coordinates = Coordinates::default();
@@ -82,7 +92,6 @@ impl<'a> Materials<'a> {
             builder.not_drawn.insert("a third set of texture coordinates in one material");
         }
         coordinates.bump = normal_map.map(|map| map.set);
-        let extensions = source.extensions.as_ref();
         if extensions.is_some_and(|e| e.others.contains_key(LOD)) {
             builder.not_drawn.insert("levels of detail of materials");
         }
@@ -90,19 +99,24 @@ impl<'a> Materials<'a> {
         let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
         let emission =
             source.emissive_factor.0.map(|e| finite(e * strength).clamp(-LIGHT_LIMIT, LIGHT_LIMIT));
-        let [r, g, b, a] = pbr.base_color_factor.0.map(|c| finite(c).clamp(-COLOR_LIMIT, COLOR_LIMIT));
-        let [metallic, roughness] =
-            [pbr.metallic_factor.0, pbr.roughness_factor.0].map(|factor| finite(factor).clamp(0.0, 1.0));
+        let (base, answer) = match glossy {
+            Some(glossy) => (glossy.diffuse_factor.0, specular_glossiness(glossy)),
+            None => {
+                let [metallic, roughness] = [pbr.metallic_factor.0, pbr.roughness_factor.0]
+                    .map(|factor| finite(factor).clamp(0.0, 1.0));
+                (pbr.base_color_factor.0, Material::default().metallic(metallic).roughness(roughness))
+            }
+        };
+        let [r, g, b, a] = base.map(|c| finite(c).clamp(-COLOR_LIMIT, COLOR_LIMIT));
         let normal_scale = source
             .normal_texture
             .as_ref()
             .map_or(1.0, |info| finite(info.scale).clamp(-COLOR_LIMIT, COLOR_LIMIT));
         let occlusion_strength =
             source.occlusion_texture.as_ref().map_or(1.0, |info| finite(info.strength.0).clamp(0.0, 1.0));
-        let material = Material::new([r, g, b])
+        let material = answer
+            .base_color([r, g, b])
             .base_color_map(base_color_map)
-            .metallic(metallic)
-            .roughness(roughness)
             .metallic_roughness_map(metallic_roughness_map)
             .normal_map(normal_map, normal_scale)
             .occlusion_map(occlusion_map, occlusion_strength)
@@ -116,14 +130,13 @@ impl<'a> Materials<'a> {
         Ok(made)
     }
 
-    /// A texture of the scene with its sampler's wrapping, and the set of texture coordinates
-    /// that it is looked up with.
+    /// A texture of the scene with its sampler's wrapping, and its set of texture coordinates.
     fn texture<J: Join>(
         &mut self,
         builder: &mut Builder<'_, J>,
         index: Index<texture::Texture>,
         content: Content,
-        placing: &Placing,
+        texture_use: &TextureUse,
     ) -> Result<Option<(Texture, u32)>, ImportError> {
         let root = self.root;
         let number = index.value();
@@ -138,7 +151,7 @@ impl<'a> Materials<'a> {
             None => [Wrap::Repeat; 2],
         };
         let key = texture.source.value();
-        // The format lets a texture be without an image, for extensions to fill in.
+        // A texture may have no image; extensions then give one.
         let source = match root.get(texture.source) {
             Some(source) => Some(source),
             None if key == u32::MAX as usize => None,
@@ -157,11 +170,13 @@ impl<'a> Materials<'a> {
             }
         };
         let texture = Texture { wrap_u: wrap_u as u32, wrap_v: wrap_v as u32, ..image };
-        Ok(Some((placing.apply(texture), placing.set)))
+        Ok(Some((texture_use.apply(texture), texture_use.set)))
     }
 
+    /// The picture of an image.
+    ///
     /// # Errors
-    /// What is wrong with it, in one line.
+    /// The reason, in one line.
     fn image(&self, source: &image::Image) -> Result<Image, String> {
         match (&source.uri, source.buffer_view) {
             (Some(uri), _) => picture::decode(&self.buffers.fetch(uri)?),
@@ -174,52 +189,46 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// What to call an image in a message.
+/// The name of an image in a message.
 fn image_name(number: usize, image: &image::Image) -> String {
-    let uri = image.uri.as_ref().filter(|uri| !uri.starts_with("data:"));
+    let uri = image
+        .uri
+        .as_ref()
+        .filter(|uri| !uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")));
     match uri.or(image.name.as_ref()) {
         Some(name) => quoted(name),
         None => number.to_string(),
     }
 }
 
-/// How a texture is laid on a surface.
-struct Placing {
+/// How a material uses a texture.
+struct TextureUse {
     /// The set of texture coordinates.
     set: u32,
     /// KHR_texture_transform.
     transform: Option<TextureTransform>,
 }
 
-fn placing(info: &Info) -> Placing {
+fn texture_use(info: &Info) -> TextureUse {
     let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.clone());
     let set = transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(info.tex_coord);
-    Placing { set, transform }
+    TextureUse { set, transform }
 }
 
-/// The same for the kinds of textures whose extensions are kept as JSON.
-fn placing_of(set: u32, transform: Option<&Value>) -> Placing {
+/// The use of a texture whose extensions the JSON types do not know.
+fn texture_use_of(set: u32, transform: Option<&Value>) -> TextureUse {
     let transform: Option<TextureTransform> =
         transform.and_then(|transform| from_value(transform.clone()).ok());
     let set = transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(set);
-    Placing { set, transform }
+    TextureUse { set, transform }
 }
 
-impl Placing {
-    /// The texture, scaled, then turned, then moved.
+impl TextureUse {
+    /// The texture, placed as the transform says.
     fn apply(&self, texture: Texture) -> Texture {
         let Some(transform) = &self.transform else { return texture };
-        let [u, v] = transform.scale.0.map(finite);
-        let (sin, cos) = libm::sincosf(finite(transform.rotation.0));
-        // Texels are that much denser on the surface; so much smaller is its footprint in them.
-        let area = (u * v).abs().min(f32::MAX);
-        let denser = if area > 1e-12 { 0.5 * libm::log2f(area) } else { 0.0 };
-        Texture {
-            turn: [[cos * u, sin * v], [-sin * u, cos * v]],
-            shift: transform.offset.0.map(finite),
-            log_size: texture.log_size + denser,
-            ..texture
-        }
+        let (offset, rotation, scale) = (transform.offset.0, transform.rotation.0, transform.scale.0);
+        Placement { offset, rotation, scale }.apply(texture)
     }
 }
 
@@ -231,31 +240,38 @@ fn wrap(mode: Checked<WrappingMode>) -> Wrap {
     }
 }
 
-/// Numbers too large for 32 bits are infinite; they would make NaN of black.
+/// The number, or 0 if it is not finite: numbers beyond the range of `f32` are infinite, and infinity times black is NaN.
 fn finite(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }
 
-/// The least alpha of what transmits light: highlights are drawn by alpha too.
+/// A material without its base color, from KHR_materials_pbrSpecularGlossiness: it is no metal, mirrors its specular
+/// color, and `roughness = 1 − glossiness`.
+fn specular_glossiness(glossy: &PbrSpecularGlossiness) -> Material {
+    let roughness = (1.0 - finite(glossy.glossiness_factor.0)).clamp(0.0, 1.0);
+    let specular = glossy.specular_factor.0.map(|c| finite(c).clamp(0.0, COLOR_LIMIT));
+    Material::default().specular(specular, None).roughness(roughness)
+}
+
+/// The least alpha of a transmissive surface. Alpha scales highlights, too.
 const CLEAREST: f32 = 0.1;
 
-/// The material with the source's alpha, and with its transmission (KHR_materials_transmission)
-/// as alpha: the light that a surface lets through becomes what it does not cover.
+/// The material with the source's alpha. Transmission (KHR_materials_transmission) reduces it: the
+/// transmitted share of light becomes the share of the background.
 ///
 /// ```text
 /// alpha · max(1 − transmission · mean(base), 0.1)
 /// ```
 ///
-/// So dark glass covers more than bright glass. The base color is tinted by what the volume behind
-/// the surface takes from light (KHR_materials_volume); light that crosses it crosses two surfaces,
-/// each of which stands for half of it:
+/// So dark glass covers more than bright glass. The absorption of a volume (KHR_materials_volume) tints
+/// the base color. Light enters and leaves a volume, so each of the two surfaces has half of it:
 ///
 /// ```text
 /// base · attenuation color ^ (thickness / (2 · attenuation distance))
 /// ```
 ///
-/// Roughness, refraction, the textures of transmission and thickness, and the scale of nodes are
-/// left out.
+/// Roughness, refraction, the textures of transmission and thickness, and the scale of nodes have no
+/// effect.
 fn see_through(source: &material::Material, alpha: f32, material: Material) -> Material {
     use material::AlphaMode as Mode;
     let is_blend = matches!(source.alpha_mode, Checked::Valid(Mode::Blend));
@@ -280,7 +296,7 @@ fn see_through(source: &material::Material, alpha: f32, material: Material) -> M
     material.base_color([r, g, b]).blend(alpha * covered)
 }
 
-/// A base color, tinted by half of a volume.
+/// A base color, tinted by half of the absorption of a volume.
 fn tinted(base: [f32; 3], attenuation: [f32; 3], thickness: f32, distance: f32) -> [f32; 3] {
     let ways = thickness / (2.0 * distance);
     if !(ways > 0.0 && ways.is_finite()) {
@@ -295,7 +311,7 @@ mod tests {
 
     #[test]
     fn a_volume_takes_half_of_its_share_at_each_surface() {
-        // As thick as the distance after which a quarter of red is left.
+        // A quarter of red crosses this thickness.
         let [r, g, b] = tinted([1.0, 0.5, 0.25], [0.25, 1.0, 0.0], 3.0, 3.0);
         assert!((r - 0.5).abs() < 1e-6 && g == 0.5 && b == 0.0, "{r} {g} {b}");
         for (thickness, distance) in

@@ -6,7 +6,7 @@ use super::material::Materials;
 use super::primitive;
 use crate::import::animation::SceneNode;
 use crate::import::builder::Builder;
-use crate::import::deformed::{DeformedMesh, Skin};
+use crate::import::deformed::{DeformedMesh, Skin, turn_mirrored};
 use crate::import::error::quoted;
 use crate::import::geometry::Geometry;
 use crate::import::{ImportError, NamedCamera};
@@ -19,19 +19,21 @@ use rtrt_core::scene::{Join, MaterialIndex, MeshIndex};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// What a mesh consists of.
+/// The primitives of a mesh, with their materials.
 pub(super) type MeshParts = Rc<[(MeshIndex, MaterialIndex)]>;
 
-/// A file being drawn into a scene.
+/// A file that is being imported.
 pub(super) struct Import<'a, 'b, J> {
     pub builder: &'a mut Builder<'b, J>,
     pub root: &'a Root,
     pub buffers: &'a Buffers<'a>,
     pub materials: Materials<'a>,
-    /// The meshes that were met, by index.
+    /// The meshes that were added, by index.
     pub meshes: HashMap<usize, MeshParts>,
+    /// The way of each node of the file to world space at rest.
+    pub rest_worlds: Vec<DMat4>,
     pub cameras: Vec<NamedCamera>,
-    /// The nodes that were met.
+    /// The nodes of the scene, in depth-first order.
     pub nodes: Vec<SceneNode>,
 }
 
@@ -40,7 +42,7 @@ impl<'a, J: Join> Import<'a, '_, J> {
         self.builder.invalid(why)
     }
 
-    /// The parts of a mesh, stored once however many nodes have it.
+    /// The primitives of a mesh. The nodes that have it share them.
     pub fn mesh(&mut self, index: Index<Mesh>) -> Result<MeshParts, ImportError> {
         let number = index.value();
         if let Some(parts) = self.meshes.get(&number) {
@@ -57,8 +59,7 @@ impl<'a, J: Join> Import<'a, '_, J> {
         Ok(parts)
     }
 
-    /// The parts of a mesh that changes its shape, stored for one node; what they follow from is
-    /// added to `shapes`.
+    /// The primitives of a deformed mesh of one node. Its geometry at rest is added to `shapes`.
     pub fn shapes(
         &mut self,
         index: Index<Mesh>,
@@ -69,13 +70,15 @@ impl<'a, J: Join> Import<'a, '_, J> {
         let source = self.source(index)?;
         let weights = weights.or(source.weights.as_ref()).into_iter().flatten();
         let weights: Vec<f64> = weights.map(|&weight| f64::from(weight)).collect();
+        let joints: Vec<DMat4> = skin.iter().flat_map(|skin| skin.matrices(&self.rest_worlds)).collect();
         let mut parts = Vec::new();
         for (place, primitive) in source.primitives.iter().enumerate() {
             let targets = primitive.targets.as_ref().map_or(0, Vec::len) as u64;
             let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
             let vertices = positions.and_then(|&index| self.root.get(index)).map_or(0, |a| a.count.0);
-            self.builder.deform(vertices.saturating_mul(1 + targets))?;
-            if let Some((name, rest, material)) = self.primitive(index, place, primitive)? {
+            self.builder.count_deformed(vertices.saturating_mul(1 + targets))?;
+            if let Some((name, mut rest, material)) = self.primitive(index, place, primitive)? {
+                turn_mirrored(&mut rest, &joints);
                 let mesh = self.builder.add_mesh(&name, rest.clone())?;
                 parts.push((mesh, material));
                 shapes.push(DeformedMesh { name, mesh, rest, weights: weights.clone(), skin: skin.clone() });
@@ -109,7 +112,7 @@ impl<'a, J: Join> Import<'a, '_, J> {
         self.root.get(index).ok_or_else(missing)
     }
 
-    /// What a primitive is called, its triangles, and its material; none if it is not drawn.
+    /// The name, the triangles and the material of a primitive; none if it is not drawn.
     fn primitive(
         &mut self,
         index: Index<Mesh>,

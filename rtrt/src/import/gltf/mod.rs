@@ -1,9 +1,8 @@
 //! glTF 2.0.
 //!
-//! The JSON is read in the types of `gltf-json`; the `gltf` crate on top of it, which
-//! follows indices and reads accessors, panics on files whose indices, ranges or node
-//! graphs are broken. Here whatever is drawn is checked as it is met, and the rest of the
-//! file is left alone.
+//! `gltf-json` reads the JSON. The `gltf` crate on top of it follows indices and reads accessors,
+//! but panics on broken indices, ranges and node graphs. This module checks the content that it
+//! draws when it reaches it, and ignores the rest of the file.
 
 mod accessor;
 mod animation;
@@ -26,13 +25,14 @@ use material::Materials;
 use meshes::Import;
 use rtrt_core::scene::Join;
 use std::collections::HashMap;
+use transform::rest_worlds;
 
-/// Whether the bytes start like glTF, binary or JSON.
+/// Whether the bytes begin as binary or JSON glTF does.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     bytes.starts_with(container::MAGIC) || bytes.trim_ascii_start().starts_with(b"{")
 }
 
-/// Draws a file into the scene, and returns its cameras and what moves.
+/// Adds the content of a file to the scene, and returns its cameras and animations.
 pub(super) fn load<J: Join>(
     builder: &mut Builder<'_, J>,
     bytes: &[u8],
@@ -45,6 +45,7 @@ pub(super) fn load<J: Join>(
         buffers: &buffers,
         materials: Materials::new(&root, &buffers),
         meshes: HashMap::new(),
+        rest_worlds: if root.skins.is_empty() { vec![] } else { rest_worlds(&root.nodes) },
         cameras: Vec::new(),
         nodes: Vec::new(),
         builder,

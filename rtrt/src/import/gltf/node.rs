@@ -1,9 +1,9 @@
-//! The node hierarchy: where everything is.
+//! The node hierarchy.
 
 use super::accessor::Column;
 use super::extensions::GPU_INSTANCING;
 use super::meshes::Import;
-use super::transform::{local, parts};
+use super::transform::{children, local, parts};
 use super::{levels, light};
 use crate::import::animation::{self, SceneNode};
 use crate::import::error::quoted;
@@ -17,8 +17,8 @@ use rtrt_core::scene::{Join, Projection};
 use std::collections::HashMap;
 
 impl<J: Join> Import<'_, '_, J> {
-    /// Draws the file's scene: the one it names, else the first, else all nodes that are
-    /// nobody's children, nor levels of detail.
+    /// Adds the scene that the file names, else the first one, else all nodes that are neither children
+    /// nor levels of detail.
     pub fn draw_scene(&mut self) -> Result<(), ImportError> {
         let root = self.root;
         let scene = match root.scene {
@@ -27,13 +27,13 @@ impl<J: Join> Import<'_, '_, J> {
             }
             None => root.scenes.first(),
         };
-        let mut met = vec![false; root.nodes.len()];
+        let mut is_visited = vec![false; root.nodes.len()];
         let mut tracks: HashMap<usize, Vec<Track>> = HashMap::new();
         for track in self.tracks() {
             tracks.entry(track.node).or_default().push(track);
         }
         let mut worlds: Vec<(DMat4, bool)> = vec![];
-        // Where the nodes of the file are among those met.
+        // The places of the file's nodes in `self.nodes`.
         let mut places = HashMap::new();
         let mut next: Vec<(usize, Option<usize>)> = match scene {
             Some(scene) => scene.nodes.iter().rev().map(|node| (node.value(), None)).collect(),
@@ -49,12 +49,12 @@ impl<J: Join> Import<'_, '_, J> {
                 (0..root.nodes.len()).rev().filter(|&i| !is_child[i]).map(|i| (i, None)).collect()
             }
         };
-        // Depth first, children in their order, and no recursion: a chain may be long.
+        // Depth first with a stack: recursion would overflow on long chains.
         while let Some((number, parent)) = next.pop() {
             let Some(node) = root.nodes.get(number) else {
                 return Err(self.invalid(format!("there is no node {number}")));
             };
-            if std::mem::replace(&mut met[number], true) {
+            if std::mem::replace(&mut is_visited[number], true) {
                 return Err(self.invalid(format!("node {number} has two parents or is its own ancestor")));
             }
             let (from, is_carried) = parent.map_or((DMat4::IDENTITY, false), |place: usize| worlds[place]);
@@ -84,8 +84,7 @@ impl<J: Join> Import<'_, '_, J> {
         Ok(())
     }
 
-    /// Draws what hangs on a node, and keeps it in `placed`, for the node to carry along if it
-    /// moves.
+    /// Adds the mesh, the camera and the light of a node, and lists them in `placed` for animations.
     fn draw_node(
         &mut self,
         number: usize,
@@ -107,12 +106,12 @@ impl<J: Join> Import<'_, '_, J> {
             } else {
                 self.mesh(index)?
             };
-            // A skin puts its mesh where the joints are, wherever its node is.
+            // The joints place a skinned mesh; the node of the mesh does not.
             for &(mesh, material) in parts.iter().filter(|_| is_skinned) {
                 self.builder.add_instance(&name, mesh, material, Mat4::IDENTITY)?;
             }
-            let can_change = !is_skinned && !has_targets;
-            let levels = if can_change { self.levels(&name, node, &parts)? } else { vec![] };
+            let is_rigid = !is_skinned && !has_targets;
+            let levels = if is_rigid { self.levels(&name, node, &parts)? } else { vec![] };
             let instances = if is_skinned { vec![] } else { self.instances(node)? };
             for instance in instances {
                 let to_world = (*to_world * instance).as_mat4();
@@ -139,9 +138,12 @@ impl<J: Join> Import<'_, '_, J> {
                     self.cameras.push(NamedCamera {
                         name: source.name.clone().or(node.name.clone()).unwrap_or_default(),
                         camera,
+                        aspect: aspect(source),
                     });
                 }
-                None => self.builder.warn(format!("the camera of {name} is left out: it shows nothing")),
+                None => {
+                    self.builder.warn(format!("the camera of {name} is left out: its picture would be empty"))
+                }
             }
         }
         let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
@@ -157,7 +159,7 @@ impl<J: Join> Import<'_, '_, J> {
         Ok(())
     }
 
-    /// Where the node's mesh is, seen from the node: once, or as often as EXT_mesh_gpu_instancing says.
+    /// The transforms of the node's mesh relative to the node: one, or those of EXT_mesh_gpu_instancing.
     fn instances(&self, node: &Node) -> Result<Vec<DMat4>, ImportError> {
         let extension = node.extensions.as_ref().and_then(|e| e.others.get(GPU_INSTANCING));
         let Some(attributes) = extension.and_then(|extension| extension.get("attributes")) else {
@@ -194,12 +196,20 @@ impl<J: Join> Import<'_, '_, J> {
     }
 }
 
-/// The numbers of a node's children.
-fn children(node: &Node) -> impl Iterator<Item = usize> {
-    node.children.iter().flatten().map(Index::value)
+/// The shape of the picture that a camera is made for: width / height.
+fn aspect(source: &camera::Camera) -> Option<f32> {
+    let aspect = match source.type_ {
+        Checked::Valid(camera::Type::Perspective) => source.perspective.as_ref()?.aspect_ratio?,
+        Checked::Valid(camera::Type::Orthographic) => {
+            let camera = source.orthographic.as_ref()?;
+            (camera.xmag / camera.ymag).abs()
+        }
+        Checked::Invalid => return None,
+    };
+    (aspect > 0.0 && aspect.is_finite()).then_some(aspect)
 }
 
-/// What a camera shows; none if the file does not say.
+/// The projection of a camera; none if the file does not say.
 fn projection(source: &camera::Camera) -> Option<Projection> {
     match source.type_ {
         Checked::Valid(camera::Type::Perspective) => {

@@ -12,27 +12,27 @@ use gltf_json::{Index, Root};
 use rtrt_core::layout::Attribute;
 use std::path::Path;
 
-/// Which of a primitive's attributes its material is looked up with.
+/// The texture coordinates that a material uses.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Coordinates {
-    /// The sets of texture coordinates, in the order of the scene's slots for them.
+    /// The set of the file in each of the two slots of the scene.
     pub sets: [Option<u32>; 2],
-    /// The slot of the normal map's, if there is one: tangents are then needed.
+    /// The slot of the normal map, which needs tangents.
     pub bump: Option<u32>,
 }
 
 impl Coordinates {
-    /// The slot of this set, which may be a new one; none if there is no room.
+    /// The slot of a set, a new one if necessary; none if both are taken.
     pub fn slot(&mut self, set: u32) -> Option<u32> {
         let slot = self.sets.iter_mut().position(|slot| *slot.get_or_insert(set) == set)?;
         Some(slot as u32)
     }
 }
 
-/// The triangles of a primitive, or what it is instead.
+/// The triangles of a primitive, or the name of its kind if it is not drawn.
 ///
-/// A vertex without a normal gets the normal 0, for which the renderer takes the
-/// triangle's own: flat shading without a copy of each vertex for each triangle.
+/// A vertex without a normal gets the normal 0. The renderer replaces it by the triangle's normal: flat
+/// shading without a copy of each vertex for each triangle.
 pub(super) fn geometry(
     path: &Path,
     root: &Root,
@@ -116,32 +116,37 @@ pub(super) fn geometry(
         (None, Some(slot)) => Tangents::Made { second: slot == 1 },
     };
     let deform = Deform {
-        joints: joints(primitive, &column, positions_count, &vertices)?,
+        joint_sets: joint_sets(primitive, &column, positions_count, &vertices)?,
         targets: targets(primitive, &column, &vertices)?,
     };
     let geometry = Geometry { positions, attributes, indices, second_uv, tangents, deform };
-    // A normal map turns a normal, so there has to be one.
+    // A normal map needs normals.
     let is_flat = coordinates.bump.is_some() && normals.is_none();
     Ok(Ok(if is_flat { faceted(geometry) } else { geometry }))
 }
 
-/// The joints that the vertices of a skin hang on: the first four.
-fn joints<'a>(
+/// The joints of the vertices of a skin, a list for each set of four.
+fn joint_sets<'a>(
     primitive: &Primitive,
     column: &impl Fn(Index<Accessor>, &[Type]) -> Result<Column<'a>, ImportError>,
     count: usize,
     vertices: &[u32],
-) -> Result<Vec<JointWeights>, ImportError> {
+) -> Result<Vec<Vec<JointWeights>>, ImportError> {
     let get = |semantic| primitive.attributes.get(&Checked::Valid(semantic));
-    let (Some(&joints), Some(&weights)) = (get(Semantic::Joints(0)), get(Semantic::Weights(0))) else {
-        return Ok(vec![]);
-    };
-    let (joints, weights) = (column(joints, &[Type::Vec4])?, column(weights, &[Type::Vec4])?);
-    if joints.count != count || weights.count != count {
-        return Ok(vec![]);
+    let mut sets = Vec::new();
+    for set in 0.. {
+        let (Some(&joints), Some(&weights)) = (get(Semantic::Joints(set)), get(Semantic::Weights(set)))
+        else {
+            break;
+        };
+        let (joints, weights) = (column(joints, &[Type::Vec4])?, column(weights, &[Type::Vec4])?);
+        if joints.count != count || weights.count != count {
+            return Ok(vec![]);
+        }
+        let vertex = |&i: &u32| (joints.at(i as usize).map(|joint| joint as u32), weights.at(i as usize));
+        sets.push(vertices.iter().map(vertex).collect());
     }
-    let vertex = |&i: &u32| (joints.at(i as usize).map(|joint| joint as u32), weights.at(i as usize));
-    Ok(vertices.iter().map(vertex).collect())
+    Ok(sets)
 }
 
 /// The morph targets of the vertices.
@@ -171,11 +176,11 @@ fn targets<'a>(
     primitive.targets.iter().flatten().map(target).collect()
 }
 
-/// The same triangles, each with vertices of its own that have the triangle's normal.
+/// The triangles with separate vertices and their own normals.
 fn faceted(geometry: Geometry) -> Geometry {
     let corner = |i: &u32| geometry.positions.get(*i as usize).copied().map(Vec3::from);
     let Some(corners) = geometry.indices.iter().map(corner).collect::<Option<Vec<_>>>() else {
-        // An index out of range is refused with the mesh.
+        // The mesh refuses an index that is out of range.
         return geometry;
     };
     let at = |i: &u32| *i as usize;
@@ -200,7 +205,7 @@ fn two([u, v, _, _]: [f32; 4]) -> [f32; 2] {
     [u, v]
 }
 
-/// The corners of all triangles of a list, strip or fan. An incomplete last one is dropped.
+/// The corners of all triangles of a list, strip or fan, without an incomplete last one.
 fn triangles(mode: Mode, mut indices: Vec<u32>) -> Vec<u32> {
     match mode {
         Mode::TriangleStrip => {
@@ -219,20 +224,20 @@ fn triangles(mode: Mode, mut indices: Vec<u32>) -> Vec<u32> {
     }
 }
 
-/// Which vertices to keep, in order; `indices` then count those. All, unless there are more
-/// than corners: primitives often share one large array and use a part of it each.
+/// The vertices that the indices use, in order; `indices` then refer to this list. It has all vertices
+/// unless they outnumber the corners: primitives often share one large array and use a part of it.
 fn used(indices: &mut [u32], count: usize) -> Vec<u32> {
     if count <= indices.len() {
         return (0..count as u32).collect();
     }
-    let mut kept: Vec<u32> = indices.iter().copied().filter(|&i| (i as usize) < count).collect();
-    kept.sort_unstable();
-    kept.dedup();
+    let mut used: Vec<u32> = indices.iter().copied().filter(|&i| (i as usize) < count).collect();
+    used.sort_unstable();
+    used.dedup();
     for index in indices {
-        // One that is out of range stays so, and is refused with the mesh.
-        *index = kept.binary_search(index).map_or(u32::MAX, |place| place as u32);
+        // The mesh refuses an index that is out of range.
+        *index = used.binary_search(index).map_or(u32::MAX, |place| place as u32);
     }
-    kept
+    used
 }
 
 #[cfg(test)]

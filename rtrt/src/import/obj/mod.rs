@@ -1,48 +1,51 @@
 //! OBJ with MTL: one mesh and one object for each material.
 
+mod material;
 mod mtl;
+mod normals;
 mod parse;
 mod polygon;
+mod text;
+mod texture;
 
 use crate::import::builder::Builder;
 use crate::import::error::quoted;
-use crate::import::geometry::{Geometry, pack_color};
-use crate::import::{ImportError, NamedCamera, file, picture};
+use crate::import::geometry::{Geometry, Tangents, pack_color};
+use crate::import::{ImportError, NamedCamera};
 use glam::Mat4;
+use material::Materials;
 use parse::{Corner, NONE, Obj, Polygon};
 use polygon::Splitter;
-use rtrt_core::layout::{Attribute, COLOR_LIMIT, Texture, Wrap};
-use rtrt_core::scene::{Join, Material, MaterialIndex};
+use rtrt_core::layout::Attribute;
+use rtrt_core::scene::Join;
 use std::collections::HashMap;
 
-/// Draws a file into the scene. OBJ has no cameras.
+/// Adds the file's meshes to the scene. OBJ has no cameras.
 pub(super) fn load<J: Join>(
     builder: &mut Builder<'_, J>,
     bytes: &[u8],
 ) -> Result<Vec<NamedCamera>, ImportError> {
-    let obj = parse::parse(bytes).map_err(|why| builder.invalid(why))?;
-    if obj.skipped > 0 {
-        builder.warn(format!("{} points, lines or curves are left out", obj.skipped));
-    }
-    if obj.unresolved > 0 {
-        let count = obj.unresolved;
-        builder.warn(format!("{count} references to texture coordinates or normals lead nowhere"));
-    }
-    let sources = libraries(builder, &obj);
+    let mut obj = parse::parse(&text::utf8(bytes)).map_err(|why| builder.invalid(why))?;
+    warn(builder, &obj);
+    normals::smooth(&mut obj);
+    let mut materials = Materials::new(builder, &obj.libraries);
     let mut unknown = 0;
-    let mut textures = HashMap::new();
     // The polygons before the first `usemtl`, then those of each material.
     let mut groups: Vec<Vec<Polygon>> = vec![Vec::new(); obj.materials.len() + 1];
     for &polygon in &obj.polygons {
         groups[polygon.material.map_or(0, |material| material + 1)].push(polygon);
     }
     for (number, polygons) in groups.into_iter().enumerate().filter(|(_, polygons)| !polygons.is_empty()) {
-        let name = number.checked_sub(1).map(|material| &obj.materials[material]);
-        let source = name.and_then(|name| sources.get(name));
+        let name = number.checked_sub(1).map(|material| obj.materials[material].clone());
+        let source = name.as_ref().and_then(|name| materials.find(name));
         unknown += usize::from(name.is_some() && source.is_none());
-        let material = material(builder, source, &mut textures)?;
-        let name = name.map_or("the polygons without a material".into(), |name| quoted(name));
-        let mesh = builder.add_mesh(&name, geometry(&obj, &polygons))?;
+        let (material, has_normal_map) = materials.add(builder, source.as_ref(), !obj.colors.is_empty())?;
+        let name = name.map_or("the polygons without a material".into(), |name| quoted(&name));
+        if has_normal_map {
+            add_face_normals(&mut obj, &polygons);
+        }
+        let tangents = if has_normal_map { Tangents::Made { second: false } } else { Tangents::None };
+        let mesh = builder.add_mesh(&name, Geometry { tangents, ..geometry(&obj, &polygons) })?;
         builder.add_instance(&name, mesh, material, Mat4::IDENTITY)?;
     }
     if unknown > 0 {
@@ -51,63 +54,38 @@ pub(super) fn load<J: Join>(
     Ok(Vec::new())
 }
 
-/// The materials of all libraries, by name; of two with the same name the first.
-fn libraries<J: Join>(builder: &mut Builder<'_, J>, obj: &Obj) -> HashMap<String, mtl::Source> {
-    let mut materials = HashMap::new();
-    for name in &obj.libraries {
-        match builder.files.read(&file::beside(&builder.path, name), file::LONGEST) {
-            Ok(bytes) => {
-                for source in mtl::parse(&bytes) {
-                    materials.entry(source.name.clone()).or_insert(source);
-                }
+/// Warns of elements that are not drawn as the file has them.
+fn warn<J: Join>(builder: &mut Builder<'_, J>, obj: &Obj) {
+    let Obj { skipped, unresolved, not_finite, .. } = *obj;
+    if skipped > 0 {
+        builder.warn(format!("{skipped} points, lines or curves are left out"));
+    }
+    if unresolved > 0 {
+        builder.warn(format!("{unresolved} references to texture coordinates or normals lead nowhere"));
+    }
+    if not_finite > 0 {
+        builder.warn(format!(
+            "{not_finite} corners have texture coordinates or normals that are not finite; \
+             those are drawn without texture coordinates, or with the normal of the face"
+        ));
+    }
+}
+
+/// Gives the corners of polygons without normals the normals of their faces: a normal map turns a normal, so there has
+/// to be one.
+fn add_face_normals(obj: &mut Obj, polygons: &[Polygon]) {
+    for polygon in polygons {
+        if normals::lacks_normals(obj, polygon) {
+            let normal = obj.add_face_normal(polygon);
+            for corner in &mut obj.corners[polygon.first..polygon.first + polygon.corners] {
+                corner[2] = normal;
             }
-            Err(error) => builder.warn(format!("material library {}: {error}", quoted(name))),
         }
     }
-    materials
 }
 
-/// A material of the scene; gray and dull without a source.
-///
-/// MTL's highlight has the brightness `Ks` at its peak, ours grows with its sharpness: the
-/// factor `8 / (Ns + 8)` makes the peaks equal.
-fn material<J: Join>(
-    builder: &mut Builder<'_, J>,
-    source: Option<&mtl::Source>,
-    textures: &mut HashMap<String, Texture>,
-) -> Result<MaterialIndex, ImportError> {
-    let Some(source) = source else {
-        return builder.add_material(Material::new([0.7; 3]).roughness(0.8));
-    };
-    let texture = match &source.texture {
-        None => None,
-        Some(name) => match textures.get(name) {
-            Some(&texture) => Some(texture),
-            None => {
-                let place = file::beside(&builder.path, name);
-                let bytes = builder.files.read(&place, file::LONGEST).map_err(|error| error.to_string());
-                let texture = builder.add_texture(&quoted(name), bytes.and_then(|b| picture::decode(&b)))?;
-                textures.insert(name.clone(), texture);
-                Some(texture)
-            }
-        },
-    };
-    let wrap = if source.clamp { Wrap::Clamp } else { Wrap::Repeat } as u32;
-    let peak = 8.0 / (source.shininess + 8.0);
-    // The inverse of what a roughness makes of highlights.
-    let roughness = libm::sqrtf(libm::sqrtf(2.0 / (source.shininess + 2.0)));
-    let texture = texture.map(|texture| Texture { wrap_u: wrap, wrap_v: wrap, ..texture });
-    let specular = source.specular.map(|s| (s * peak / (1.0 - 0.5 * roughness)).min(COLOR_LIMIT));
-    let material = Material::new(source.diffuse)
-        .base_color_map(texture)
-        .roughness(roughness)
-        .specular(specular, source.shininess)
-        .emission(source.emission);
-    builder.add_material(if source.alpha < 1.0 { material.blend(source.alpha) } else { material })
-}
-
-/// The triangles of the polygons. Corners that are alike are one vertex. A polygon with a
-/// normal missing has none at all, and is then drawn flat.
+/// The triangles of the polygons. Equal corners share a vertex. A polygon with a corner without a normal has no normals
+/// at all, and the renderer then takes those of its triangles.
 fn geometry(obj: &Obj, polygons: &[Polygon]) -> Geometry {
     let mut geometry = Geometry::default();
     let mut known: HashMap<Corner, u32> = HashMap::new();

@@ -3,6 +3,13 @@
 //! Why not `tobj`: where faces with and without texture coordinates are mixed, as in one
 //! of the classic scenes, it returns texture coordinates that belong to other vertices.
 
+use super::polygon::face_normal;
+use super::text::{lines, numbers};
+use crate::import::color::srgb_to_linear;
+use crate::import::error::quoted;
+use glam::DVec3;
+use std::collections::HashMap;
+
 /// One corner of a polygon: vertex, texture coordinates and normal, or [`NONE`].
 pub(super) type Corner = [u32; 3];
 
@@ -14,47 +21,56 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(super) struct Polygon {
     pub first: usize,
     pub corners: usize,
-    /// Of `Obj::materials`; none before the first `usemtl`.
+    /// An index of `Obj::materials`; none before the first `usemtl`.
     pub material: Option<usize>,
+    /// The smoothing group; 0 for none.
+    pub smoothing: u32,
 }
 
-/// What an OBJ file says.
+/// The content of an OBJ file.
 #[derive(Debug, Default)]
 pub(super) struct Obj {
     pub positions: Vec<[f32; 3]>,
-    /// Linear RGB, one a position, or empty as long as no vertex has a color.
+    /// Linear RGB, one a position; empty if no vertex has a color.
     pub colors: Vec<[f32; 3]>,
     /// `v` pointing up.
     pub uvs: Vec<[f32; 2]>,
     pub normals: Vec<[f32; 3]>,
     pub corners: Vec<Corner>,
     pub polygons: Vec<Polygon>,
-    /// Names in the order in which they are first used.
+    /// The names of materials in the order of their first use.
     pub materials: Vec<String>,
-    /// Files with materials.
+    /// The `mtllib` lines: each names one or several files with materials.
     pub libraries: Vec<String>,
-    /// Texture coordinates and normals that corners refer to and that are not there.
+    /// How many references to texture coordinates or normals have no target.
     pub unresolved: usize,
-    /// Lines, points, curves and other things that are not polygons.
+    /// How many references lead to texture coordinates or normals that are not finite.
+    pub not_finite: usize,
+    /// How many elements are lines, points, curves or surfaces.
     pub skipped: usize,
 }
 
-/// Reads an OBJ file. Lines that this format does not know are passed over.
+/// The content of an OBJ file. Unknown keywords are ignored.
 ///
 /// # Errors
-/// A number cannot be read or an index is out of range: the line, and why.
+/// A number cannot be read, or an index is out of range. The text names the line and the reason.
 pub(super) fn parse(bytes: &[u8]) -> Result<Obj, String> {
     let mut obj = Obj::default();
-    let mut material = None;
-    let mut names = std::collections::HashMap::new();
+    let (mut material, mut smoothing) = (None, 0);
+    let mut names = HashMap::new();
     for (number, line) in lines(bytes) {
         let (key, rest) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
         let rest = rest.trim();
         let result = match key {
             "v" => obj.vertex(rest),
-            "vt" => numbers(rest).map(|n| obj.uvs.push([n.first(), n.second()])),
-            "vn" => numbers(rest).map(|n| obj.normals.push([n.first(), n.second(), n.third()])),
-            "f" => obj.face(rest, material),
+            "vt" => numbers(rest).map(|n| obj.uvs.push(n.first())),
+            "vn" => numbers(rest).map(|n| obj.normals.push(n.first())),
+            "f" => obj.face(rest, material, smoothing),
+            "s" => {
+                // `off` is 0.
+                smoothing = rest.parse().unwrap_or(0);
+                Ok(())
+            }
             "usemtl" => {
                 let next = names.len();
                 material = Some(*names.entry(rest.to_owned()).or_insert_with(|| {
@@ -79,22 +95,27 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Obj, String> {
 }
 
 impl Obj {
-    /// `x y z`, then maybe a weight (of no use to polygons), or a color.
+    /// Reads `x y z`, perhaps followed by a weight, which polygons do not use, and by a color of 0 ..= 1 in sRGB.
     fn vertex(&mut self, rest: &str) -> Result<(), String> {
         let n = numbers(rest)?;
         if n.count < 3 {
             return Err("a vertex needs three coordinates".into());
         }
-        self.positions.push([n.first(), n.second(), n.third()]);
-        if n.count >= 6 {
+        self.positions.push(n.first());
+        let color = match n.count {
+            6 => Some([n.values[3], n.values[4], n.values[5]]),
+            7.. => Some([n.values[4], n.values[5], n.values[6]]),
+            _ => None,
+        };
+        if let Some(color) = color {
             self.colors.resize(self.positions.len() - 1, [1.0; 3]);
-            self.colors.push([n.values[3], n.values[4], n.values[5]]);
+            self.colors.push(color.map(|c| srgb_to_linear(f64::from(c.clamp(0.0, 1.0)))));
         }
         Ok(())
     }
 
-    /// Corners as `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn face(&mut self, rest: &str, material: Option<usize>) -> Result<(), String> {
+    /// Reads corners as `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn face(&mut self, rest: &str, material: Option<usize>, smoothing: u32) -> Result<(), String> {
         let first = self.corners.len();
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
         for corner in rest.split_whitespace() {
@@ -107,13 +128,13 @@ impl Obj {
                 }
             }
             if indices[0] == NONE || parts.next().is_some() {
-                return Err(format!("{} is not a corner", super::quoted(corner)));
+                return Err(format!("{} is not a corner", quoted(corner)));
             }
             self.corners.push(indices);
         }
         let corners = self.corners.len() - first;
         if corners >= 3 {
-            self.polygons.push(Polygon { first, corners, material });
+            self.polygons.push(Polygon { first, corners, material, smoothing });
         } else {
             self.corners.truncate(first);
             self.skipped += 1;
@@ -121,89 +142,71 @@ impl Obj {
         Ok(())
     }
 
-    /// Whether every corner has its vertex, which may come later in the file than the face.
-    /// Texture coordinates and normals that are not there are not needed either.
+    /// Checks that every corner has its vertex, which may stand after the face. Texture coordinates that are missing or
+    /// not finite are removed from their corners, and so are missing normals. A normal that is not finite is replaced by
+    /// the normal of the face.
     fn check(&mut self) -> Result<(), String> {
         if !self.colors.is_empty() {
             self.colors.resize(self.positions.len(), [1.0; 3]);
         }
-        for (polygon, place) in self.polygons.iter().enumerate() {
-            for [vertex, uv, normal] in &mut self.corners[place.first..place.first + place.corners] {
-                if *vertex as usize >= self.positions.len() {
-                    let (vertex, count) = (u64::from(*vertex) + 1, self.positions.len());
-                    return Err(format!("face {} uses vertex {vertex} of {count}", polygon + 1));
+        let is_finite = |numbers: &[f32]| numbers.iter().all(|n| n.is_finite());
+        let uvs: Vec<bool> = self.uvs.iter().map(|uv| is_finite(uv)).collect();
+        let normals: Vec<bool> = self.normals.iter().map(|normal| is_finite(normal)).collect();
+        for (number, polygon) in self.polygons.clone().into_iter().enumerate() {
+            let mut face_normal = None;
+            for place in polygon.first..polygon.first + polygon.corners {
+                let [vertex, uv, normal] = self.corners[place];
+                if vertex as usize >= self.positions.len() {
+                    let (vertex, count) = (u64::from(vertex) + 1, self.positions.len());
+                    return Err(format!("face {} uses vertex {vertex} of {count}", number + 1));
                 }
-                for (index, count) in [(uv, self.uvs.len()), (normal, self.normals.len())] {
-                    if *index != NONE && *index as usize >= count {
-                        *index = NONE;
-                        self.unresolved += 1;
+                match uvs.get(uv as usize) {
+                    Some(true) => {}
+                    found => {
+                        self.not_finite += usize::from(found.is_some());
+                        self.unresolved += usize::from(found.is_none() && uv != NONE);
+                        self.corners[place][1] = NONE;
                     }
                 }
+                self.corners[place][2] = match normals.get(normal as usize) {
+                    Some(true) => normal,
+                    Some(false) => {
+                        self.not_finite += 1;
+                        *face_normal.get_or_insert_with(|| self.add_face_normal(&polygon))
+                    }
+                    None => {
+                        self.unresolved += usize::from(normal != NONE);
+                        NONE
+                    }
+                };
             }
         }
         Ok(())
     }
+
+    /// The index of a new normal: that of a polygon whose vertices exist.
+    pub fn add_face_normal(&mut self, polygon: &Polygon) -> u32 {
+        let normal = face_normal(&self.outline(polygon));
+        self.normals.push(normal.as_vec3().to_array());
+        self.normals.len() as u32 - 1
+    }
+
+    /// The positions of a polygon's corners.
+    pub fn outline(&self, polygon: &Polygon) -> Vec<DVec3> {
+        let corners = &self.corners[polygon.first..polygon.first + polygon.corners];
+        corners.iter().map(|corner| DVec3::from(self.positions[corner[0] as usize].map(f64::from))).collect()
+    }
 }
 
-/// From 1, or counted back from the last one before the face.
+/// The index that a reference means: it counts from 1, or back from the last element before the face.
 fn reference(text: &str, count: usize) -> Result<u32, String> {
-    let wrong = || format!("{} is not an index", super::quoted(text));
+    let wrong = || format!("{} is not an index", quoted(text));
     let number: i64 = text.parse().map_err(|_| wrong())?;
     let index = if number < 0 { count as i64 + number } else { number - 1 };
     match u32::try_from(index) {
         Ok(index) if index != NONE => Ok(index),
         _ => Err(wrong()),
     }
-}
-
-/// Up to eight numbers.
-pub(super) struct Numbers {
-    values: [f32; 8],
-    pub count: usize,
-}
-
-impl Numbers {
-    pub fn first(&self) -> f32 {
-        self.values[0]
-    }
-    pub fn second(&self) -> f32 {
-        self.values[1]
-    }
-    pub fn third(&self) -> f32 {
-        self.values[2]
-    }
-}
-
-/// The numbers in a line; those that are not there are 0.
-pub(super) fn numbers(rest: &str) -> Result<Numbers, String> {
-    let mut numbers = Numbers { values: [0.0; 8], count: 0 };
-    for (text, value) in rest.split_whitespace().zip(&mut numbers.values) {
-        *value = text.parse().map_err(|_| format!("{} is not a number", super::quoted(text)))?;
-        numbers.count += 1;
-    }
-    Ok(numbers)
-}
-
-/// Lines with their numbers, without comments and blanks around; one that ends in a
-/// backslash goes on in the next.
-pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, String)> {
-    let mut rest = bytes.split(|&b| b == b'\n').enumerate();
-    std::iter::from_fn(move || {
-        let (number, line) = rest.next()?;
-        let mut text = String::from_utf8_lossy(line).trim().to_owned();
-        while text.ends_with('\\') {
-            text.pop();
-            let Some((_, line)) = rest.next() else { break };
-            text.push(' ');
-            text.push_str(String::from_utf8_lossy(line).trim());
-        }
-        // Names may have the sign within.
-        let starts = |&(at, _): &(usize, &str)| at == 0 || text[..at].ends_with(char::is_whitespace);
-        if let Some((comment, _)) = text.match_indices('#').find(starts) {
-            text.truncate(text[..comment].trim_end().len());
-        }
-        Some((number + 1, text))
-    })
 }
 
 #[cfg(test)]
@@ -217,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_its_line() {
+    fn errors_name_their_line() {
         assert_eq!(parse(b"v 0 0 0\nv 1 x 0").unwrap_err(), "line 2: \"x\" is not a number");
         assert_eq!(parse(b"f 0 1 2").unwrap_err(), "line 1: \"0\" is not an index");
         assert_eq!(parse(b"v 0 0 0\nf 1 1 2").unwrap_err(), "face 1 uses vertex 2 of 1");
@@ -225,11 +228,22 @@ mod tests {
     }
 
     #[test]
-    fn lines_go_on_after_a_backslash_and_end_at_a_comment() {
-        let text: Vec<_> = lines(b"f 1 \\\n 2 # three\r\n\nusemtl a#b\nv\\").collect();
-        assert_eq!(
-            text,
-            [(1, "f 1  2".into()), (3, String::new()), (4, "usemtl a#b".into()), (5, "v".into())]
-        );
+    fn vertex_colors_are_srgb() {
+        // sRGB 0.5 is 0.2140 in linear light; values are clamped; the weight before a color is no color.
+        let obj = parse(b"v 0 0 0 0.5 1 0\nv 0 0 0\nv 0 0 0 1 0.5 2 -1\n").unwrap();
+        assert!((obj.colors[0][0] - 0.214_041).abs() < 1e-6);
+        assert_eq!(obj.colors[0][1..], [1.0, 0.0]);
+        assert_eq!(obj.colors[1], [1.0; 3]);
+        assert_eq!(obj.colors[2], [obj.colors[0][0], 1.0, 0.0]);
+    }
+
+    #[test]
+    fn corners_with_a_normal_that_is_not_finite_have_the_normal_of_the_face() {
+        let obj = parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn nan 0 0\nvn 0 1 0\nf 1//1 2//2 3//1\n").unwrap();
+        let normals = [0, 1, 2].map(|corner: usize| obj.normals[obj.corners[corner][2] as usize]);
+        assert_eq!(normals, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let obj = parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1.#QNAN 0\nvt 1 1\nf 1/1 2/2 3/2\n").unwrap();
+        assert_eq!(obj.corners.iter().map(|corner| corner[1]).collect::<Vec<_>>(), [NONE, 1, 1]);
+        assert_eq!((obj.not_finite, obj.unresolved), (1, 0));
     }
 }

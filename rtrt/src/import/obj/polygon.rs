@@ -1,8 +1,9 @@
-//! Polygons become triangles.
+//! Polygons to triangles.
 
 use earcut::Earcut;
+use glam::DVec3;
 
-/// Splits polygons into triangles; keeps its memory from one to the next.
+/// Splits polygons into triangles. Its memory is reused from polygon to polygon.
 pub(super) struct Splitter {
     earcut: Earcut<f64>,
     flat: Vec<[f64; 2]>,
@@ -14,17 +15,15 @@ impl Splitter {
         Self { earcut: Earcut::new(), flat: Vec::new(), triangles: Vec::new() }
     }
 
-    /// The corners of the polygon's triangles, three each, counted along its outline and
-    /// turning the same way.
+    /// The triangles of the polygon: three indices of its corners each, with its orientation.
     ///
-    /// The polygon is laid flat along its average normal (Newell's: the sum of the cross
-    /// products of neighboring corners), dropping the axis that this is longest in, and then
-    /// its ears are cut. That is right for concave polygons, where a fan is not. One without
-    /// area, or with corners that are not finite, becomes a fan, for the mesh to judge.
+    /// The polygon is projected along the axis in which its normal is longest (Newell's: the sum of the cross
+    /// products of neighboring corners), and ear clipping splits it. Unlike a fan, this also splits concave
+    /// polygons. A polygon without area, or with corners that are not finite, becomes a fan.
     pub fn split(&mut self, corners: &[[f32; 3]]) -> &[u32] {
         let count = corners.len() as u32;
         self.triangles.clear();
-        if count > 3 && self.lay_flat(corners) {
+        if count > 3 && self.project(corners) {
             self.earcut.earcut_slice(&self.flat, &[], &mut self.triangles);
         }
         if self.triangles.is_empty() {
@@ -33,11 +32,10 @@ impl Splitter {
         &self.triangles
     }
 
-    /// Whether the polygon has an area; it is then in `flat`, turning left.
-    fn lay_flat(&mut self, corners: &[[f32; 3]]) -> bool {
-        let origin = glam::DVec3::from(corners[0].map(f64::from));
-        let at = |i: usize| glam::DVec3::from(corners[i % corners.len()].map(f64::from)) - origin;
-        let normal: glam::DVec3 = (1..corners.len()).map(|i| at(i).cross(at(i + 1))).sum();
+    /// Projects the polygon into `flat`, counterclockwise. Returns whether it has an area.
+    fn project(&mut self, corners: &[[f32; 3]]) -> bool {
+        let outline: Vec<DVec3> = corners.iter().map(|corner| DVec3::from(corner.map(f64::from))).collect();
+        let normal = vector_area(&outline);
         let size = normal.abs();
         let (axis, length) =
             (0..3).map(|axis| (axis, size[axis])).fold((2, 0.0), |a, b| if b.1 > a.1 { b } else { a });
@@ -47,15 +45,32 @@ impl Splitter {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let (u, v) = if normal[axis] > 0.0 { (u, v) } else { (v, u) };
         self.flat.clear();
-        self.flat.extend((0..corners.len()).map(|i| [at(i)[u], at(i)[v]]));
+        self.flat.extend(outline.iter().map(|corner| corner - outline[0]).map(|c| [c[u], c[v]]));
         true
     }
+}
+
+/// The unit normal of a polygon ([`vector_area`]); 0 for one without area.
+pub(super) fn face_normal(outline: &[DVec3]) -> DVec3 {
+    unit(vector_area(outline))
+}
+
+/// `v` at length 1; 0 for a vector without a length.
+pub(super) fn unit(v: DVec3) -> DVec3 {
+    let length = libm::sqrt(v.length_squared());
+    if length > 0.0 && length.is_finite() { v / length } else { DVec3::ZERO }
+}
+
+/// A vector along the normal of a polygon, with twice its area as length (Newell's: the sum of the cross products of
+/// neighboring corners, seen from the first).
+fn vector_area(outline: &[DVec3]) -> DVec3 {
+    let Some(&origin) = outline.first() else { return DVec3::ZERO };
+    outline.windows(2).map(|edge| (edge[0] - origin).cross(edge[1] - origin)).sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     /// The vector area of a polygon, and the sum of those of its triangles, and of their
     /// sizes. All agree if the triangles cover it once and turn as it does.

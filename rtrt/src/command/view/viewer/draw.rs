@@ -1,4 +1,4 @@
-//! Pictures: rendered where they are shown, or to be taken there, or to be written.
+//! Rendering of pictures for the window and for files.
 
 use super::{Timing, Viewer, Wanted};
 use crate::command::Error;
@@ -10,16 +10,16 @@ use std::time::Instant;
 
 impl Viewer {
     /// Whether the picture can be rendered into a texture of the window's device.
-    pub fn is_drawn_here(&mut self, wanted: &Wanted) -> bool {
-        self.backends[self.current].here().is_some()
+    pub fn is_rendered_in_place(&mut self, wanted: &Wanted) -> bool {
+        self.backends[self.current].shared().is_some()
             && wanted.debug.is_none()
             && self.drawn.as_ref() != Some(wanted)
     }
 
-    /// Renders the picture, into a texture of the window's device if there is one, and takes note if
-    /// that fails. Gives the size of a picture that is not in the texture.
+    /// Renders the picture, into a texture of the window's device if there is one. A failure is noted. Returns the
+    /// size of a picture that is not in the texture.
     pub fn render(&mut self, wanted: Wanted, texture: Option<wgpu::Texture>) -> Option<[u32; 2]> {
-        if texture.is_some_and(|texture| self.draw_here(wanted, &texture)) {
+        if texture.is_some_and(|texture| self.render_in_place(wanted, &texture)) {
             return None;
         }
         let drawn = self.draw(wanted);
@@ -28,7 +28,7 @@ impl Viewer {
         is_drawn.then_some(wanted.detail.size)
     }
 
-    /// Renders the picture, or the debug view, if that is not what is there already.
+    /// Renders the picture or the debug view, unless it is the current one.
     pub(super) fn draw(&mut self, wanted: Wanted) -> Result<(), Error> {
         if self.drawn == Some(wanted) {
             return Ok(());
@@ -39,8 +39,8 @@ impl Viewer {
         let backend = &mut self.backends[self.current];
         let rendered = self.job.render(backend.backend(), &request, &mut self.picture);
         match rendered {
-            Err(Error::Render { source, .. }) if is_of_device(&source) && backend.here().is_some() => {
-                self.part(source);
+            Err(Error::Render { source, .. }) if is_of_device(&source) && backend.shared().is_some() => {
+                self.unshare(source);
                 let request = self.job.request(wanted.debug.is_some());
                 self.job.render(self.backends[self.current].backend(), &request, &mut self.picture)?;
             }
@@ -53,14 +53,14 @@ impl Viewer {
         Ok(())
     }
 
-    /// Renders the picture into a texture of the window's device. Where that fails, the device is no
-    /// longer shared, and the picture is still to be rendered.
-    fn draw_here(&mut self, wanted: Wanted, texture: &wgpu::Texture) -> bool {
+    /// Renders the picture into a texture of the window's device. Returns whether it succeeded; on a failure the
+    /// device is no longer shared.
+    fn render_in_place(&mut self, wanted: Wanted, texture: &wgpu::Texture) -> bool {
         if self.begin(wanted).is_err() {
             return false;
         }
         let start = Instant::now();
-        let Some(gpu) = self.backends[self.current].here() else { return false };
+        let Some(gpu) = self.backends[self.current].shared() else { return false };
         match gpu.render_into(texture, &self.job.scene, &self.job.request(false)) {
             Ok(stages_ms) => {
                 self.measured(wanted.detail, start, stages_ms);
@@ -68,21 +68,21 @@ impl Viewer {
             }
             Err(error) => {
                 if is_of_device(&error) {
-                    self.part(error);
+                    self.unshare(error);
                 }
                 false
             }
         }
     }
 
-    /// Leaves the window's device, which has failed.
-    fn part(&mut self, why: RenderError) {
+    /// Stops sharing the window's device after its failure.
+    fn unshare(&mut self, why: RenderError) {
         self.console.say(format_args!("warning: {why}; pictures are read back from here on"));
-        let parted = self.backends[self.current].part(&self.console);
-        self.note(parted);
+        let unshared = self.backends[self.current].unshare(&self.console);
+        self.note(unshared);
     }
 
-    /// Makes the job that of a picture.
+    /// Applies the settings of a picture to the job.
     fn begin(&mut self, wanted: Wanted) -> Result<(), Error> {
         let Wanted { detail, shadows, layers, hybrid, debug, .. } = wanted;
         (self.drawn, self.shown) = (None, None);
@@ -93,10 +93,10 @@ impl Viewer {
         Ok(())
     }
 
-    /// Takes note of how long a picture took.
+    /// Records the time of a picture.
     fn measured(&mut self, detail: Detail, start: Instant, stages_ms: [f64; STAGES.len()]) {
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
-        // What is compiled once says nothing about frames to come.
+        // Later frames do not compile shaders.
         if !self.is_cold() {
             self.pace.measured(detail.rays(), frame_ms);
         }
@@ -104,7 +104,7 @@ impl Viewer {
         self.timing = Some(Timing { detail, frame_ms, stages_ms });
     }
 
-    /// The pixels of the picture that was rendered last, row by row: red, green, blue, alpha.
+    /// The pixels of the last picture, row by row: red, green, blue, alpha.
     pub fn pixels(&self) -> &[u8] {
         match &self.shown {
             Some(shown) => cast_slice(&shown.pixels),
@@ -113,7 +113,7 @@ impl Viewer {
     }
 }
 
-/// Whether another backend may do better.
+/// Whether the error comes from the device, so that another backend may succeed.
 fn is_of_device(error: &RenderError) -> bool {
     matches!(error, RenderError::Backend { .. })
 }
@@ -124,7 +124,7 @@ mod tests {
     use crate::command::Command;
     use clap::Parser;
 
-    /// A viewer of a GPU's pictures that has no window. None, and said, where there is no GPU.
+    /// A viewer without a window on a GPU; none, with a message, without a GPU.
     fn viewer() -> Option<Viewer> {
         let line = "rtrt view demo:matchbox --size 64x36 --samples 1 --backend gpu --quiet";
         let Command::View(options) = Command::parse_from(line.split(' ')) else { unreachable!() };
@@ -154,11 +154,11 @@ mod tests {
         pollster::block_on(adapter.request_device(&descriptor)).unwrap()
     }
 
-    /// What is to be seen next, rendered into a texture of the device if the viewer takes it. Whether it did.
-    fn is_rendered_here(viewer: &mut Viewer, device: &wgpu::Device) -> bool {
+    /// Renders the next picture. Returns whether it is in a texture of the device.
+    fn renders_in_place(viewer: &mut Viewer, device: &wgpu::Device) -> bool {
         let wanted = viewer.next().unwrap();
         let [width, height] = wanted.detail.size;
-        let texture = viewer.is_drawn_here(&wanted).then(|| {
+        let texture = viewer.is_rendered_in_place(&wanted).then(|| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: None,
                 size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -175,7 +175,7 @@ mod tests {
         read_back.is_none()
     }
 
-    /// What is there is what the CPU renders.
+    /// Asserts that the picture equals that of the CPU.
     fn assert_right(viewer: &mut Viewer) {
         let pixels = viewer.pixels().to_vec();
         viewer.switch().unwrap();
@@ -189,23 +189,23 @@ mod tests {
         let Some(mut viewer) = viewer() else { return };
         let (device, queue) = device(&viewer, 4);
         viewer.share(&device, &queue);
-        assert!(!is_rendered_here(&mut viewer, &device));
+        assert!(!renders_in_place(&mut viewer, &device));
         assert_right(&mut viewer);
     }
 
     #[test]
-    fn a_shared_device_that_is_lost_is_left() {
+    fn a_lost_device_is_no_longer_shared() {
         let Some(mut viewer) = viewer() else { return };
         let (device, queue) = device(&viewer, 8);
         viewer.share(&device, &queue);
-        assert!(is_rendered_here(&mut viewer, &device), "the device is not shared");
+        assert!(renders_in_place(&mut viewer, &device), "the device is not shared");
         device.destroy();
         viewer.touch();
-        assert!(!is_rendered_here(&mut viewer, &device));
+        assert!(!renders_in_place(&mut viewer, &device));
         assert_right(&mut viewer);
-        // And stays so.
+        // The device is not shared again.
         viewer.switch().unwrap();
         viewer.touch();
-        assert!(!is_rendered_here(&mut viewer, &device));
+        assert!(!renders_in_place(&mut viewer, &device));
     }
 }

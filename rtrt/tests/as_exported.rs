@@ -1,0 +1,413 @@
+//! Files as exporters write them: small inputs made here, and values that follow from the specifications.
+
+use base64::Engine;
+use glam::Vec3;
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use rtrt::debug::{DebugView, show};
+use rtrt::import::{Loaded, load};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+use rtrt_core::layout::{AlphaKind, MaterialRecord, Texture};
+use rtrt_core::scene::{Camera, Projection, Sequential};
+use rtrt_cpu::{Cpu, Options};
+use std::path::{Path, PathBuf};
+
+/// A folder with these files, of one test.
+fn folder(test: &str, files: &[(&str, &[u8])]) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("as-exported").join(test);
+    std::fs::remove_dir_all(&folder).ok();
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+    folder
+}
+
+/// The scene in the first of these files, without a warning.
+fn loaded(test: &str, files: &[(&str, &[u8])]) -> Loaded {
+    let loaded = load(&folder(test, files).join(files[0].0), &Sequential).unwrap();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    loaded
+}
+
+/// A PNG file of these texels.
+fn png(width: u32, texels: &[[u8; 4]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let height = texels.len() as u32 / width;
+    PngEncoder::new(&mut bytes)
+        .write_image(texels.as_flattened(), width, height, ExtendedColorType::Rgba8)
+        .unwrap();
+    bytes
+}
+
+/// The view of a scene of x and y within ±1, from +z, 32 pixels wide and high; RGB by row from the top.
+fn seen(loaded: &Loaded, view: Option<DebugView>) -> Vec<[u8; 3]> {
+    let projection = Projection::Orthographic { height: 2.0 };
+    let camera = Camera { eye: Vec3::Z * 5.0, look_at: Vec3::ZERO, up: Vec3::Y, projection };
+    let request = Request::new(&camera, [32, 32]).samples(1).shadows(Shadows::Off).deferred(true);
+    let mut picture = Picture::default();
+    let mut cpu = Cpu::new(Options { lanes: Some(1), threads: Some(1) }).unwrap();
+    cpu.render(&loaded.scene, &request, &mut picture).unwrap();
+    let pixels = match view {
+        Some(view) => show(view, &loaded.scene, &request, &picture).unwrap().unwrap().pixels,
+        None => picture.pixels,
+    };
+    pixels.iter().map(|pixel| pixel.to_le_bytes()).map(|[r, g, b, _]| [r, g, b]).collect()
+}
+
+/// The base color in the middle of each quarter: upper left, upper right, lower left, lower right.
+fn quarters(loaded: &Loaded) -> [[u8; 3]; 4] {
+    let pixels = seen(loaded, Some(DebugView::Albedo));
+    [8, 24].map(|y| [8, 24].map(|x| pixels[32 * y + x])).as_flattened().try_into().unwrap()
+}
+
+/// A square over all of the picture with the material `t`, after these lines.
+fn square(lines: &str) -> Vec<u8> {
+    format!(
+        "{lines}\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+         usemtl t\nf 1/1 2/2 3/3 4/4\n"
+    )
+    .into_bytes()
+}
+
+const RED: [u8; 4] = [255, 0, 0, 255];
+const GREEN: [u8; 4] = [0, 255, 0, 255];
+const BLUE: [u8; 4] = [0, 0, 255, 255];
+const WHITE: [u8; 4] = [255; 4];
+
+/// Red and green above blue and white, with so many texels a side in each quarter.
+fn four_colors(side: usize) -> Vec<u8> {
+    let row = |a, b| [[a].repeat(side), [b].repeat(side)].concat();
+    png(2 * side as u32, &[row(RED, GREEN).repeat(side), row(BLUE, WHITE).repeat(side)].concat())
+}
+
+fn rgb([r, g, b, _]: [u8; 4]) -> [u8; 3] {
+    [r, g, b]
+}
+
+#[test]
+fn byte_order_marks_are_no_part_of_the_text() {
+    let mark = |text: &[u8]| [b"\xef\xbb\xbf", text].concat();
+    let obj = mark(&square("mtllib m.mtl"));
+    let scene = loaded("bom", &[("a.obj", &obj), ("m.mtl", &mark(b"newmtl t\nKd 1 0 0\n"))]);
+    assert_eq!(quarters(&scene), [rgb(RED); 4]);
+    // The first line is a vertex.
+    let scene = loaded("bom-v", &[("a.obj", &mark(b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n"))]);
+    assert_eq!(scene.scene.positions().len(), 3);
+}
+
+#[test]
+fn a_line_may_name_several_libraries() {
+    let (a, b): (&[u8], &[u8]) = (b"newmtl other\nKd 0 0 0\n", b"newmtl t\nKd 0 1 0\n");
+    for (number, names) in ["a.mtl b c.mtl", "b c.mtl a.mtl", "b c.mtl"].iter().enumerate() {
+        let obj = square(&format!("mtllib {names}"));
+        let scene = loaded(&format!("libraries-{number}"), &[("x.obj", &obj), ("a.mtl", a), ("b c.mtl", b)]);
+        assert_eq!(quarters(&scene), [rgb(GREEN); 4], "{names}");
+    }
+    let obj = square("mtllib a.mtl gone.mtl");
+    let files: [(&str, &[u8]); 2] = [("x.obj", &obj), ("a.mtl", a)];
+    let scene = load(&folder("libraries-gone", &files).join("x.obj"), &Sequential).unwrap();
+    assert!(scene.warnings[0].starts_with("material library \"gone.mtl\":"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn a_texture_lies_beside_its_library_or_beside_the_scene() {
+    let obj = square("mtllib mats\\m.mtl");
+    let red = png(1, &[RED]);
+    for (number, (name, place)) in [
+        ("t.png", "mats/t.png"),
+        ("t.png", "t.png"),
+        ("tex\\t.png", "mats/tex/t.png"),
+        ("C:\\work\\my tex\\T.PNG", "mats/t.png"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let mtl = format!("newmtl t\nKd 1 1 1\nmap_Kd {name}\n");
+        let files: [(&str, &[u8]); 3] = [("x.obj", &obj), ("mats/m.mtl", mtl.as_bytes()), (place, &red)];
+        assert_eq!(quarters(&loaded(&format!("paths-{number}"), &files)), [rgb(RED); 4], "{name}");
+    }
+}
+
+#[test]
+fn options_scale_and_move_a_texture() {
+    let picture = four_colors(8);
+    let with = |test: &str, options: &str| {
+        let mtl = format!("newmtl t\nmap_Kd {options} four.png\n");
+        loaded(test, &[("x.obj", &square("mtllib m.mtl")), ("m.mtl", mtl.as_bytes()), ("four.png", &picture)])
+    };
+    let [red, green, blue, white] = [RED, GREEN, BLUE, WHITE].map(rgb);
+    assert_eq!(quarters(&with("options", "")), [red, green, blue, white]);
+    // Half a picture to the left, or upward: columns or rows trade places.
+    assert_eq!(quarters(&with("options-u", "-o 0.5 0 0")), [green, red, white, blue]);
+    assert_eq!(quarters(&with("options-v", "-o 0 0.5 0")), [blue, white, red, green]);
+    // A quarter of it has the whole picture: its own quarters are 8 pixels wide.
+    let pixels = seen(&with("options-s", "-s 2 2 1"), Some(DebugView::Albedo));
+    for (x, y, color) in
+        [(4, 4, red), (12, 4, green), (4, 12, blue), (12, 12, white), (20, 4, red), (28, 28, white)]
+    {
+        assert_eq!(pixels[32 * y + x], color, "{x} {y}");
+    }
+    // (0.25, 0.75) of OBJ goes to 2 · 0.25 + 0.5 and 3 · 0.75 + 0.25; textures count rows from the top.
+    let Texture { turn, shift, .. } =
+        with("options-both", "-s 2 3 -o 0.5 0.25").scene.materials()[0].textures[0];
+    let place = [0, 1].map(|i| turn[i][0] * 0.25 + turn[i][1] * 0.25 + shift[i]);
+    assert_eq!(place, [1.0, 1.0 - 2.5]);
+}
+
+#[test]
+fn alpha_comes_from_a_mask_or_from_the_texture() {
+    let (obj, gray) = (square("mtllib m.mtl"), |a: u8| [a, a, a, 255]);
+    let mask = png(2, &[gray(255), gray(0), gray(0), gray(255)]);
+    let half = png(1, &[gray(128)]);
+    let clear = png(2, &[[255, 0, 0, 255], [255, 0, 0, 0], [255, 0, 0, 0], [255, 0, 0, 255]]);
+    let red = png(1, &[RED]);
+    let cases: [(&str, &str, AlphaKind); 6] = [
+        ("mask", "map_Kd red.png\nmap_d mask.png", AlphaKind::Mask),
+        ("mask-alone", "Kd 1 0 0\nmap_d mask.png", AlphaKind::Mask),
+        ("own", "map_Kd clear.png", AlphaKind::Mask),
+        ("half", "map_Kd red.png\nmap_d half.png", AlphaKind::Blend),
+        ("d", "d 0.5\nmap_Kd clear.png", AlphaKind::Blend),
+        ("opaque", "map_Kd red.png", AlphaKind::Opaque),
+    ];
+    for (test, lines, mode) in cases {
+        let mtl = format!("newmtl t\n{lines}\n");
+        let files: [(&str, &[u8]); 6] = [
+            ("x.obj", &obj),
+            ("m.mtl", mtl.as_bytes()),
+            ("mask.png", &mask),
+            ("half.png", &half),
+            ("clear.png", &clear),
+            ("red.png", &red),
+        ];
+        let scene = loaded(&format!("alpha-{test}"), &files);
+        assert_eq!(scene.scene.materials()[0].alpha_mode, mode as u32, "{test}");
+        if mode == AlphaKind::Mask {
+            let [a, b, c, d] = quarters(&scene);
+            assert_eq!([a, d], [rgb(RED); 2], "{test}");
+            assert_eq!([b, c], [[0; 3]; 2], "{test}");
+        }
+    }
+}
+
+#[test]
+fn physically_based_keys_are_metalness_and_roughness() {
+    let files = |mtl: &'static str| -> Loaded {
+        let (obj, gray) = (square("mtllib m.mtl"), png(1, &[[128, 128, 128, 255]]));
+        let normals = png(1, &[[128, 128, 255, 255]]);
+        let files: [(&str, &[u8]); 4] =
+            [("x.obj", &obj), ("m.mtl", mtl.as_bytes()), ("gray.png", &gray), ("normals.png", &normals)];
+        let path = folder(&format!("physical-{}", mtl.len()), &files).join("x.obj");
+        load(&path, &Sequential).unwrap()
+    };
+    let scene = files("newmtl t\nKd 1 1 1\nPr 0.25\nPm 1\nNs 900\nKs 1 1 1\n");
+    let material = scene.scene.materials()[0];
+    assert_eq!((material.roughness, material.metallic), (0.25, 1.0));
+    let scene = files("newmtl t\nmap_Pr gray.png\nmap_Pm gray.png\nnorm normals.png\nmap_Ke gray.png\n");
+    let material = scene.scene.materials()[0];
+    assert_eq!((material.roughness, material.metallic, material.emission), (1.0, 1.0, [1.0; 3]));
+    let has = |place: usize| material.textures[place].levels > 0;
+    let maps = [
+        MaterialRecord::COLOR,
+        MaterialRecord::NORMAL,
+        MaterialRecord::ROUGHNESS,
+        MaterialRecord::OCCLUSION,
+        MaterialRecord::EMISSION,
+    ];
+    assert_eq!(maps.map(has), [false, true, true, false, true]);
+    // A normal map in place of heights, with its strength; then heights, which are named.
+    let scene = files("newmtl t\nmap_Bump -bm 0.5 normals.png\n");
+    assert_eq!((scene.scene.materials()[0].bump, scene.warnings.len()), (0.5, 0));
+    let scene = files("newmtl t\nbump gray.png\nTf 0.5 0.5 0.5\nmap_Ks gray.png\n");
+    assert_eq!(scene.warnings, ["not drawn: Tf of MTL, heights in map_Bump of MTL, map_Ks of MTL"]);
+}
+
+#[test]
+fn colors_of_obj_are_srgb() {
+    let corner = |x: i32, y: i32| format!("v {x} {y} 0 0.5 0.5 0.5\n");
+    let obj = corner(-1, -1) + &corner(1, -1) + &corner(1, 1) + &corner(-1, 1) + "f 1 2 3 4\n";
+    assert_eq!(quarters(&loaded("colors", &[("x.obj", obj.as_bytes())])), [[128; 3]; 4]);
+    // A texture without `Kd` is as it is.
+    let (obj, gray) = (square("mtllib m.mtl"), png(1, &[[128, 128, 128, 255]]));
+    let files: [(&str, &[u8]); 3] =
+        [("x.obj", &obj), ("m.mtl", b"newmtl t\nmap_Kd g.png\n"), ("g.png", &gray)];
+    assert_eq!(quarters(&loaded("no-kd", &files)), [[128; 3]; 4]);
+}
+
+#[test]
+fn numbers_that_are_not_finite_give_one_warning() {
+    let obj = b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn nan 0 0\nvn -nan(ind) 0 0\nvt 1.#QNAN 0\n\
+        f 1/1/1 2/1/2 3/1/1 4/1/2\n";
+    let scene = load(&folder("nan", &[("x.obj", obj)]).join("x.obj"), &Sequential).unwrap();
+    assert!(scene.warnings.len() == 1 && scene.warnings[0].starts_with("8 corners"), "{:?}", scene.warnings);
+    assert!(scene.scene.attributes().iter().all(|a| a.normal == [0.0, 0.0, 1.0]));
+}
+
+/// A glTF file with these top-level members, whose first buffer has these bytes.
+fn gltf(members: &str, bytes: &[u8]) -> Vec<u8> {
+    let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},{members},
+        "buffers":[{{"byteLength":{},"uri":"DATA:application/octet-stream;base64,{data}"}}]}}"#,
+        bytes.len()
+    )
+    .into_bytes()
+}
+
+/// The bytes of these numbers.
+fn floats(numbers: &[f32]) -> Vec<u8> {
+    numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
+}
+
+/// Two triangles without symmetry, facing +z.
+const CORNERS: [f32; 18] = [
+    -0.75, -0.5, 0.0, 0.5, -0.5, 0.0, 0.5, 0.75, 0.0, //
+    -0.75, 0.0, 0.5, -0.25, 0.0, 0.0, -0.75, 0.75, 0.0,
+];
+
+#[test]
+fn channels_without_a_target_node_are_ignored() {
+    let bytes = [floats(&CORNERS), floats(&[0.0, 1.0]), floats(&[0.0, 0.0, 0.0, 2.0, 0.0, 0.0])].concat();
+    let members = |target: &str| {
+        format!(
+            r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+            "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":6}},
+            {{"bufferView":0,"byteOffset":72,"componentType":5126,"type":"SCALAR","count":2}},
+            {{"bufferView":0,"byteOffset":80,"componentType":5126,"type":"VEC3","count":2}}],
+            "animations":[{{"samplers":[{{"input":1,"output":2}}],"channels":[
+            {{"sampler":0,"target":{target}}},{{"sampler":0,"target":{{"node":0,"path":"translation"}}}}]}}],
+            "bufferViews":[{{"buffer":0,"byteLength":104}}]"#
+        )
+    };
+    for (number, target) in [
+        r#"{"path":"scale"}"#,
+        r#"{"path":"pointer","extensions":{"KHR_animation_pointer":{"pointer":"/nodes/0/scale"}}}"#,
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let file = gltf(&members(target), &bytes);
+        let name = format!("channels-{number}");
+        let loaded = load(&folder(&name, &[("x.gltf", &file)]).join("x.gltf"), &Sequential).unwrap();
+        assert_eq!(loaded.warnings, ["1 animation channels without a target node are ignored"]);
+        let pose = loaded.animation.unwrap().at(0.5).unwrap();
+        assert_eq!(pose.objects[0].1.w_axis.truncate(), Vec3::X);
+    }
+}
+
+#[test]
+fn scenes_need_no_nodes() {
+    let scenes = r#""scene":0,"scenes":[{"nodes":[0]},{"name":"empty"}]"#;
+    let mesh = r#""nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":6}],
+        "bufferViews":[{"buffer":0,"byteLength":72}]"#;
+    let file = gltf(&format!("{scenes},{mesh}"), &floats(&CORNERS));
+    assert_eq!(loaded("scenes", &[("x.gltf", &file)]).scene.drawn_triangles(), 2);
+}
+
+/// The triangles as a skin under an armature with these transforms of its joints, `sets` of four joints a vertex, or
+/// without a skin under a node with the first transform.
+fn skinned(armature: &str, joints: &[&str], sets: usize, is_skinned: bool) -> Vec<u8> {
+    let first = joints.len();
+    let children: Vec<String> = (1..=first).map(|node| node.to_string()).collect();
+    let joint_nodes: Vec<String> = joints.iter().map(|joint| format!("{{{joint}}}")).collect();
+    let mut bytes = floats(&CORNERS);
+    let mut attributes = r#""POSITION":0"#.to_owned();
+    let mut accessors = r#"{"bufferView":0,"componentType":5126,"type":"VEC3","count":6}"#.to_owned();
+    for set in (0..sets).filter(|_| is_skinned) {
+        let (joints_at, weight) = (bytes.len(), 1.0 / joints.len() as f32);
+        let used = |k: usize| 4 * set + k < joints.len();
+        let row: Vec<u8> = (0..4).map(|k| if used(k) { (4 * set + k) as u8 } else { 0 }).collect();
+        bytes.extend(row.repeat(6));
+        let weights_at = bytes.len();
+        let row: Vec<f32> = (0..4).map(|k| if used(k) { weight } else { 0.0 }).collect();
+        bytes.extend(floats(&row.repeat(6)));
+        let next = 1 + 2 * set;
+        attributes += &format!(r#","JOINTS_{set}":{next},"WEIGHTS_{set}":{}"#, next + 1);
+        for (at, kind) in [(joints_at, 5121), (weights_at, 5126)] {
+            accessors += &format!(
+                r#",{{"bufferView":0,"byteOffset":{at},"componentType":{kind},"type":"VEC4","count":6}}"#
+            );
+        }
+    }
+    let mesh_node = if is_skinned { r#"{"mesh":0,"skin":0}"# } else { r#"{"mesh":0}"# };
+    let (roots, armature_children) = if is_skinned {
+        (format!("0,{}", first + 1), children.join(","))
+    } else {
+        ("0".to_owned(), (first + 1).to_string())
+    };
+    let members = format!(
+        r#""scene":0,"scenes":[{{"nodes":[{roots}]}}],
+        "nodes":[{{{armature}"children":[{armature_children}]}},{},{mesh_node}],
+        "skins":[{{"joints":[{}]}}],"meshes":[{{"primitives":[{{"attributes":{{{attributes}}}}}]}}],
+        "accessors":[{accessors}],"bufferViews":[{{"buffer":0,"byteLength":{}}}]"#,
+        joint_nodes.join(","),
+        children.join(","),
+        bytes.len()
+    );
+    gltf(&members, &bytes)
+}
+
+#[test]
+fn a_vertex_may_hang_on_eight_joints() {
+    let (rest, moved) = (r#""translation":[0,0,0]"#, r#""translation":[4,0,0]"#);
+    let joints = [rest, rest, rest, rest, moved, moved, moved, moved];
+    let scene = loaded("joints", &[("x.gltf", &skinned("", &joints, 2, true))]).scene;
+    let (low, high) = scene.extent().unwrap();
+    // Half of the weight moves by 4.
+    assert_eq!((low.x, high.x), (-0.75 + 2.0, 0.5 + 2.0));
+}
+
+#[test]
+fn a_mirrored_skin_is_the_mesh_under_the_mirrored_node() {
+    for (number, armature) in ["", r#""scale":[-1,1,1],"#, r#""scale":[1,-1,1],"#].into_iter().enumerate() {
+        let pictures = [true, false].map(|is_skinned| {
+            let file = skinned(armature, &[r#""name":"joint""#], 1, is_skinned);
+            let scene = loaded(&format!("mirrored-{number}-{is_skinned}"), &[("x.gltf", &file)]);
+            (seen(&scene, None), seen(&scene, Some(DebugView::Normal)))
+        });
+        assert!(pictures[0] == pictures[1], "{armature}");
+        assert!(pictures[0].0.iter().any(|pixel| *pixel != pictures[0].0[0]), "{armature} shows nothing");
+    }
+}
+
+#[test]
+fn cameras_have_the_shape_of_their_picture() {
+    let members = r#""nodes":[{"camera":0,"translation":[0,0,5]},{"camera":1,"translation":[0,0,5]}],
+        "cameras":[{"type":"orthographic","orthographic":{"xmag":2.4,"ymag":1,"znear":0,"zfar":9}},
+        {"type":"perspective","perspective":{"aspectRatio":2,"yfov":1.5707963267948966,"znear":0.1}}]"#;
+    let cameras = loaded("cameras", &[("x.gltf", &gltf(members, &[0; 4]))]).cameras;
+    let Projection::Orthographic { height } = cameras[0].fitted(1.2).projection else { panic!() };
+    assert!((height - 4.0).abs() < 1e-6, "{height}");
+    // tan(45°) · 2 / 1: twice as high as wide needs an angle of 2 · atan 2.
+    let Projection::Perspective { fov_y } = cameras[1].fitted(1.0).projection else { panic!() };
+    assert!((fov_y - 2.0 * 2.0_f32.atan()).abs() < 1e-6, "{fov_y}");
+    assert_eq!(cameras[1].fitted(2.5), cameras[1].camera);
+}
+
+#[test]
+fn specular_glossiness_has_a_diffuse_color_and_a_highlight() {
+    let members = r#""extensionsUsed":["KHR_materials_pbrSpecularGlossiness"],"nodes":[{"mesh":0}],
+        "materials":[{"extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[0.8,0.1,0.1,1],
+        "specularFactor":[0.5,0.25,0],"glossinessFactor":0.75}}}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":6}],
+        "bufferViews":[{"buffer":0,"byteLength":72}]"#;
+    let scene = loaded("glossy", &[("x.gltf", &gltf(members, &floats(&CORNERS)))]).scene;
+    let material = scene.materials()[0];
+    assert_eq!((material.base, material.specular), ([0.8, 0.1, 0.1], [0.5, 0.25, 0.0]));
+    assert_eq!((material.roughness, material.metallic), (0.25, 0.0));
+}
+
+#[test]
+fn zeros_after_the_json_of_a_binary_file_are_padding() {
+    let json = br#"{"asset":{"version":"2.0"}}"#;
+    let length = (json.len() as u32).next_multiple_of(4);
+    let mut file = b"glTF".to_vec();
+    for word in [2, 20 + length, length, u32::from_le_bytes(*b"JSON")] {
+        file.extend(word.to_le_bytes());
+    }
+    file.extend(json);
+    file.resize(20 + length as usize, 0);
+    assert_eq!(loaded("padding", &[("x.glb", &file)]).scene.drawn_triangles(), 0);
+}
