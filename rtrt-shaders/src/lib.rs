@@ -11,7 +11,6 @@
 //! Appending `-- --check` compares instead of writing.
 
 #![cfg_attr(target_arch = "spirv", no_std)]
-#![allow(clippy::too_many_arguments, reason = "an entry point takes an argument for each binding")]
 
 pub mod bin;
 pub mod canary;

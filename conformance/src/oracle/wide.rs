@@ -108,24 +108,18 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         judge(hit, nearest.as_ref()).map_err(|why| format!("ray {index} at {at:?}: {why}"))?;
         let Some(nearest) = nearest else { continue };
         let surface = &deferred.surfaces[index as usize];
-        let place = ray.origin + ray.direction * nearest.t;
-        let doubt = (DVec3::from(surface.origin.map(f64::from)) - place).length();
-        let normal = DVec3::from(surface.normal.map(f64::from));
+        let point = ray.origin + ray.direction * nearest.t;
+        let place = Place {
+            camera: &ray,
+            at: point,
+            doubt: (DVec3::from(surface.origin.map(f64::from)) - point).length(),
+            normal: DVec3::from(surface.normal.map(f64::from)),
+            own: nearest.triangle,
+        };
         let masks = &deferred.masks[(index * deferred.mask_words) as usize..][..deferred.mask_words as usize];
         for (light, which) in scene.lights().iter().zip(0_u32..) {
             judged.shadow_rays += 1;
-            let lit = is_lit(
-                &triangles,
-                light,
-                which,
-                request.shadows,
-                &ray,
-                place,
-                doubt,
-                normal,
-                nearest.triangle,
-            );
-            let Some(lit) = lit else { continue };
+            let Some(lit) = is_lit(&triangles, light, which, request.shadows, &place) else { continue };
             judged.judged_shadow_rays += 1;
             if reaches(masks, which) != lit {
                 return Err(format!("ray {index} at {at:?}: light {which} is lit: {}, not {lit}", !lit));
@@ -373,23 +367,28 @@ fn cone(light: &Light, way: DVec3) -> (f64, f64) {
     (((cosine - outer) * steepness).clamp(0.0, 1.0).powi(2), 1.0 + steepness)
 }
 
-/// Whether light reaches a place on the triangle `own`, if that can be told. `doubt` is how
-/// far from it the shadow ray starts.
-#[allow(clippy::too_many_arguments, reason = "each is a number of its own")]
+/// A place that a ray of the camera hits.
+struct Place<'a> {
+    camera: &'a Ray,
+    at: DVec3,
+    /// How far from it a shadow ray starts.
+    doubt: f64,
+    normal: DVec3,
+    /// The triangle that it is on.
+    own: &'a Triangle,
+}
+
+/// Whether a light reaches a place; `None` if rounding may decide it.
 fn is_lit(
     triangles: &[Triangle],
     light: &Light,
     which: u32,
     shadows: Shadows,
-    camera: &Ray,
-    place: DVec3,
-    doubt: f64,
-    normal: DVec3,
-    own: &Triangle,
+    place: &Place<'_>,
 ) -> Option<bool> {
+    let &Place { camera, at, doubt, normal, own } = place;
     let is_far = light.kind == LightKind::Sun;
-    let way =
-        if is_far { -light.direction.as_dvec3().normalize() } else { light.position.as_dvec3() - place };
+    let way = if is_far { -light.direction.as_dvec3().normalize() } else { light.position.as_dvec3() - at };
     let cosine = |n: DVec3| n.dot(way) / (n.length() * way.length());
     let flat = if own.sphere.is_some() { normal } else { own.ab.cross(own.ac) };
     let flat = if flat.dot(camera.direction) > 0.0 { -flat } else { flat };
@@ -424,7 +423,7 @@ fn is_lit(
     if cosine(flat) < 2e-2 {
         return None;
     }
-    let ray = Ray { origin: place, direction: way, doubt };
+    let ray = Ray { origin: at, direction: way, doubt };
     let others =
         triangles.iter().filter(|t| (t.instance, t.id) != (own.instance, own.id) && t.shows != Some(which));
     let mut free = true;

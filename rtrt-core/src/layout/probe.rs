@@ -8,7 +8,7 @@ pub const PROBES: usize = 33;
 /// Fields of the frame and of the second element of each slice, as words. In buffers whose words hold their
 /// own index, the result shows the offset and the stride that a device uses for each field.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "one for each layout")]
+#[allow(clippy::too_many_arguments, reason = "one slice for each layout that is probed")]
 pub fn probe(
     frame: &Frame,
     views: &[View],

@@ -1,6 +1,6 @@
 //! An environment as the six pictures of a cube.
 
-use crate::scene::environment::usable;
+use crate::scene::brightness::usable;
 use alloc::vec::Vec;
 use glam::DVec3;
 

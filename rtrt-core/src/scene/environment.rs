@@ -3,6 +3,7 @@
 use crate::kernel::environment::{IRRADIANCE_SIDE, octahedral};
 use crate::lane::V3;
 use crate::layout::Sky;
+use crate::scene::brightness::{BRIGHTEST, usable};
 use crate::scene::{Cube, CubeError};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -31,14 +32,6 @@ pub struct PanoramaError {
     pub height: u32,
     /// The number of pixels.
     pub pixels: usize,
-}
-
-/// The brightest that a texel can be: 511/512 · 2¹⁶.
-const BRIGHTEST: f32 = 65_408.0;
-
-/// A channel of a picture, clamped to the range of a texel.
-pub(super) fn usable(channel: f32) -> f64 {
-    if channel > 0.0 { f64::from(channel.min(BRIGHTEST)) } else { 0.0 }
 }
 
 /// Squares for mirrors.

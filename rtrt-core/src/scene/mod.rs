@@ -22,6 +22,7 @@
 //! calls `libm`, which makes hosts agree where the standard libraries differ. Kernels read
 //! what is built here.
 
+mod brightness;
 mod bvh;
 mod camera;
 mod choice;
@@ -38,6 +39,7 @@ mod mesh;
 mod motion;
 mod place;
 mod setup;
+mod setup_error;
 mod store;
 mod tangent;
 mod views;
@@ -54,5 +56,6 @@ pub use list_cache::{ListCacheKey, ReusableLists};
 pub use material::{AlphaMode, Material};
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};
 pub use motion::Motion;
-pub use setup::{Setup, SetupError};
+pub use setup::Setup;
+pub use setup_error::SetupError;
 pub use store::{InstanceIndex, MaterialIndex, MeshIndex, Scene, SceneError, Versions};
