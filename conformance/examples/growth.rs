@@ -7,8 +7,9 @@ use conformance::shape::{Build, Random, Shape, paved};
 use glam::{Mat4, Vec3};
 use rtrt::demo;
 use rtrt::import::Loaded;
-use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Camera, Light, Projection, Scene, Structure};
+use rtrt_core::schedule::Stage;
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 9.0, 26.0),
@@ -33,11 +34,14 @@ fn main() {
     println!("{:>9} {:>12} {:>12}", "texels", "shade, ms", "frame, ms");
     for side in [16, 64, 256, 1024, 4096] {
         let (_, stages) = median(&mut cpu, &paved(side), 15);
-        let shade = STAGES.iter().position(|name| *name == "shade").expect("a stage");
-        println!("{side:>4}^2    {:>12.2} {:>12.2}", stages[shade], stages.iter().sum::<f64>());
+        println!(
+            "{side:>4}^2    {:>12.2} {:>12.2}",
+            stages[Stage::Shade as usize],
+            stages.iter().sum::<f64>()
+        );
     }
     let Loaded { mut scene, camera, .. } = demo::levels(&rtrt_cpu::Parallel).expect("a scene");
-    let total = |stages: [f64; STAGES.len()]| stages.iter().sum::<f64>();
+    let total = |stages: [f64; Stage::COUNT]| stages.iter().sum::<f64>();
     let with = total(median_from(&mut cpu, &scene, &camera, 15).1);
     for instance in 0..scene.instances().len() as u32 {
         let instance = scene.instance_index(instance).expect("an instance");
@@ -64,7 +68,7 @@ fn cubes(count: u32) -> Scene {
 }
 
 /// The pixels, and the median time of each stage.
-fn median(cpu: &mut rtrt_cpu::Cpu, scene: &Scene, frames: usize) -> (Vec<u32>, [f64; STAGES.len()]) {
+fn median(cpu: &mut rtrt_cpu::Cpu, scene: &Scene, frames: usize) -> (Vec<u32>, [f64; Stage::COUNT]) {
     median_from(cpu, scene, &CAMERA, frames)
 }
 
@@ -74,7 +78,7 @@ fn median_from(
     scene: &Scene,
     camera: &Camera,
     frames: usize,
-) -> (Vec<u32>, [f64; STAGES.len()]) {
+) -> (Vec<u32>, [f64; Stage::COUNT]) {
     let request = Request::new(camera, [640, 360]).shadows(Shadows::Hard);
     let mut picture = Picture::default();
     let mut all = Vec::new();

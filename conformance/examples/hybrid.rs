@@ -7,8 +7,9 @@
 use conformance::hybrid::Differences;
 use glam::Vec3;
 use rtrt::import::Loaded;
-use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Light, Projection};
+use rtrt_core::schedule::Stage;
 use rtrt_cpu::{Cpu, Options, Parallel};
 use rtrt_gpu::{Gpu, Route, wgpu};
 use std::fs::File;
@@ -18,8 +19,6 @@ use std::path::Path;
 const SIZE: [u32; 2] = [640, 360];
 /// Frames that are timed, after one that is not.
 const FRAMES: usize = 3;
-/// Which of [`STAGES`] finds the closest surfaces.
-const VISIBILITY: usize = 2;
 /// How far a mark reaches from its pixel.
 const MARK: u32 = 2;
 
@@ -31,7 +30,6 @@ const FILES: [(&str, f32, [[f32; 3]; 3]); 3] = [
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    assert_eq!(STAGES[VISIBILITY], "visibility");
     let mut cpu = Cpu::new(Options::default())?;
     let mut gpu = open()?;
     println!("| scene | samples | rays | as near | pixels | largest | mean | traced | drawn |");
@@ -116,7 +114,7 @@ fn visibility_ms(
     for frame in 0..=FRAMES {
         gpu.render(&loaded.scene, &request, &mut picture)?;
         if frame > 0 {
-            times.push(picture.stages_ms[VISIBILITY]);
+            times.push(picture.stages_ms[Stage::Visibility as usize]);
         }
     }
     times.sort_by(f64::total_cmp);

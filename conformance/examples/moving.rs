@@ -4,8 +4,9 @@
 
 use conformance::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, Picture, Request, STAGES};
+use rtrt_core::backend::{Backend, Picture, Request};
 use rtrt_core::scene::{Camera, InstanceIndex, Light, Motion, Projection};
+use rtrt_core::schedule::Stage;
 use std::time::Instant;
 
 const OBJECTS: u32 = 10_000;
@@ -44,7 +45,7 @@ fn main() {
     let mut pictures = Vec::new();
     for backend in &mut backends {
         let mut picture = Picture::default();
-        let mut rows: Vec<[f64; STAGES.len() + 1]> = Vec::new();
+        let mut rows: Vec<[f64; Stage::COUNT + 1]> = Vec::new();
         for frame in 0..FRAMES {
             let time = f64::from(frame) / 60.0;
             let start = Instant::now();
@@ -55,12 +56,12 @@ fn main() {
                 .expect("all within range");
             let moved_ms = start.elapsed().as_secs_f64() * 1e3;
             backend.render(&scene, &request, &mut picture).expect("a frame");
-            let mut row = [moved_ms; STAGES.len() + 1];
+            let mut row = [moved_ms; Stage::COUNT + 1];
             row[1..].copy_from_slice(&picture.stages_ms);
             rows.push(row);
         }
         println!("{:?}", backend.describe());
-        for (stage, name) in ["move"].iter().chain(&STAGES).enumerate() {
+        for (stage, name) in ["move"].into_iter().chain(Stage::ALL.map(Stage::name)).enumerate() {
             let mut times: Vec<f64> = rows[2..].iter().map(|row| row[stage]).collect();
             times.sort_by(f64::total_cmp);
             println!("{name:>12} {:8.2} ms", times[times.len() / 2]);

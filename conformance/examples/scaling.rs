@@ -7,8 +7,9 @@
 use conformance::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
 use plotters::prelude::*;
-use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Camera, Light, Projection, Scene};
+use rtrt_core::schedule::Stage;
 use rtrt_cpu::{Cpu, Options};
 use std::error::Error;
 use std::path::Path;
@@ -23,12 +24,12 @@ const SIZE: [u32; 2] = [1280, 720];
 const FRAMES: usize = 7;
 
 /// The lines of a plot: which stages each of them adds up.
-const LINES: [(&str, &[&str]); 5] = [
-    ("frame", &STAGES),
-    ("prepare, bin", &["prepare", "bin"]),
-    ("visibility", &["visibility"]),
-    ("occlusion", &["occlusion"]),
-    ("others", &["surface", "detail", "light", "shade", "layers", "resolve"]),
+const LINES: [(&str, &[Stage]); 5] = [
+    ("frame", &Stage::ALL),
+    ("prepare, bin", &[Stage::Prepare, Stage::Bin]),
+    ("visibility", &[Stage::Visibility]),
+    ("occlusion", &[Stage::Occlusion]),
+    ("others", &[Stage::Surface, Stage::Detail, Stage::Light, Stage::Shade, Stage::Layers, Stage::Resolve]),
 ];
 
 /// What a frame took: its x, and milliseconds for each of [`LINES`].
@@ -89,10 +90,11 @@ fn frame(scene: &Scene, size: [u32; 2], threads: usize) -> [f64; LINES.len()] {
     let mut rows = Vec::new();
     for _ in 0..=FRAMES {
         render(&mut cpu, &mut picture);
-        rows.push(LINES.map(|(_, names)| {
-            let stages = STAGES.iter().zip(&picture.stages_ms);
-            stages.filter(|(stage, _)| names.contains(stage)).map(|(_, ms)| ms).sum::<f64>()
-        }));
+        rows.push(
+            LINES.map(|(_, stages)| {
+                stages.iter().map(|&stage| picture.stages_ms[stage as usize]).sum::<f64>()
+            }),
+        );
     }
     let mut expected = Picture::default();
     render(&mut new(Some(1), 1), &mut expected);

@@ -2,8 +2,9 @@
 
 use conformance::shape::paved;
 use glam::Vec3;
-use rtrt_core::backend::{Backend, Picture, Request, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Camera, Projection, Scene};
+use rtrt_core::schedule::Stage;
 use rtrt_cpu::{Cpu, Options};
 
 const CAMERA: Camera = Camera {
@@ -20,13 +21,12 @@ const RUNS: usize = 21;
 /// the machine does is no more to blame for one than for another.
 fn least<const N: usize>(frames: [(&Scene, [u32; 2]); N]) -> [f64; N] {
     let mut cpu = Cpu::new(Options { lanes: None, threads: Some(1) }).expect("a processor");
-    let shade = STAGES.iter().position(|name| *name == "shade").expect("a stage");
     let (mut picture, mut least) = (Picture::default(), [f64::INFINITY; N]);
     for _ in 0..RUNS {
         for ((scene, size), least) in frames.iter().zip(&mut least) {
             let request = Request::new(&CAMERA, *size).shadows(Shadows::Off);
             cpu.render(scene, &request, &mut picture).expect("a frame");
-            *least = least.min(picture.stages_ms[shade]);
+            *least = least.min(picture.stages_ms[Stage::Shade as usize]);
         }
     }
     least

@@ -3,9 +3,10 @@
 use conformance::reference;
 use conformance::shape::{Build, Shape};
 use glam::Vec3;
-use rtrt_core::backend::{Backend, Deferred, Picture, Request, STAGES};
+use rtrt_core::backend::{Backend, Deferred, Picture, Request};
 use rtrt_core::layout::{Backdrop, NONE, Wrap};
 use rtrt_core::scene::{Camera, Image, Light, Material, Panorama, Projection, Scene};
+use rtrt_core::schedule::Stage;
 
 /// A material that blends and shows its color whatever the light.
 fn glass(base: [f32; 3], alpha: f32) -> Material {
@@ -171,11 +172,10 @@ fn what_is_behind_everything_is_behind_panes() {
 
 #[test]
 fn layers_behind_the_first_are_a_stage_of_their_own_in_times() {
-    let stage = STAGES.iter().position(|name| *name == "layers").unwrap();
     let time = |material: Material| {
         let scene =
             Build::default().shape_of(square(0.0), material).shape_of(square(-1.0), unlit([0.5; 3])).scene;
-        render(&scene, Vec3::Z, Vec3::ZERO, 8).0.stages_ms[stage]
+        render(&scene, Vec3::Z, Vec3::ZERO, 8).0.stages_ms[Stage::Layers as usize]
     };
     assert_eq!(time(unlit([0.2; 3])), 0.0);
     assert!(time(glass([0.2; 3], 0.5)) > 0.0);

@@ -1,16 +1,15 @@
 //! What every backend does: render a frame of a scene.
 
+use crate::layout::{Frame, ShadowKind};
 use crate::scene::{Scene, SetupError};
+use crate::schedule::Stage;
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
+use bytemuck::Zeroable;
 
 pub use crate::layout::{Hit, Lit, NONE, Surface};
 pub use crate::request::{LAYERS, Request, Shadows};
-
-/// The stages of a frame, in order. [`Picture::stages_ms`] is indexed alike.
-pub const STAGES: [&str; 10] =
-    ["prepare", "bin", "visibility", "surface", "detail", "occlusion", "light", "shade", "layers", "resolve"];
 
 /// The deferred buffers of a frame, one record a ray in the order of
 /// [`crate::grid::Grid`], and the lists they came from. Those up to `lit` are of the first
@@ -48,6 +47,27 @@ pub struct Deferred {
     pub transmittance_words: u32,
 }
 
+impl Deferred {
+    /// Makes room for a frame. No layer behind the first has hit anything; what else is there is of no use.
+    pub fn resize(&mut self, frame: &Frame) {
+        self.mask_words = frame.mask_words;
+        self.transmittance_words = frame.transmittance_words();
+        self.layer_count = frame.layers_behind();
+        let count = |words: u32| frame.rays as usize * words as usize;
+        let raw = if frame.shadow_kind() == ShadowKind::Penumbra { self.transmittance_words } else { 0 };
+        self.hits.resize(count(1), Hit::MISS);
+        self.surfaces.resize(count(1), Surface::zeroed());
+        self.masks.resize(count(self.mask_words), 0);
+        self.raw_transmittance.resize(count(raw), 0);
+        self.penumbra_radii.resize(count(raw), 0.0);
+        self.transmittance.resize(count(self.transmittance_words), 0);
+        self.lit.resize(count(1), Lit::zeroed());
+        self.colors.resize(count(1), [0.0; 4]);
+        self.layers.clear();
+        self.layers.resize(count(self.layer_count), Hit::MISS);
+    }
+}
+
 /// A rendered frame. Give the same one again, and its memory is used again.
 #[derive(Debug, Clone, Default)]
 pub struct Picture {
@@ -59,8 +79,8 @@ pub struct Picture {
     pub pixels: Vec<u32>,
     /// The deferred buffers, if they were asked for.
     pub deferred: Option<Deferred>,
-    /// Milliseconds in each of [`STAGES`].
-    pub stages_ms: [f64; STAGES.len()],
+    /// Milliseconds in each of [`Stage::ALL`].
+    pub stages_ms: [f64; Stage::COUNT],
     /// Milliseconds in which the host worked for a frame of another device, without those in which
     /// it waited for it; none where the host itself renders.
     pub host_ms: Option<f64>,

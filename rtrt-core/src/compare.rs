@@ -15,7 +15,7 @@ use core::fmt;
 /// A word in which two pictures differ. Shown in one line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
-    /// The stage that filled the buffer, of [`crate::backend::STAGES`].
+    /// The stage that filled the buffer: see [`Stage::name`](crate::schedule::Stage::name).
     pub stage: &'static str,
     /// The buffer.
     pub buffer: &'static str,

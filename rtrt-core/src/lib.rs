@@ -35,7 +35,8 @@
 //! | [`grid`] | where pixels, rays and blocks lie |
 //! | [`layout`] | the records that backends share in memory |
 //! | [`kernel`] | pure functions, one idea a file |
-//! | [`stage`] | what a ray or a block needs, in the order of a frame |
+//! | [`stage`] | what a ray or a block needs |
+//! | [`schedule`] | the order of a frame |
 //! | `scene` | [`Setup`](scene::Setup), [`ListCacheKey`](scene::ListCacheKey), [`ReusableLists`](scene::ReusableLists), [`Versions`](scene::Versions), and the records that a [`Scene`](scene::Scene) lends |
 //!
 //! # Promises
@@ -66,4 +67,5 @@ pub mod num;
 mod request;
 #[cfg(feature = "alloc")]
 pub mod scene;
+pub mod schedule;
 pub mod stage;

@@ -1,67 +1,183 @@
-//! All stages of one block, on one thread: what a stage leaves for the next stays in the
-//! first-level cache.
+//! A block, on one thread: the steps from one barrier of the frame to the next, so that what a step
+//! leaves for another stays in the first-level cache.
 
-use crate::clock::{Clock, LAYERS};
+use crate::clock::Clock;
 use crate::context::FrameContext;
 use crate::instruction_set::LaneTask;
-use crate::records::{Found, Records};
-use crate::shadows::Shadows;
+use crate::packet::{HIT, Packet, RAYS, Rays};
+use crate::planes::{OF_SURFACE, Planes, Rows, count};
+use crate::records::Records;
 use crate::wide::Wide;
-use rayon::prelude::*;
-use rtrt_core::grid::{BLOCK_RAYS, BlockIndex, Grid, RayIndex};
-use rtrt_core::kernel::closest_hit::ClosestHit;
-use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, groups};
-use rtrt_core::layout::NONE;
+use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, number};
+use rtrt_core::lane::{Bits, Row};
+use rtrt_core::layout::{Frame, ShadowKind};
+use rtrt_core::schedule::{Pass, Step, Unit};
 use rtrt_core::stage::context::Context;
-use rtrt_core::stage::peel::is_covered;
+use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, common, edges_at};
+use rtrt_core::stage::penumbra_filter::filter_penumbra;
 use rtrt_core::stage::resolve::resolve;
-use rtrt_core::stage::visibility::directions;
 use std::time::Instant;
 
-/// A block to be rendered, packet after packet, into its pixels and, if wanted, its records.
-pub struct Block<'a> {
-    pub context: &'a FrameContext<'a>,
-    pub index: u32,
-    pub tile: &'a mut [u32],
-    /// See [`crate::shadows::transmittance_words`].
-    pub transmittance: &'a mut [u32],
-    pub records: Option<Records<'a>>,
+/// What a block leaves from one barrier to the next. Words of rays are plane after plane: the first word
+/// of all of its rays, then the second.
+#[derive(Debug, Default)]
+pub struct Block {
+    /// Its pixels.
+    pub tile: Vec<u32>,
+    /// A plane a light, where shadows are not bits.
+    transmittance: Vec<u32>,
+    /// In frames with penumbras, the hits of the last layer, and the colors of all so far.
+    hits: Vec<u32>,
+    colors: Vec<[f32; 4]>,
+    /// What the penumbra filter reads: see [`OF_SURFACE`].
+    pub cells: Vec<u32>,
+    /// One a light.
+    pub summaries: Vec<PenumbraSummary>,
+    /// Whether no ray looks for another layer.
+    pub is_done: bool,
 }
 
-impl LaneTask for Block<'_> {
+impl Block {
+    /// Makes room for a frame.
+    pub fn begin(&mut self, frame: &Frame) {
+        let pixels = frame.grid().block_pixels();
+        self.tile.resize((pixels * pixels) as usize, 0);
+        self.transmittance.resize(RAYS * frame.transmittance_words() as usize, 0);
+        let penumbras = usize::from(frame.shadow_kind() == ShadowKind::Penumbra);
+        self.hits.resize(penumbras * RAYS * HIT, 0);
+        self.colors.resize(penumbras * RAYS, [0.0; 4]);
+        self.cells.resize(penumbras * RAYS * count(frame), 0);
+        self.summaries.resize(penumbras * frame.lights as usize, PenumbraSummary::NONE);
+        self.is_done = false;
+    }
+}
+
+/// Runs steps on a block.
+pub struct RunBlock<'a, 'b> {
+    pub context: &'a FrameContext<'a>,
+    /// They follow one another up to a barrier.
+    pub steps: &'a [Step],
+    pub index: u32,
+    pub block: &'a mut Block,
+    pub records: Option<&'a mut Records<'b>>,
+    pub filter: PenumbraFilter<'a>,
+}
+
+/// What the penumbra filter reads.
+#[derive(Clone, Copy)]
+pub struct PenumbraFilter<'a> {
+    pub planes: &'a Planes,
+    /// Whether it may change the shadows of a block and light.
+    pub blocks: &'a [u32],
+}
+
+/// Whether packets run it one after another.
+fn is_of_packet(step: &Step) -> bool {
+    matches!(step.unit(), Unit::Ray | Unit::RayAndLight) && step.pass != Pass::FilterPenumbra
+}
+
+impl LaneTask for RunBlock<'_, '_> {
     type Output = Clock;
 
     #[inline(always)]
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
-        let Self { context, index, tile, transmittance, mut records } = self;
-        let mut clock = Clock::default();
-        let mut colors = [[0.0; 4]; BLOCK_RAYS as usize];
-        let packet = L::WIDTH * G;
-        for first in (0..BLOCK_RAYS as usize).step_by(packet) {
-            let ray = RayIndex(index * BLOCK_RAYS + first as u32);
-            // Where none are kept, a block has one word.
-            let kept = first.min(transmittance.len());
-            let transmittance = &mut transmittance[kept..];
-            packet_colors::<L, G>(
-                token,
-                context,
-                ray,
-                &mut colors,
-                transmittance,
-                records.as_mut(),
-                &mut clock,
-            );
+        let Self { context, steps, index, block, mut records, filter } = self;
+        let Block { tile, transmittance, hits, colors, cells, summaries, is_done } = block;
+        let mut local = [[0.0; 4]; RAYS];
+        // Where no step waits for other blocks, colors need no memory but the stack's.
+        let colors = if colors.is_empty() { &mut local[..] } else { colors };
+        let mut rays = Rays { colors, transmittance, hits, cells };
+        let was_done = *is_done;
+        let (mut clock, mut start) = (Clock::default(), Instant::now());
+        for steps in steps.chunk_by(|a, b| is_of_packet(a) && is_of_packet(b)) {
+            let step = steps[0];
+            match step.pass {
+                Pass::Resolve => {
+                    resolve_block::<L>(token, context, index, rays.colors, tile);
+                    if let Some(records) = &mut records {
+                        records.colors.copy_from_slice(rays.colors);
+                    }
+                }
+                _ if was_done => {}
+                Pass::FilterPenumbra => {
+                    let trace = Context { frame: &context.trace.frame.of_layer(step.layer), ..context.trace };
+                    filter.run::<L>(token, &trace, index, rays.cells, rays.transmittance);
+                }
+                Pass::SummarizePenumbras => {
+                    summarize_penumbras(context.trace.frame.grid(), index, rays.cells, summaries);
+                    if let Some(records) = records.as_mut().filter(|_| step.layer == 0) {
+                        records.raw_shadows(rays.cells);
+                    }
+                }
+                _ => {
+                    *is_done = true;
+                    for first in (0..RAYS).step_by(L::WIDTH * G) {
+                        let mut packet = Packet::<L, G>::new(token, context, index, first);
+                        packet.run_all(steps, &mut rays, records.as_deref_mut(), &mut clock, &mut start);
+                        *is_done &= packet.is_done;
+                    }
+                    continue;
+                }
+            }
+            clock.lap(step.stage(), &mut start);
         }
-        let mut start = Instant::now();
-        resolved::<L>(token, context, index, &colors, tile);
-        clock.lap(9, &mut start);
         clock
     }
 }
 
-/// The pixels of a block of these colors.
+impl PenumbraFilter<'_> {
+    /// Filters the shadows of a block. Those of lights that the filter would not change are copied.
+    #[inline(always)]
+    fn run<L: Wide>(
+        self,
+        token: L::Token,
+        context: &Context<'_>,
+        index: u32,
+        cells: &[u32],
+        transmittance: &mut [u32],
+    ) {
+        let frame = context.frame;
+        let [left, top] = frame.grid().ray(RayIndex(index * BLOCK_RAYS));
+        for (light, transmittance) in transmittance.chunks_mut(RAYS).enumerate() {
+            if self.blocks[edges_at(frame, index, light as u32)] == 0 {
+                transmittance.copy_from_slice(&cells[(OF_SURFACE + 2 * light) * RAYS..][..RAYS]);
+                continue;
+            }
+            for y in 0..BLOCK {
+                for x in (0..BLOCK).step_by(L::WIDTH) {
+                    let rows = Rows::new(token, self.planes, [left + x, top + y], light as u32);
+                    let words = L::outlined(
+                        token,
+                        #[inline(always)]
+                        || filter_penumbra::<L, _>(frame, context.views, &rows, light as u32),
+                    );
+                    let words = words.row();
+                    for lane in 0..L::WIDTH {
+                        transmittance[number([x + lane as u32, y]) as usize] = words.at(lane);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Finds what the penumbras of each light have in common in a block.
 #[inline(always)]
-pub fn resolved<L: Wide>(
+fn summarize_penumbras(grid: Grid, index: u32, cells: &[u32], summaries: &mut [PenumbraSummary]) {
+    for (planes, summary) in cells[OF_SURFACE * RAYS..].chunks(2 * RAYS).zip(summaries) {
+        let (transmittance, radii) = planes.split_at(RAYS);
+        *summary = common(
+            grid,
+            RayIndex(index * BLOCK_RAYS),
+            #[inline(always)]
+            |ray| PenumbraSummary::of(transmittance[ray as usize], f32::from_bits(radii[ray as usize])),
+        );
+    }
+}
+
+/// Makes the pixels of a block of these colors.
+#[inline(always)]
+fn resolve_block<L: Wide>(
     token: L::Token,
     context: &FrameContext<'_>,
     index: u32,
@@ -87,103 +203,4 @@ pub fn resolved<L: Wide>(
             *pixel = bits.at(lane);
         }
     }
-}
-
-/// The colors of one packet: the first layer of surfaces, and those behind it that can be seen.
-#[inline(always)]
-fn packet_colors<L: Wide, const G: usize>(
-    token: L::Token,
-    context: &FrameContext<'_>,
-    ray: RayIndex,
-    colors: &mut [[f32; 4]],
-    transmittance: &mut [u32],
-    mut records: Option<&mut Records<'_>>,
-    clock: &mut Clock,
-) {
-    let mut frame = *context.trace.frame;
-    let camera = context.trace.camera();
-    let first = (ray.0 % BLOCK_RAYS) as usize;
-    let mut start = Instant::now();
-    let zero = L::splat(token, 0.0);
-    let none = zero.broadcast_bits(0);
-    let mut best: [ClosestHit<L>; G] = groups(
-        #[inline(always)]
-        |_| ClosestHit { t: zero, instance: none, triangle: none, u: zero, v: zero },
-    );
-    let mut sums = [[zero; 4]; G];
-    for number in 0.. {
-        // The stages of a layer have the names of the first one's, the time does not.
-        let stage = |stage: usize| if number == 0 { stage } else { LAYERS };
-        best = context.seen(token, &frame, ray, &best);
-        clock.lap(stage(2), &mut start);
-        let directions = directions::<L, G>(token, &frame, camera, ray);
-        let mut surfaces = context.surfaces(token, &directions, &best);
-        clock.lap(stage(3), &mut start);
-        context.detail(token, &best, &mut surfaces);
-        clock.lap(stage(4), &mut start);
-        let shadows = Shadows::<L, G>::new(
-            token,
-            &Context { frame: &frame, ..context.trace },
-            ray,
-            &surfaces,
-            transmittance,
-        );
-        clock.lap(stage(5), &mut start);
-        let arriving = context.arriving(token, &frame, ray, &directions, &surfaces, &shadows);
-        clock.lap(stage(6), &mut start);
-        context.shade(token, &frame, &directions, &surfaces, &arriving, &mut sums);
-        clock.lap(stage(7), &mut start);
-        if let Some(records) = &mut records {
-            let found = Found { closest: &best, surfaces: &surfaces, shadows: &shadows, light: &arriving };
-            records.keep(context.trace.frame, number, first, &found);
-        }
-        if frame.layers <= 1 {
-            break;
-        }
-        frame.layers -= 1;
-        // What nothing shines through looks for nothing more.
-        let mut is_done = true;
-        for g in 0..G {
-            let missing = none.broadcast(NONE);
-            best[g].instance = is_covered(sums[g][3]).select(missing, best[g].instance);
-            is_done &= !(!best[g].instance.eq(missing)).any();
-        }
-        if is_done {
-            break;
-        }
-    }
-    store(&sums, &mut colors[first..]);
-    if let Some(records) = &mut records {
-        let range = first..first + G * L::WIDTH;
-        records.colors[range.clone()].copy_from_slice(&colors[range]);
-    }
-    clock.lap(7, &mut start);
-}
-
-/// Writes colors lane after lane.
-#[inline(always)]
-pub fn store<L: Lane, const G: usize>(sums: &[[L; 4]; G], colors: &mut [[f32; 4]]) {
-    for (g, sum) in sums.iter().enumerate() {
-        let [red, green, blue, alpha] = groups(
-            #[inline(always)]
-            |channel| sum[channel].row(),
-        );
-        for lane in 0..L::WIDTH {
-            colors[g * L::WIDTH + lane] = [red.at(lane), green.at(lane), blue.at(lane), alpha.at(lane)];
-        }
-    }
-}
-
-/// Copies tiles into rows.
-pub fn untile(grid: Grid, tiles: &[u32], pixels: &mut Vec<u32>) {
-    let side = grid.block_pixels() as usize;
-    let width = grid.width as usize;
-    pixels.resize(width * grid.height as usize, 0);
-    pixels.par_chunks_mut(width).with_min_len(16).enumerate().for_each(|(y, row)| {
-        for (column, part) in row.chunks_mut(side).enumerate() {
-            let block = BlockIndex((y / side) as u32 * grid.blocks_x() + column as u32);
-            let at = (block.0 as usize * side + y % side) * side;
-            part.copy_from_slice(&tiles[at..at + part.len()]);
-        }
-    });
 }

@@ -1,25 +1,21 @@
 //! How long each stage takes.
 
-use rtrt_core::backend::STAGES;
+use rtrt_core::schedule::Stage;
 use std::time::{Duration, Instant};
-
-/// The stage that layers behind the first belong to.
-pub const LAYERS: usize = 8;
-const _: () = assert!(matches!(STAGES[LAYERS].as_bytes(), b"layers"));
 
 /// Time spent in each stage.
 #[derive(Clone, Copy, Default)]
-pub struct Clock([Duration; STAGES.len()]);
+pub struct Clock([Duration; Stage::COUNT]);
 
 impl Clock {
     /// Adds what has passed since `start`.
-    pub fn add(&mut self, stage: usize, start: Instant) {
-        self.0[stage] += start.elapsed();
+    pub fn add(&mut self, stage: Stage, start: Instant) {
+        self.0[stage as usize] += start.elapsed();
     }
     /// Adds what has passed since `start`, and starts anew.
-    pub fn lap(&mut self, stage: usize, start: &mut Instant) {
+    pub fn lap(&mut self, stage: Stage, start: &mut Instant) {
         let now = Instant::now();
-        self.0[stage] += now - *start;
+        self.0[stage as usize] += now - *start;
         *start = now;
     }
     /// The sum of both.
@@ -35,7 +31,7 @@ impl Clock {
         }
     }
     /// In milliseconds.
-    pub fn milliseconds(&self) -> [f64; STAGES.len()] {
+    pub fn milliseconds(&self) -> [f64; Stage::COUNT] {
         self.0.map(|stage| stage.as_secs_f64() * 1e3)
     }
 }

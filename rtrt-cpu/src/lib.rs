@@ -24,34 +24,32 @@
 
 mod bin;
 mod block;
+mod blocks;
 mod canary;
 mod clock;
 mod context;
 mod error;
 mod instruction_set;
+mod packet;
 mod planes;
 mod prepare;
 mod records;
-mod shadows;
-mod soft;
 mod wide;
 
 pub use canary::kernels;
 pub use error::Error;
 
 use crate::bin::Binning;
-use crate::block::Block;
+use crate::blocks::Blocks;
 use crate::clock::Clock;
 use crate::context::FrameContext;
 use crate::instruction_set::InstructionSet;
-use crate::records::{block_records, deferred_room};
-use rayon::prelude::*;
-use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request, STAGES};
-use rtrt_core::kernel::geometry::Geometry;
+use crate::records::block_records;
+use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request};
 use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::screen_bounds::ScreenBounds;
-use rtrt_core::kernel::texture::Maps;
 use rtrt_core::scene::{Join, Scene, Setup};
+use rtrt_core::schedule::{Pass, Stage, Step, steps};
 use rtrt_core::stage::context::Context;
 use std::time::Instant;
 
@@ -76,13 +74,10 @@ pub struct Cpu {
 #[derive(Debug, Default)]
 struct Memory {
     setup: Setup,
+    steps: Vec<Step>,
     screen_bounds: Vec<ScreenBounds>,
     bins: bin::Bins,
-    /// Pixels, block after block.
-    tiles: Vec<u32>,
-    /// What is left of lights, block after block, where hard shadows are not bits.
-    transmittance: Vec<u32>,
-    soft: soft::Soft,
+    blocks: Blocks,
 }
 
 impl Cpu {
@@ -107,7 +102,7 @@ impl Cpu {
 }
 
 impl Memory {
-    /// Fills the tiles, and the deferred buffers if asked to.
+    /// Fills the tiles of blocks, and the deferred buffers if asked to.
     fn frame(
         &mut self,
         level: InstructionSet,
@@ -115,65 +110,35 @@ impl Memory {
         deferred: Option<&mut Deferred>,
         clock: &mut Clock,
     ) {
-        let frame = self.setup.frame;
-        let views = &self.setup.views[..];
-        let start = Instant::now();
-        let instances = self.setup.instances(scene);
-        let keeps_lights = self.bins.keeps_lights(&self.setup, scene);
-        prepare::prepare(&frame, views, instances, &mut self.screen_bounds, keeps_lights);
-        clock.add(0, start);
-        let start = Instant::now();
-        self.bins.fill(
-            &Binning { frame: &frame, views, instances, screen_bounds: &self.screen_bounds },
-            keeps_lights,
-        );
-        clock.add(1, start);
-
-        let geometry = Geometry {
-            instances,
-            nodes: scene.nodes(),
-            mesh_data: scene.mesh_data(),
-            positions: scene.positions(),
-            texels: scene.texels(),
-            magnitude: frame.magnitude,
-        };
-        let lists = BlockLists { data: &self.bins.lists, blocks: frame.blocks };
+        let Self { setup, steps: all, screen_bounds, bins, blocks } = self;
+        let (frame, views, instances) = (&setup.frame, &setup.views[..], setup.instances(scene));
+        all.clear();
+        all.extend(steps(frame));
+        let keeps_lights = bins.keeps_lights(setup, scene);
+        let is_of_lists = |step: &Step| matches!(step.pass, Pass::Prepare | Pass::Bin);
+        let (of_lists, of_blocks) = all.split_at(all.partition_point(is_of_lists));
+        for step in of_lists {
+            let start = Instant::now();
+            if step.pass == Pass::Prepare {
+                prepare::prepare(frame, views, instances, screen_bounds, keeps_lights);
+            } else {
+                bins.fill(&Binning { frame, views, instances, screen_bounds }, keeps_lights);
+            }
+            clock.add(step.stage(), start);
+        }
+        let lists = BlockLists { data: &bins.lists, blocks: frame.blocks };
         let context = FrameContext {
-            trace: Context { frame: &frame, views, lists, geometry },
+            trace: Context { frame, views, lists, geometry: setup.geometry(scene) },
             attributes: scene.attributes(),
-            maps: Maps { materials: scene.materials(), texels: scene.texels() },
+            maps: scene.maps(),
         };
-        let grid = frame.grid();
-        let tile = (grid.block_pixels() * grid.block_pixels()) as usize;
-        self.tiles.clear();
-        self.tiles.resize(grid.blocks() as usize * tile, 0);
-        let tint = shadows::transmittance_words(&frame);
-        self.transmittance.resize(grid.blocks() as usize * tint, 0);
         let start = Instant::now();
-        let tiles = self.tiles.par_chunks_mut(tile);
-        let block = |(index, ((tile, transmittance), records)): (usize, ((_, _), _))| {
-            level.run(Block { context: &context, index: index as u32, tile, transmittance, records })
-        };
-        let none = || rayon::iter::repeat_n((), grid.blocks() as usize).map(|()| None);
-        let deferred = deferred.map(|deferred| {
-            deferred_room(deferred, &frame, &self.bins.lists);
-            block_records(deferred, &frame)
+        let mut records = deferred.map(|deferred| {
+            deferred.lists.clone_from(&bins.lists);
+            block_records(deferred, frame)
         });
-        let busy = match (deferred, frame.penumbra_window) {
-            (None, 0) => {
-                let tiles = tiles.zip(self.transmittance.par_chunks_mut(tint)).zip(none());
-                tiles.enumerate().map(block).reduce(Clock::default, Clock::plus)
-            }
-            (Some((records, _)), 0) => {
-                let tiles = tiles.zip(self.transmittance.par_chunks_mut(tint)).zip(records);
-                tiles.enumerate().map(block).reduce(Clock::default, Clock::plus)
-            }
-            (None, _) => self.soft.frame(level, &context, tiles, &mut [], None),
-            (Some((mut records, kept)), _) => {
-                self.soft.frame(level, &context, tiles, &mut records, Some(kept))
-            }
-        };
-        // The stages of a block follow one another on one thread, so a stage's share of
+        let busy = blocks.run(level, &context, of_blocks, records.as_deref_mut().unwrap_or_default());
+        // The steps of a block follow one another on one thread, so a stage's share of
         // the time that passed is its share of the threads' time.
         clock.spread(start.elapsed(), &busy);
     }
@@ -202,8 +167,8 @@ impl Backend for Cpu {
         pool.install(|| {
             memory.frame(*level, scene, deferred.as_mut(), &mut clock);
             let start = Instant::now();
-            block::untile(memory.setup.frame.grid(), &memory.tiles, &mut picture.pixels);
-            clock.add(STAGES.len() - 1, start);
+            memory.blocks.untile(memory.setup.frame.grid(), &mut picture.pixels);
+            clock.add(Stage::Resolve, start);
         });
         picture.deferred = deferred;
         [picture.width, picture.height] = request.size;

@@ -10,7 +10,7 @@ use rtrt_core::stage::penumbra_blocks::around;
 use rtrt_core::stage::penumbra_filter::{MISSING, Neighborhood};
 
 /// Numbers of a ray that have to do with its surface: three of its origin, three of its normal.
-/// Two a light follow: what is left of it, and the size of the penumbra.
+/// Two a light follow: the transmittance, and the radius of the penumbra.
 pub const OF_SURFACE: usize = 6;
 
 /// Along a side of a block.
@@ -37,22 +37,20 @@ pub struct Planes {
 }
 
 impl Planes {
-    /// Takes over the numbers of the blocks that are needed. `cells` are those of all blocks, one
-    /// after another; in a block number after number.
-    pub fn fill(&mut self, frame: &Frame, cells: &[u32], is_needed: &[bool]) {
-        let (grid, count) = (frame.grid(), count(frame));
+    /// Takes over the numbers of the blocks that are needed: `cells` gives those of a block, number after
+    /// number.
+    pub fn fill<'a>(&mut self, frame: &Frame, cells: impl Fn(usize) -> &'a [u32] + Sync, is_needed: &[bool]) {
+        let grid = frame.grid();
         self.reshape(frame);
         let (margin, row, pitch) = (self.margin, self.row, self.pitch);
         let columns = grid.blocks_x() as usize;
-        let blocks = cells.par_chunks(columns * count * BLOCK_RAYS as usize);
         let rows = self.words[margin * pitch..].par_chunks_mut(SIDE * pitch);
-        let rows = rows.zip(blocks).zip(is_needed.par_chunks(columns)).enumerate();
-        rows.for_each(|(y, ((rows, blocks), is_needed))| {
+        let rows = rows.zip(is_needed.par_chunks(columns)).enumerate();
+        rows.for_each(|(y, (rows, is_needed))| {
             let below = (grid.height * grid.side) as usize - y * SIDE;
-            let blocks = blocks.chunks(count * BLOCK_RAYS as usize).zip(is_needed).enumerate();
-            for (x, (block, _)) in blocks.filter(|(_, (_, is_needed))| **is_needed) {
+            for (x, _) in is_needed.iter().enumerate().filter(|(_, is_needed)| **is_needed) {
                 let right = (grid.width * grid.side) as usize - x * SIDE;
-                for (number, cells) in block.chunks(BLOCK_RAYS as usize).enumerate() {
+                for (number, cells) in cells(y * columns + x).chunks(BLOCK_RAYS as usize).enumerate() {
                     let first = number * row + margin + x * SIDE;
                     for (part, cells) in cells.chunks(TILE).enumerate() {
                         let [x, y] = place((part * TILE) as u32).map(|at| at as usize);

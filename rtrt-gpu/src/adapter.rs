@@ -1,46 +1,21 @@
 //! Which adapters there are, and which to take.
 
+use crate::canary;
 use crate::device::Device;
-use crate::{Error, Gpu, Options, Route, canary};
-use std::fmt;
+use crate::error::Error;
+use crate::info::{Kind, Route, has_passthrough, label};
 
-/// What an adapter is, the most promising first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
-    /// A GPU with memory of its own.
-    Discrete,
-    /// A GPU that shares the processor's memory.
-    Integrated,
-    /// A GPU lent to a virtual machine.
-    Virtual,
-    /// Not known.
-    Other,
-    /// No GPU: the driver computes on the processor.
-    Software,
-}
-
-impl Kind {
-    pub(crate) fn new(kind: wgpu::DeviceType) -> Self {
-        match kind {
-            wgpu::DeviceType::DiscreteGpu => Self::Discrete,
-            wgpu::DeviceType::IntegratedGpu => Self::Integrated,
-            wgpu::DeviceType::VirtualGpu => Self::Virtual,
-            wgpu::DeviceType::Cpu => Self::Software,
-            wgpu::DeviceType::Other => Self::Other,
-        }
-    }
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Discrete => "discrete",
-            Self::Integrated => "integrated",
-            Self::Virtual => "virtual",
-            Self::Other => "unknown",
-            Self::Software => "software",
-        })
-    }
+/// Which adapter to open, and how.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// A part of the adapter's name, in any case, or its number among [`adapters`]; `None` for the first that
+    /// can be used.
+    pub adapter: Option<String>,
+    /// How the module gets to it.
+    pub route: Route,
+    /// The most bytes that a buffer of per-ray results may have, if that is to be less than what the device
+    /// allows.
+    pub band_bytes: Option<u64>,
 }
 
 /// An adapter that is there. It is not opened yet, and may turn out to be of no use.
@@ -72,12 +47,9 @@ impl Adapter {
         }
     }
 
-    /// Opens it, and asks it the canary, by the route that [`Route::Auto`] takes.
-    ///
-    /// # Errors
-    /// It cannot be opened, or computes other numbers than the CPU.
-    pub fn open(&self) -> Result<Gpu, Error> {
-        Gpu::of(open(&self.raw, Route::Auto)?, None)
+    /// Opens it, by the route that [`Route::Auto`] takes, and asks it the canary.
+    pub(crate) fn device(&self) -> Result<Device, Error> {
+        open(&self.raw, Route::Auto)
     }
 }
 
@@ -156,14 +128,4 @@ fn enumerate(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
         kind => (kind, false),
     });
     adapters
-}
-
-/// What the adapter is called, with its interface: one GPU may be there twice.
-pub(crate) fn label(info: &wgpu::AdapterInfo) -> String {
-    format!("{} ({})", info.name, info.backend)
-}
-
-/// Whether an adapter or a device with these features takes SPIR-V as it is.
-pub(crate) fn has_passthrough(info: &wgpu::AdapterInfo, features: wgpu::Features) -> bool {
-    info.backend == wgpu::Backend::Vulkan && features.contains(wgpu::Features::PASSTHROUGH_SHADERS)
 }

@@ -1,20 +1,10 @@
 //! A frame in parts, for devices whose buffers are limited.
 
+use crate::slot::rows;
 use rtrt_core::grid::BLOCK_RAYS;
-use rtrt_core::layout::{Frame, ShadowBuffer, Surface};
+use rtrt_core::layout::{Frame, ShadowKind};
 use rtrt_core::stage::penumbra_blocks::around;
 use std::ops::Range;
-
-/// Words a ray of the buffers `Shadows` and `Transmittance`. The one that shadow rays are traced in is a
-/// [`ShadowBuffer`].
-pub fn shadow_words(frame: &Frame) -> [u64; 2] {
-    let (lights, traced) = (u64::from(frame.lights), u64::from(ShadowBuffer::new(frame).words_per_ray()));
-    match (frame.penumbra_window, frame.layers) {
-        (0, 0) => [0, 0],
-        (0, _) => [0, traced],
-        _ => [traced, lights],
-    }
-}
 
 /// A part of a frame that is rendered at once.
 #[derive(Clone, Copy)]
@@ -39,13 +29,11 @@ impl Band {
 /// The frame in bands: whole rows of blocks, as many as no buffer of more than `bytes`
 /// needs, but at least one; and, where shadows are soft, the rows around from which penumbras
 /// reach.
-pub fn bands(frame: &Frame, bytes: u64) -> impl Iterator<Item = Band> + use<> {
+pub fn bands(frame: &Frame, bytes: u64, keeps_layers: bool) -> impl Iterator<Item = Band> + use<> {
     let frame = *frame;
     let row = frame.grid().blocks_x() * BLOCK_RAYS;
-    let [shadows, transmittance] = shadow_words(&frame).map(|words| 4 * words);
-    let largest =
-        (size_of::<Surface>() as u64).max(4 * u64::from(frame.mask_words)).max(transmittance).max(shadows);
-    let around = if frame.penumbra_window == 0 { 0 } else { around(&frame) };
+    let largest = rows(keeps_layers).map(|row| row.bytes_per_ray(&frame)).max().unwrap_or(1);
+    let around = if frame.shadow_kind() == ShadowKind::Penumbra { around(&frame) } else { 0 };
     let rows = (bytes / largest / u64::from(row)).saturating_sub(2 * u64::from(around)).max(1);
     let step = (rows * u64::from(row)).min(u64::from(frame.rays)) as u32;
     let all = frame.rays;
@@ -67,13 +55,17 @@ mod tests {
         let frame = Frame { width: 100, height: 90, side: 1, mask_words: 1, ..Frame::zeroed() };
         let frame = Frame { rays: frame.grid().rays(), ..frame };
         let row = 7 * BLOCK_RAYS;
-        let split = |bytes| bands(&frame, bytes).map(|band| (band.first, band.rays)).collect::<Vec<_>>();
+        let split =
+            |bytes| bands(&frame, bytes, false).map(|band| (band.first, band.rays)).collect::<Vec<_>>();
         assert_eq!(split(u64::MAX), [(0, 6 * row)]);
         assert_eq!(split(0).len(), 6);
         assert_eq!(split(56 * 4 * u64::from(row) + 55), [(0, 4 * row), (4 * row, 2 * row)]);
+        let layers = Frame { layers: 8, ..frame };
+        let count = |keeps_layers| bands(&layers, 56 * u64::from(6 * row), keeps_layers).count();
+        assert_eq!([count(false), count(true)], [1, 3], "seven hits a ray are more than a surface");
         let soft = Frame { penumbra_window: 24, lights: 1, ..frame };
         let split: Vec<_> =
-            bands(&soft, 0).map(|band| (band.first, band.frame.first_ray, band.frame.rays)).collect();
+            bands(&soft, 0, false).map(|band| (band.first, band.frame.first_ray, band.frame.rays)).collect();
         assert_eq!(split[0], (0, 0, 3 * row));
         assert_eq!(split[3], (3 * row, row, 5 * row));
     }

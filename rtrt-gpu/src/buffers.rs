@@ -1,87 +1,22 @@
 //! The buffers of a device: the scene's, kept until it changes, and a frame's, kept for
 //! the next.
 
-use crate::Error;
 use crate::device::Device;
-use crate::group::Groups;
-use crate::pipeline::Pipeline;
+use crate::error::Error;
+use crate::slot::{Slot, rows};
 use bytemuck::Pod;
 use rtrt_core::layout::Frame;
 use rtrt_core::scene::{Scene, Setup, Versions};
 use wgpu::BufferUsages;
 
-/// What a buffer holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Slot {
-    Frame,
-    Views,
-    Instances,
-    Nodes,
-    MeshData,
-    Positions,
-    Attributes,
-    Materials,
-    Texels,
-    ScreenBounds,
-    Counts,
-    Placed,
-    BlockLists,
-    Drawn,
-    Hits,
-    Surfaces,
-    Masks,
-    Shadows,
-    PenumbraSummary,
-    Soft,
-    Transmittance,
-    Lit,
-    Colors,
-    Layers,
-    Pixels,
-}
-
-impl Slot {
-    const COUNT: usize = Self::Pixels as usize + 1;
-
-    /// What the buffer is called in errors.
-    fn name(self) -> &'static str {
-        const NAMES: [&str; Slot::COUNT] = [
-            "frame",
-            "views",
-            "instances",
-            "nodes",
-            "mesh data",
-            "positions",
-            "attributes",
-            "materials",
-            "texels",
-            "screen bounds",
-            "counts",
-            "placed",
-            "block lists",
-            "drawn",
-            "hits",
-            "surfaces",
-            "masks",
-            "shadows",
-            "penumbra summary",
-            "soft",
-            "transmittance",
-            "lit",
-            "colors",
-            "layers",
-            "pixels",
-        ];
-        NAMES[self as usize]
-    }
-}
-
 /// All buffers that entry points bind.
 #[derive(Default)]
 pub(crate) struct Buffers {
     slots: [Option<wgpu::Buffer>; Slot::COUNT],
-    /// What dispatches bind of them.
-    groups: Groups,
+    /// The numbers of the frame for each layer of surfaces behind the first.
+    layers: Vec<wgpu::Buffer>,
+    /// What dispatches bind, by numbers that the caller gives them.
+    groups: Vec<Option<wgpu::BindGroup>>,
     /// The scene whose arrays are there, as it was, with the levels of detail and the
     /// parts that were chosen.
     resident: Option<(u32, Versions, (u32, Option<u32>))>,
@@ -95,28 +30,53 @@ impl Buffers {
         self.slots[slot as usize].as_ref()
     }
 
-    /// What a row of the table of dispatches binds, for one of the layers that it is repeated for.
-    pub fn group(&self, row: usize, layer: usize) -> Option<&wgpu::BindGroup> {
-        self.groups.get(row, layer)
+    /// The buffer as a layer of surfaces sees it: each has its own numbers of the frame.
+    pub fn of_layer(&self, slot: Slot, layer: u32) -> Option<&wgpu::Buffer> {
+        match layer.checked_sub(1).filter(|_| slot == Slot::Frame) {
+            Some(behind) => self.layers.get(behind as usize),
+            None => self.get(slot),
+        }
     }
 
-    /// Makes what the dispatches of a frame bind, where that is not there yet. `layers` are what
-    /// layers get for the numbers of the frame.
-    pub fn bind(
-        &mut self,
-        device: &Device,
-        frame: &Frame,
-        pipelines: &[Option<Pipeline>],
-        layers: &[wgpu::Buffer],
-    ) {
-        let Self { slots, groups, .. } = self;
-        groups.make(&device.device, frame, pipelines, layers, |slot| slots[slot as usize].as_ref());
+    /// The group of buffers with this number, if it is there.
+    pub fn group(&self, number: usize) -> Option<&wgpu::BindGroup> {
+        self.groups.get(number)?.as_ref()
+    }
+
+    /// Makes the group with this number, unless it is there. It is gone once any buffer is replaced.
+    pub fn make_group(&mut self, number: usize, make: impl FnOnce(&Self) -> wgpu::BindGroup) {
+        if self.groups.len() <= number {
+            self.groups.resize(number + 1, None);
+        }
+        if self.groups[number].is_none() {
+            self.groups[number] = Some(make(self));
+        }
+    }
+
+    /// Makes room for a band of a frame, and copies its numbers.
+    pub fn prepare(&mut self, device: &Device, frame: &Frame, keeps_layers: bool) -> Result<(), Error> {
+        for row in rows(keeps_layers) {
+            if let Some(count) = row.elements(frame) {
+                self.reserve(device, row.slot, count)?;
+            }
+        }
+        let behind = frame.layers_behind();
+        while self.layers.len() < behind as usize {
+            let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+            self.layers.push(device.buffer("frame of a layer", size_of::<Frame>() as u64, usage)?);
+        }
+        if self.renew(device, Slot::Frame, &[*frame])? {
+            for (layer, buffer) in (1..=behind).zip(&self.layers) {
+                device.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&frame.of_layer(layer)));
+            }
+        }
+        Ok(())
     }
 
     /// Makes room for `count` elements, and for one where there are none: entry points bind no
     /// less. What was there is lost if the buffer has to grow.
-    pub fn reserve<T>(&mut self, device: &Device, slot: Slot, count: u64) -> Result<(), Error> {
-        let bytes = count.max(1) * size_of::<T>() as u64;
+    fn reserve(&mut self, device: &Device, slot: Slot, count: u64) -> Result<(), Error> {
+        let bytes = count.max(1) * slot.row().stride;
         if self.get(slot).is_none_or(|buffer| buffer.size() < bytes) {
             let bound = if slot == Slot::Frame { BufferUsages::UNIFORM } else { BufferUsages::STORAGE };
             let usage = bound | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
@@ -124,14 +84,14 @@ impl Buffers {
             self.groups.clear();
             self.copied[slot as usize].clear();
             self.slots[slot as usize] = None;
-            self.slots[slot as usize] = Some(device.buffer(slot.name(), bytes, usage)?);
+            self.slots[slot as usize] = Some(device.buffer(slot.row().name, bytes, usage)?);
         }
         Ok(())
     }
 
     /// Copies the elements into the buffer.
-    pub fn upload<T: Pod>(&mut self, device: &Device, slot: Slot, elements: &[T]) -> Result<(), Error> {
-        self.reserve::<T>(device, slot, elements.len() as u64)?;
+    fn upload<T: Pod>(&mut self, device: &Device, slot: Slot, elements: &[T]) -> Result<(), Error> {
+        self.reserve(device, slot, elements.len() as u64)?;
         if let Some(buffer) = self.get(slot) {
             device.queue.write_buffer(buffer, 0, bytemuck::cast_slice(elements));
         }
@@ -141,7 +101,7 @@ impl Buffers {
     /// Copies into the buffer what differs from what was copied last: from the first element that
     /// does to the last. Gives whether there are any.
     pub fn renew<T: Pod>(&mut self, device: &Device, slot: Slot, elements: &[T]) -> Result<bool, Error> {
-        self.reserve::<T>(device, slot, elements.len() as u64)?;
+        self.reserve(device, slot, elements.len() as u64)?;
         let bytes = bytemuck::cast_slice::<T, u8>(elements);
         let copied = &mut self.copied[slot as usize];
         let place = |element: usize| element * size_of::<T>()..(element + 1) * size_of::<T>();

@@ -1,27 +1,12 @@
 //! Whether a device computes the CPU's numbers, asked before it is trusted.
 
-use crate::Error;
 use crate::device::{Device, watched};
-use crate::pipeline::{Access, groups};
+use crate::entry::{Access, KERNELS, PROBE, groups};
+use crate::error::Error;
 use rtrt_core::kernel::canary::{NAMES, OUTPUTS, canary};
 use rtrt_core::layout::{
     Attribute, Frame, Hit, Instance, MaterialRecord, Node, PROBES, Surface, View, probe,
 };
-
-/// What the entry point `kernels` binds.
-pub(crate) const KERNELS: &[Access] = &[Access::Read, Access::Write];
-/// What the entry point `layout` binds.
-pub(crate) const LAYOUT: &[Access] = &[
-    Access::Uniform,
-    Access::Read,
-    Access::Read,
-    Access::Read,
-    Access::Read,
-    Access::Read,
-    Access::Read,
-    Access::Read,
-    Access::Write,
-];
 
 /// Compares the device's answers with the CPU's.
 pub(crate) fn check(device: &Device) -> Result<(), Error> {
@@ -46,7 +31,7 @@ pub(crate) fn check(device: &Device) -> Result<(), Error> {
 pub(crate) fn kernels(device: &Device, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
     let bytes = (words.len() * size_of::<[u32; OUTPUTS]>()) as u64;
     let inputs = [bytemuck::cast_slice(words)];
-    let answers = run(device, "kernels", KERNELS, &inputs, bytes, groups((words.len() as u32).into()))?;
+    let answers = run(device, KERNELS, &inputs, bytes, groups([words.len() as u32, 1]))?;
     Ok(bytemuck::pod_collect_to_vec(&answers))
 }
 
@@ -68,7 +53,7 @@ pub(crate) fn layout(device: &Device) -> Result<[u32; PROBES], Error> {
         pair::<Hit>(),
     ];
     let inputs: Vec<&[u8]> = buffers.iter().map(Vec::as_slice).collect();
-    let found = run(device, "probe_layout", LAYOUT, &inputs, 4 * PROBES as u64, [1, 1, 1])?;
+    let found = run(device, PROBE, &inputs, 4 * PROBES as u64, [1, 1, 1])?;
     let mut words = [0; PROBES];
     words.copy_from_slice(&bytemuck::pod_collect_to_vec::<u8, u32>(&found));
     Ok(words)
@@ -98,8 +83,7 @@ fn pattern<T: bytemuck::Pod>() -> T {
 /// back.
 fn run(
     device: &Device,
-    entry: &str,
-    accesses: &[Access],
+    (entry, accesses): (&str, &[Access]),
     inputs: &[&[u8]],
     output_bytes: u64,
     groups: [u32; 3],

@@ -1,13 +1,17 @@
 //! An opened device with the compiled module, and how its failures become errors.
 
-use crate::adapter::{Kind, has_passthrough, label};
 use crate::barriers::with_barriers;
-use crate::pipeline::{Access, DRAWN, PASSES, Pipeline, bind_group, bind_group_layout};
-use crate::raster::{FRAGMENT, VERTEX};
-use crate::{Error, FEATURES, Route};
+use crate::entry::{Access, most_storage_buffers, names};
+use crate::error::Error;
+use crate::info::{Kind, Route, has_passthrough, label};
+use crate::pipeline::{Pipeline, Zero};
 use rtrt_core::layout::{MaterialRecord, View};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// Features that a device is to have where its adapter has them.
+pub(crate) const FEATURES: wgpu::Features =
+    wgpu::Features::PASSTHROUGH_SHADERS.union(wgpu::Features::TIMESTAMP_QUERY);
 
 /// A device, ready to compile entry points.
 pub(crate) struct Device {
@@ -134,38 +138,6 @@ impl Device {
     }
 }
 
-/// The zero that [`crate::barriers`] reads.
-pub(crate) struct Zero {
-    pub layout: wgpu::BindGroupLayout,
-    pub group: wgpu::BindGroup,
-}
-
-impl Zero {
-    fn new(device: &wgpu::Device) -> Self {
-        // New buffers are filled with zeros. Uniform buffers want 16 bytes.
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("zero"),
-            size: 16,
-            usage: wgpu::BufferUsages::UNIFORM,
-            mapped_at_creation: false,
-        });
-        let layout = bind_group_layout(
-            device,
-            "zero",
-            wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::VERTEX_FRAGMENT,
-            [Access::Uniform].into_iter(),
-        );
-        let group = bind_group(device, &layout, [buffer.as_entire_binding()].into_iter());
-        Self { layout, group }
-    }
-}
-
-/// The most storage buffers that an entry point binds.
-fn most_storage_buffers() -> u32 {
-    let storage = |access: &Access| u32::from(*access != Access::Uniform);
-    PASSES.iter().map(|pass| pass.accesses().map(|a| storage(&a)).sum()).max().unwrap_or(0)
-}
-
 /// Does some work, and gives the first thing that the device had against it.
 ///
 /// What nobody catches goes to the handler of the device, which may be an application's own, or
@@ -191,10 +163,9 @@ fn module(device: &wgpu::Device, route: Route) -> wgpu::ShaderModule {
             name: Cow::Borrowed(name),
             workgroup_size: (rtrt_shaders::GROUP, 1, 1),
         };
-        let passes = PASSES.iter().chain(DRAWN).map(|pass| entry(pass.entry));
         let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
             label: None,
-            entry_points: passes.chain(["kernels", "probe_layout", VERTEX, FRAGMENT].map(entry)).collect(),
+            entry_points: names().map(entry).collect(),
             spirv: Some(Cow::Borrowed(&words)),
             ..Default::default()
         };

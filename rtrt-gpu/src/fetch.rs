@@ -1,47 +1,48 @@
 //! The deferred buffers, read back.
 
-use crate::Error;
 use crate::band::Band;
-use crate::buffers::Slot;
-use crate::frame::Renderer;
+use crate::buffers::Buffers;
+use crate::device::Device;
+use crate::error::Error;
+use crate::slot::Slot;
 use bytemuck::Pod;
 use rtrt_core::backend::Deferred;
-use rtrt_core::layout::{Hit, ShadowBuffer};
+use rtrt_core::layout::{Hit, ShadowBuffer, ShadowKind};
 use std::ops::Range;
 
-impl Renderer {
-    /// Appends what a band's first layer has left to the deferred buffers, if they were asked
-    /// for.
-    pub(crate) fn fetch_first_layer(
-        &self,
-        band: &Band,
-        deferred: &mut Option<Deferred>,
-    ) -> Result<(), Error> {
-        let Some(deferred) = deferred else { return Ok(()) };
+/// Where results are read from.
+#[derive(Clone, Copy)]
+pub(crate) struct Results<'a> {
+    pub device: &'a Device,
+    pub buffers: &'a Buffers,
+}
+
+impl Results<'_> {
+    /// Appends the first layer of a band to the deferred buffers.
+    pub fn first_layer(self, band: &Band, deferred: &mut Deferred) -> Result<(), Error> {
         let (frame, transmittance) = (&band.frame, deferred.transmittance_words);
-        self.fetch(Slot::Hits, band.kept(1), &mut deferred.hits)?;
-        self.fetch(Slot::Surfaces, band.kept(1), &mut deferred.surfaces)?;
-        self.fetch(Slot::Masks, band.kept(frame.mask_words), &mut deferred.masks)?;
-        self.fetch(Slot::Lit, band.kept(1), &mut deferred.lit)?;
-        self.fetch(Slot::Transmittance, band.kept(transmittance), &mut deferred.transmittance)?;
-        if frame.penumbra_window > 0 {
+        self.read(Slot::Hits, band.kept(1), &mut deferred.hits)?;
+        self.read(Slot::Surfaces, band.kept(1), &mut deferred.surfaces)?;
+        self.read(Slot::Masks, band.kept(frame.mask_words), &mut deferred.masks)?;
+        self.read(Slot::Lit, band.kept(1), &mut deferred.lit)?;
+        self.read(Slot::Transmittance, band.kept(transmittance), &mut deferred.transmittance)?;
+        if frame.shadow_kind() == ShadowKind::Penumbra {
             let (words, radii) = (band.kept(transmittance), ShadowBuffer::new(frame).penumbra_radius(0, 0));
-            self.fetch(Slot::Shadows, words.clone(), &mut deferred.raw_transmittance)?;
+            self.read(Slot::Shadows, words.clone(), &mut deferred.raw_transmittance)?;
             let radii = words.start + radii..words.end + radii;
-            self.fetch(Slot::Shadows, radii, &mut deferred.penumbra_radii)?;
+            self.read(Slot::Shadows, radii, &mut deferred.penumbra_radii)?;
         }
         Ok(())
     }
 
-    /// Appends a band's colors and what its layers have hit to the deferred buffers, if they
-    /// were asked for.
-    pub(crate) fn fetch_colors(&self, band: &Band, deferred: &mut Option<Deferred>) -> Result<(), Error> {
-        let Some(deferred) = deferred else { return Ok(()) };
+    /// Appends the colors of a band, and the hits of its layers behind the first, to the deferred
+    /// buffers.
+    pub fn colors(self, band: &Band, deferred: &mut Deferred) -> Result<(), Error> {
         let (rays, count) = (band.frame.rays as usize, deferred.layer_count as usize);
-        self.fetch(Slot::Colors, band.kept(1), &mut deferred.colors)?;
+        self.read(Slot::Colors, band.kept(1), &mut deferred.colors)?;
         if count > 0 {
             let mut layers: Vec<Hit> = Vec::new();
-            self.fetch(Slot::Layers, 0..rays * count, &mut layers)?;
+            self.read(Slot::Layers, 0..rays * count, &mut layers)?;
             let kept = band.kept(deferred.layer_count);
             deferred.layers.extend(kept.map(|at| layers[at % count * rays + at / count]));
         }
@@ -49,12 +50,7 @@ impl Renderer {
     }
 
     /// Appends these elements of a buffer to `to`.
-    pub(crate) fn fetch<T: Pod>(
-        &self,
-        slot: Slot,
-        range: Range<usize>,
-        to: &mut Vec<T>,
-    ) -> Result<(), Error> {
+    pub fn read<T: Pod>(self, slot: Slot, range: Range<usize>, to: &mut Vec<T>) -> Result<(), Error> {
         let Some(buffer) = self.buffers.get(slot).filter(|_| !range.is_empty()) else { return Ok(()) };
         let size = size_of::<T>();
         let bytes = self.device.fetch(buffer, (range.end * size) as u64)?;

@@ -1,21 +1,20 @@
 //! One frame on a device: bin, unless the lists are still the same, then band after band of rays.
 
-use crate::Error;
-use crate::band::{Band, bands, shadow_words};
-use crate::buffers::{Buffers, Slot};
+use crate::band::{Band, bands};
+use crate::buffers::Buffers;
 use crate::device::{Device, watched};
-use crate::pipeline::{DRAWN, FIRST_OF_BAND, LAYERS, PASSES, Pipeline, ZEROED, groups};
+use crate::dispatch::{Encoder, Pipelines};
+use crate::error::Error;
+use crate::fetch::Results;
 use crate::raster::Raster;
+use crate::slot::{Slot, list_words};
 use crate::texture::{check, copy};
 use crate::timer::{HostClock, Timer};
-use rtrt_core::backend::{Deferred, Picture, STAGES};
-use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
-use rtrt_core::kernel::lists::{BlockLists, ListEntry};
-use rtrt_core::kernel::screen_bounds::ScreenBounds;
-use rtrt_core::layout::{Frame, Hit, Lit, Surface, View};
+use rtrt_core::backend::{Deferred, Picture};
+use rtrt_core::grid::RayIndex;
+use rtrt_core::layout::{Frame, View};
 use rtrt_core::scene::{ListCacheKey, ReusableLists, Scene, Setup};
-use rtrt_core::stage;
-use rtrt_core::stage::penumbra_blocks::PenumbraSummary;
+use rtrt_core::schedule::Stage;
 use wgpu::BufferUsages;
 
 /// Entries that the lists have room for at first.
@@ -26,14 +25,14 @@ const FIRST_CAPACITY: u32 = 1 << 16;
 const TIMES: u64 = 256;
 const PIXELS: u64 = 512;
 
+/// The first stage that is repeated for each band of rays.
+const FIRST_OF_BAND: Stage = Stage::Visibility;
+
 /// Everything that renders frames on one device.
 pub(crate) struct Renderer {
     pub device: Device,
-    /// For each row of [`PASSES`], once a frame has needed it.
-    pipelines: Vec<Option<Pipeline>>,
+    pipelines: Pipelines,
     pub buffers: Buffers,
-    /// The numbers of the frame for each layer of surfaces behind the first.
-    layers: Vec<wgpu::Buffer>,
     read_back: Option<wgpu::Buffer>,
     timer: Timer,
     /// What draws the closest surfaces, if they are not to be traced.
@@ -53,9 +52,8 @@ impl Renderer {
         Ok(Self {
             band_bytes: band_bytes.unwrap_or(u64::MAX).min(device.limit),
             device,
-            pipelines: vec![None; PASSES.len()],
+            pipelines: Pipelines::new(),
             buffers: Buffers::default(),
-            layers: Vec::new(),
             read_back: None,
             timer,
             raster: None,
@@ -118,17 +116,16 @@ impl Renderer {
             }
         }
         let empty = || {
-            let transmittance_words = if frame.has_transmittance() { frame.lights } else { 0 };
-            let layer_count = frame.layers.max(1) - 1;
-            let mask_words = frame.mask_words;
-            deferred.then(|| Deferred { mask_words, transmittance_words, layer_count, ..Deferred::default() })
+            deferred.then(|| Deferred {
+                mask_words: frame.mask_words,
+                transmittance_words: frame.transmittance_words(),
+                layer_count: frame.layers_behind(),
+                ..Deferred::default()
+            })
         };
-        picture.stages_ms = [0.0; STAGES.len()];
+        picture.stages_ms = [0.0; Stage::COUNT];
         self.buffers.upload_scene(&self.device, scene, setup)?;
         self.buffers.renew::<View>(&self.device, Slot::Views, &setup.views)?;
-        let screen_bounds = u64::from(stage::prepare::count(&frame));
-        self.buffers.reserve::<ScreenBounds>(&self.device, Slot::ScreenBounds, screen_bounds)?;
-        self.buffers.reserve::<u32>(&self.device, Slot::Counts, u64::from(frame.blocks))?;
         if let Some(raster) = &mut self.raster {
             raster.begin(scene, setup);
         }
@@ -140,15 +137,15 @@ impl Renderer {
         let entries = loop {
             picture.deferred = empty();
             let (frame, first_stage) = match kept {
-                ReusableLists::Nothing => (frame, 0),
+                ReusableLists::Nothing => (frame, Stage::Prepare),
                 ReusableLists::Lights => {
                     let first_block = setup.views[Frame::CAMERA as usize].first_block;
-                    (Frame { views: 1, first_block, ..frame }, 0)
+                    (Frame { views: 1, first_block, ..frame }, Stage::Prepare)
                 }
                 ReusableLists::All => (frame, FIRST_OF_BAND),
             };
             let frame = Frame { capacity: self.capacity, ..frame };
-            let mut bands = bands(&frame, self.band_bytes);
+            let mut bands = bands(&frame, self.band_bytes, deferred);
             let Some(first) = bands.next() else { return Ok(()) };
             let entries = self.band(first, first_stage, clock, texture, picture)?;
             if entries <= self.capacity {
@@ -160,12 +157,12 @@ impl Renderer {
             // Nothing is lost because a list was full: the frame begins again with room.
             self.capacity = entries.saturating_add(entries / 4);
             kept = ReusableLists::Nothing;
-            picture.stages_ms = [0.0; STAGES.len()];
+            picture.stages_ms = [0.0; Stage::COUNT];
         };
         self.listed = Some([frame.blocks, self.capacity]);
         if let Some(deferred) = &mut picture.deferred {
-            let words = u64::from(BlockLists::header(frame.blocks)) + 2 * u64::from(entries);
-            self.fetch(Slot::BlockLists, 0..words as usize, &mut deferred.lists)?;
+            let words = list_words(&frame, entries) as usize;
+            self.results().read(Slot::BlockLists, 0..words, &mut deferred.lists)?;
         }
         Ok(())
     }
@@ -175,7 +172,7 @@ impl Renderer {
     fn band(
         &mut self,
         band: Band,
-        first_stage: usize,
+        first_stage: Stage,
         clock: &mut HostClock,
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
@@ -184,44 +181,10 @@ impl Renderer {
         let [first_made, pixel_count] = frame.grid().pixels(RayIndex(frame.first_ray), frame.rays);
         let [first_pixel, kept_pixels] = frame.grid().pixels(RayIndex(band.first), band.rays);
         let skipped = first_pixel - first_made;
-        let rays = u64::from(frame.rays);
-        let list_words = u64::from(BlockLists::header(frame.blocks)) + 2 * u64::from(frame.capacity);
-        let behind = frame.layers.max(1) - 1;
-        let kept = if picture.deferred.is_some() { u64::from(behind) } else { 0 };
-        let [shadows, transmittance] = shadow_words(frame);
-        while self.layers.len() < behind as usize {
-            let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-            self.layers.push(device.buffer("frame of a layer", size_of::<Frame>() as u64, usage)?);
-        }
-        if self.buffers.renew(device, Slot::Frame, &[*frame])? {
-            for (layers, buffer) in (1..frame.layers).rev().zip(&self.layers) {
-                device.queue.write_buffer(
-                    buffer,
-                    0,
-                    bytemuck::bytes_of(&Frame { layers, is_drawn: 0, ..*frame }),
-                );
-            }
-        }
-        self.buffers.reserve::<ListEntry>(device, Slot::Placed, u64::from(frame.capacity))?;
-        self.buffers.reserve::<u32>(device, Slot::BlockLists, list_words)?;
-        self.buffers.reserve::<Hit>(device, Slot::Hits, rays)?;
-        self.buffers.reserve::<Surface>(device, Slot::Surfaces, rays)?;
-        self.buffers.reserve::<u32>(device, Slot::Masks, rays * u64::from(frame.mask_words))?;
-        self.buffers.reserve::<u32>(device, Slot::Shadows, rays * shadows)?;
-        let blocks = if frame.penumbra_window == 0 { 0 } else { rays / u64::from(BLOCK_RAYS) };
-        self.buffers.reserve::<PenumbraSummary>(
-            device,
-            Slot::PenumbraSummary,
-            blocks * u64::from(frame.lights),
-        )?;
-        self.buffers.reserve::<u32>(device, Slot::Soft, blocks * u64::from(frame.lights))?;
-        self.buffers.reserve::<u32>(device, Slot::Transmittance, rays * transmittance)?;
-        self.buffers.reserve::<Hit>(device, Slot::Layers, rays * kept)?;
-        self.buffers.reserve::<Lit>(device, Slot::Lit, rays)?;
-        self.buffers.reserve::<[f32; 4]>(device, Slot::Colors, rays)?;
-        self.buffers.reserve::<u32>(device, Slot::Pixels, u64::from(pixel_count))?;
+        let keeps_layers = picture.deferred.is_some() && frame.layers > 1;
+        self.buffers.prepare(device, frame, keeps_layers)?;
         if let Some(raster) = &mut self.raster {
-            raster.reserve(device, &mut self.buffers, frame)?;
+            raster.reserve(device, frame)?;
         }
         let bytes = PIXELS + if texture.is_some() { 0 } else { 4 * u64::from(pixel_count) };
         if self.read_back.as_ref().is_none_or(|buffer| buffer.size() < bytes) {
@@ -229,17 +192,26 @@ impl Renderer {
             self.read_back = Some(device.buffer("read back", bytes, usage)?);
         }
 
-        compile(device, frame, &mut self.pipelines);
-        self.buffers.bind(device, frame, &self.pipelines, &self.layers);
+        self.pipelines.make(device, frame, &mut self.buffers);
+        let results = Results { device, buffers: &self.buffers };
+        let encoder = Encoder {
+            device,
+            pipelines: &self.pipelines,
+            buffers: &self.buffers,
+            timer: &self.timer,
+            raster: self.raster.as_ref(),
+            frame,
+            keeps_layers,
+        };
         let mut commands = device.device.create_command_encoder(&Default::default());
-        for stage in first_stage..STAGES.len() {
-            if stage == LAYERS && picture.deferred.is_some() {
+        for stage in Stage::ALL.into_iter().skip(first_stage as usize) {
+            if let (Stage::Layers, Some(deferred)) = (stage, &mut picture.deferred) {
                 // The layers behind the first take its buffers.
                 let next = device.device.create_command_encoder(&Default::default());
                 device.queue.submit([std::mem::replace(&mut commands, next).finish()]);
-                self.fetch_first_layer(&band, &mut picture.deferred)?;
+                results.first_layer(&band, deferred)?;
             }
-            self.encode(&mut commands, frame, stage, kept > 0);
+            encoder.stage(&mut commands, stage);
             self.timer.end_stage(device, &mut commands, clock, stage, &mut picture.stages_ms)?;
         }
         let (Some(read_back), Some(lists), Some(made)) =
@@ -269,107 +241,16 @@ impl Renderer {
                 bytemuck::cast_slice_mut(&mut picture.pixels[range]).copy_from_slice(kept);
             }
         })?;
-        self.fetch_colors(&band, &mut picture.deferred)?;
+        if let Some(deferred) = &mut picture.deferred {
+            results.colors(&band, deferred)?;
+        }
         clock.resume();
         Ok(entries)
     }
 
-    /// Appends the dispatches of a stage to the commands. With `keep`, what each layer has hit
-    /// is copied.
-    fn encode(&self, commands: &mut wgpu::CommandEncoder, frame: &Frame, stage: usize, keep: bool) {
-        for (_, slot) in ZEROED.iter().filter(|(of, slot)| *of == stage && is_zeroed(frame, *slot)) {
-            if let Some(buffer) = self.buffers.get(*slot) {
-                commands.clear_buffer(buffer, 0, None);
-            }
-        }
-        if let (FIRST_OF_BAND, Some(raster)) = (stage, &self.raster) {
-            raster.encode(&self.device, commands, (stage, &self.timer), frame, &self.buffers);
-            return self.encode_drawn(commands, raster, frame, stage);
-        }
-        if stage != LAYERS {
-            return self.encode_pass(commands, frame, stage, 0, self.timer.writes(stage));
-        }
-        let Some(last) = (frame.layers.max(1) as usize - 1).checked_sub(1) else {
-            // Nothing but its time.
-            _ = commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(STAGES[stage]),
-                timestamp_writes: self.timer.writes(stage),
-            });
-            return;
-        };
-        let bytes = u64::from(frame.rays) * size_of::<Hit>() as u64;
-        for number in 0..=last {
-            let writes = self.timer.writes_of(stage, number == 0, number == last);
-            self.encode_pass(commands, frame, stage, number, writes);
-            if let (true, Some(hits), Some(layers)) =
-                (keep, self.buffers.get(Slot::Hits), self.buffers.get(Slot::Layers))
-            {
-                commands.copy_buffer_to_buffer(hits, 0, layers, number as u64 * bytes, bytes);
-            }
-        }
-    }
-
-    /// Appends the dispatches of a stage once; of the one that is repeated, those for a layer.
-    fn encode_pass(
-        &self,
-        commands: &mut wgpu::CommandEncoder,
-        frame: &Frame,
-        stage: usize,
-        layer: usize,
-        timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
-    ) {
-        let label = Some(STAGES[stage]);
-        let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-        for (row, (of, pipeline)) in PASSES.iter().zip(&self.pipelines).enumerate() {
-            let groups = groups((of.work)(frame));
-            if of.stage != stage || groups.contains(&0) {
-                continue;
-            }
-            if let (Some(pipeline), Some(group)) = (pipeline, self.buffers.group(row, layer)) {
-                pipeline.dispatch(&mut pass, group, groups);
-            }
-        }
-    }
-
-    /// Appends the dispatches that follow what was drawn.
-    fn encode_drawn(
-        &self,
-        commands: &mut wgpu::CommandEncoder,
-        raster: &Raster,
-        frame: &Frame,
-        stage: usize,
-    ) {
-        let timestamp_writes = self.timer.writes_of(stage, false, true);
-        let label = Some(STAGES[stage]);
-        let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-        for (row, pipeline) in DRAWN.iter().zip(&raster.pipelines) {
-            let groups = groups((row.work)(frame));
-            if groups.contains(&0) {
-                continue;
-            }
-            let buffers = row.slots().filter_map(|slot| self.buffers.get(slot));
-            pipeline.dispatch(&mut pass, &pipeline.group(&self.device.device, buffers), groups);
-        }
-    }
-}
-
-/// Compiles what the frame dispatches and was not there; what is in the table twice, once.
-fn compile(device: &Device, frame: &Frame, pipelines: &mut [Option<Pipeline>]) {
-    for (row, pass) in PASSES.iter().enumerate() {
-        if pipelines[row].is_none() && !groups((pass.work)(frame)).contains(&0) {
-            let same = PASSES.iter().zip(&*pipelines).filter(|(other, _)| other.entry == pass.entry);
-            let known = same.filter_map(|(_, pipeline)| pipeline.clone()).next();
-            pipelines[row] = Some(known.unwrap_or_else(|| device.pipeline(pass.entry, pass.accesses())));
-        }
-    }
-}
-
-/// Whether a buffer of [`ZEROED`] has to be zero in this frame.
-fn is_zeroed(frame: &Frame, slot: Slot) -> bool {
-    match slot {
-        Slot::Hits => frame.layers > 0 && frame.is_drawn == 0,
-        Slot::Masks => frame.layers == 0,
-        _ => true,
+    /// Where results are read from.
+    fn results(&self) -> Results<'_> {
+        Results { device: &self.device, buffers: &self.buffers }
     }
 }
 
@@ -379,8 +260,9 @@ mod tests {
     use crate::{Gpu, Options};
     use glam::{Mat4, Vec3};
     use rtrt_core::backend::{Backend, Request};
-    use rtrt_core::layout::Attribute;
+    use rtrt_core::layout::{Attribute, Hit};
     use rtrt_core::scene::{Bvh, Camera, Material, Mesh, Projection, Sequential};
+    use rtrt_core::schedule::{Pass, Step};
     use rtrt_core::stage::raster::is_untraced;
 
     const CAMERA: Camera = Camera {
@@ -424,6 +306,22 @@ mod tests {
         Mesh::new(positions, vec![attribute; (side * side) as usize], indices).unwrap()
     }
 
+    /// What the last frame has drawn, before the rest is traced.
+    fn picked(gpu: &Gpu) -> Vec<Hit> {
+        let Renderer { device, pipelines, buffers, timer, raster, capacity, .. } = &gpu.renderer;
+        let frame = &Frame { is_drawn: 1, capacity: *capacity, ..gpu.setup.frame };
+        let raster = raster.as_ref();
+        let encoder = Encoder { device, pipelines, buffers, timer, raster, frame, keeps_layers: false };
+        let mut commands = device.device.create_command_encoder(&Default::default());
+        let mut pass = commands.begin_compute_pass(&Default::default());
+        encoder.step(&mut pass, Step { pass: Pass::Pick, layer: 0 });
+        drop(pass);
+        device.queue.submit([commands.finish()]);
+        let mut hits = Vec::new();
+        gpu.renderer.results().read(Slot::Hits, 0..frame.rays as usize, &mut hits).unwrap();
+        hits
+    }
+
     #[test]
     fn what_is_drawn_is_not_traced_but_at_edges_and_in_blocks_of_spheres() {
         let Some(mut gpu) = open() else { return };
@@ -435,12 +333,10 @@ mod tests {
         let camera = Camera { eye: Vec3::new(0.2, 0.3, 4.0), look_at: Vec3::ZERO, ..CAMERA };
         let request = REQUEST.camera(&camera).size([320, 240]).deferred(true);
         gpu.set_hybrid(true).unwrap();
-        // What is not known stays unknown.
-        gpu.renderer.raster.as_mut().unwrap().pipelines.truncate(1);
         let mut picture = Picture::default();
         let mut count = |scene: &Scene| {
             gpu.render(scene, &request, &mut picture).unwrap();
-            let hits = &picture.deferred.as_ref().unwrap().hits;
+            let hits = picked(&gpu);
             let unknown = hits.iter().filter(|hit| is_untraced(hit)).count();
             (unknown, hits.iter().filter(|hit| hit.t != f32::MAX).count() - unknown)
         };

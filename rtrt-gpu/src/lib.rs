@@ -20,59 +20,37 @@ mod barriers;
 mod buffers;
 mod canary;
 mod device;
+mod dispatch;
+mod entry;
 mod error;
 mod fetch;
 mod frame;
-mod group;
+mod info;
 mod pipeline;
 mod raster;
+mod slot;
 mod texture;
 mod timer;
 
-pub use adapter::{Adapter, Kind, adapters, left_out};
+pub use adapter::{Adapter, Options, adapters, left_out};
 pub use error::Error;
+pub use info::{Kind, Route};
 pub use wgpu;
 
 /// Features that a device is to have where its adapter has them; see [`Gpu::with_device`].
-pub const FEATURES: wgpu::Features =
-    wgpu::Features::PASSTHROUGH_SHADERS.union(wgpu::Features::TIMESTAMP_QUERY);
+pub const FEATURES: wgpu::Features = device::FEATURES;
 
 /// The compiled stages, as they are handed to a device: SPIR-V.
 pub const SHADERS: &[u8] = rtrt_shaders::SPIRV;
 
 use device::watched;
 use frame::Renderer;
-use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request, STAGES};
+use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request};
 use rtrt_core::kernel::canary::OUTPUTS;
 use rtrt_core::layout::PROBES;
 use rtrt_core::scene::{Scene, Setup};
+use rtrt_core::schedule::Stage;
 use timer::HostClock;
-
-/// How the compiled module gets to the device.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Route {
-    /// [`Route::Passthrough`] where the adapter has it, else [`Route::Naga`].
-    #[default]
-    Auto,
-    /// As it is, by Vulkan: no compiler but the driver's touches it.
-    Passthrough,
-    /// Translated by naga, to whatever the adapter takes. naga drops what forbids the driver to reorder sums, so
-    /// every float operation gets a barrier first; the device takes longer.
-    Naga,
-}
-
-/// Which adapter to open, and how.
-#[derive(Debug, Clone, Default)]
-pub struct Options {
-    /// A part of the adapter's name, in any case, or its number among [`adapters`]; `None` for the first that
-    /// can be used.
-    pub adapter: Option<String>,
-    /// How the module gets to it.
-    pub route: Route,
-    /// The most bytes that a buffer of per-ray results may have, if that is to be less than what the device
-    /// allows.
-    pub band_bytes: Option<u64>,
-}
 
 /// An opened GPU.
 pub struct Gpu {
@@ -112,7 +90,7 @@ impl Gpu {
     }
 
     /// Renders a frame into a texture of the same device. No pixel passes through the host, which only waits for
-    /// the length of the lists. Gives the milliseconds in each of [`STAGES`].
+    /// the length of the lists. Gives the milliseconds in each of [`Stage::ALL`].
     ///
     /// The texture has the size of the request, one sample, [`wgpu::TextureUsages::COPY_DST`], and four channels
     /// of 8 bits, red first: `Rgba8Unorm`, or `Rgba8UnormSrgb` where what samples it wants linear numbers. Its
@@ -126,7 +104,7 @@ impl Gpu {
         texture: &wgpu::Texture,
         scene: &Scene,
         request: &Request<'_>,
-    ) -> Result<[f64; STAGES.len()], RenderError> {
+    ) -> Result<[f64; Stage::COUNT], RenderError> {
         let mut picture = Picture::default();
         self.frame(scene, &request.deferred(false), Some(texture), &mut picture)?;
         Ok(picture.stages_ms)
@@ -196,6 +174,16 @@ impl Gpu {
     /// The CPU's answer to the same.
     pub fn expected_layout() -> [u32; PROBES] {
         canary::expected_layout()
+    }
+}
+
+impl Adapter {
+    /// Opens it, and asks it the canary, by the route that [`Route::Auto`] takes.
+    ///
+    /// # Errors
+    /// It cannot be opened, or computes other numbers than the CPU.
+    pub fn open(&self) -> Result<Gpu, Error> {
+        Gpu::of(self.device()?, None)
     }
 }
 

@@ -9,26 +9,23 @@
 //!   nothing.
 //! - The picture is copied into a buffer, so kernels read no images and the lint allows none.
 
-use crate::Error;
-use crate::buffers::{Buffers, Slot};
+use crate::barriers::ZERO_GROUP;
+use crate::buffers::Buffers;
 use crate::device::Device;
-use crate::pipeline::{Access, DRAWN, Pipeline, bind_group, bind_group_layout, pipeline_layout};
+use crate::entry::{FRAGMENT, VERTEX, VERTEX_SLOTS, vertex_accesses};
+use crate::error::Error;
+use crate::pipeline::{bind_group, bind_group_layout, pipeline_layout};
+use crate::slot::Slot;
 use crate::timer::Timer;
 use rtrt_core::grid::{BLOCK, BLOCK_RAYS};
 use rtrt_core::kernel::project::ClipWindow;
 use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::layout::{Frame, View};
 use rtrt_core::scene::{Scene, Setup};
+use rtrt_core::schedule::Stage;
 use rtrt_core::stage;
 use rtrt_core::stage::raster::{Drawn, is_in, pitch};
 use wgpu::{BufferUsages, ShaderStages, TextureFormat};
-
-/// The entry points that draw.
-pub(crate) const VERTEX: &str = "vertex";
-pub(crate) const FRAGMENT: &str = "fragment";
-/// What the first of them binds: these slots from 0 on, with the window second.
-pub(crate) const SLOTS: [Slot; 6] =
-    [Slot::Frame, Slot::Views, Slot::ScreenBounds, Slot::Instances, Slot::MeshData, Slot::Positions];
 
 /// An instance and a triangle.
 const NUMBERS: TextureFormat = TextureFormat::Rg32Uint;
@@ -41,8 +38,6 @@ const STEP: u64 = 256;
 pub(crate) struct Raster {
     draw: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
-    /// Those of [`DRAWN`].
-    pub pipelines: Vec<Pipeline>,
     /// The numbers of the windows.
     uniforms: Option<wgpu::Buffer>,
     windows: Vec<ClipWindow>,
@@ -52,17 +47,10 @@ pub(crate) struct Raster {
     camera: Option<View>,
 }
 
-/// The uses of what [`VERTEX`] binds.
-pub(crate) fn accesses() -> impl Iterator<Item = Access> {
-    let use_of = |slot: &Slot| if *slot == Slot::Frame { Access::Uniform } else { Access::Read };
-    let (frame, others) = SLOTS.split_at(1);
-    frame.iter().map(use_of).chain([Access::Uniform]).chain(others.iter().map(use_of))
-}
-
 impl Raster {
     /// Compiles what draws.
     pub fn new(device: &Device) -> Self {
-        let layout = bind_group_layout(&device.device, VERTEX, ShaderStages::VERTEX, accesses());
+        let layout = bind_group_layout(&device.device, VERTEX, ShaderStages::VERTEX, vertex_accesses());
         let draw = device.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(VERTEX),
             layout: Some(&pipeline_layout(&device.device, VERTEX, &layout, device.zero.as_ref())),
@@ -91,11 +79,9 @@ impl Raster {
             multiview_mask: None,
             cache: None,
         });
-        let pipelines = DRAWN.iter().map(|pass| device.pipeline(pass.entry, pass.accesses())).collect();
         Self {
             draw,
             layout,
-            pipelines,
             uniforms: None,
             windows: Vec::new(),
             target: None,
@@ -115,12 +101,10 @@ impl Raster {
     }
 
     /// Makes room for the pictures of a band.
-    pub fn reserve(&mut self, device: &Device, buffers: &mut Buffers, frame: &Frame) -> Result<(), Error> {
+    pub fn reserve(&mut self, device: &Device, frame: &Frame) -> Result<(), Error> {
         let side = device.device.limits().max_texture_dimension_2d / BLOCK;
         self.windows.clear();
         self.windows.extend(windows(frame, side));
-        let rows = u64::from(frame.rays / (frame.grid().blocks_x() * BLOCK_RAYS) * BLOCK);
-        buffers.reserve::<Drawn>(device, Slot::Drawn, rows * u64::from(pitch(frame)))?;
         let bytes = self.windows.len() as u64 * STEP;
         if self.uniforms.as_ref().is_none_or(|buffer| buffer.size() < bytes) {
             let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
@@ -160,7 +144,7 @@ impl Raster {
         &self,
         device: &Device,
         commands: &mut wgpu::CommandEncoder,
-        (stage, timer): (usize, &Timer),
+        timer: &Timer,
         frame: &Frame,
         buffers: &Buffers,
     ) {
@@ -192,7 +176,7 @@ impl Raster {
                     }),
                     stencil_ops: None,
                 }),
-                timestamp_writes: timer.writes_of_drawing(stage, at == 0),
+                timestamp_writes: timer.writes_of_drawing(Stage::Visibility, at == 0),
                 occlusion_query_set: None,
                 multiview_mask: None,
             });
@@ -202,13 +186,13 @@ impl Raster {
                 size: wgpu::BufferSize::new(size_of::<ClipWindow>() as u64),
             });
             let bound = |slot: &Slot| buffers.get(*slot).map(wgpu::Buffer::as_entire_binding);
-            let (of_frame, others) = SLOTS.split_at(1);
+            let (of_frame, others) = VERTEX_SLOTS.split_at(1);
             let resources =
                 of_frame.iter().filter_map(bound).chain([window_at]).chain(others.iter().filter_map(bound));
             pass.set_pipeline(&self.draw);
             pass.set_bind_group(0, &bind_group(&device.device, &self.layout, resources), &[]);
             if let Some(zero) = &device.zero {
-                pass.set_bind_group(crate::barriers::ZERO_GROUP, &zero.group, &[]);
+                pass.set_bind_group(ZERO_GROUP, &zero.group, &[]);
             }
             let [width, height] = [window.columns, window.rows].map(|blocks| blocks * BLOCK);
             pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);

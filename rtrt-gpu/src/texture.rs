@@ -1,6 +1,6 @@
 //! Pixels into a texture of an application's.
 
-use crate::Error;
+use crate::error::Error;
 use rtrt_core::layout::Frame;
 
 /// Whether a frame can be rendered into the texture.

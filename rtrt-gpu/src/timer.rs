@@ -1,13 +1,13 @@
 //! How long each stage takes, and how long the host works for a frame.
 
-use crate::Error;
 use crate::device::Device;
-use rtrt_core::backend::STAGES;
+use crate::error::Error;
+use rtrt_core::schedule::Stage;
 use std::time::Instant;
 use wgpu::{BufferUsages, Features};
 
 /// Two times a stage: before and after.
-const TIMES: u32 = 2 * STAGES.len() as u32;
+const TIMES: u32 = 2 * Stage::COUNT as u32;
 
 /// Takes the time of stages: on the device, or, where it has no clock, by waiting for each
 /// stage.
@@ -42,15 +42,10 @@ impl Timer {
         Ok(Self::Device { queries, times, unit_ms })
     }
 
-    /// What a stage's pass has to write.
-    pub fn writes(&self, stage: usize) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
-        self.writes_of(stage, true, true)
-    }
-
     /// What one of a stage's passes has to write, the first and the last of them their part.
-    pub fn writes_of(
+    pub fn writes(
         &self,
-        stage: usize,
+        stage: Stage,
         is_first: bool,
         is_last: bool,
     ) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
@@ -68,10 +63,10 @@ impl Timer {
     /// What a pass that draws has to write: it is never the last of its stage.
     pub fn writes_of_drawing(
         &self,
-        stage: usize,
+        stage: Stage,
         is_first: bool,
     ) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        let writes = self.writes_of(stage, is_first, false)?;
+        let writes = self.writes(stage, is_first, false)?;
         Some(wgpu::RenderPassTimestampWrites {
             query_set: writes.query_set,
             beginning_of_pass_write_index: writes.beginning_of_pass_write_index,
@@ -85,7 +80,7 @@ impl Timer {
         device: &Device,
         commands: &mut wgpu::CommandEncoder,
         clock: &mut HostClock,
-        stage: usize,
+        stage: Stage,
         stages_ms: &mut [f64],
     ) -> Result<(), Error> {
         if matches!(self, Self::Host) {
@@ -95,7 +90,7 @@ impl Timer {
             clock.pause();
             device.device.poll(wgpu::PollType::wait_indefinitely()).map_err(Error::read_back)?;
             clock.resume();
-            stages_ms[stage] += start.elapsed().as_secs_f64() * 1e3;
+            stages_ms[stage as usize] += start.elapsed().as_secs_f64() * 1e3;
         }
         Ok(())
     }
@@ -109,10 +104,10 @@ impl Timer {
     }
 
     /// Adds the times that were copied to the stages' milliseconds.
-    pub fn add(&self, copied: &[u8], first_stage: usize, stages_ms: &mut [f64]) {
+    pub fn add(&self, copied: &[u8], first_stage: Stage, stages_ms: &mut [f64]) {
         let Self::Device { unit_ms, .. } = self else { return };
         let time = |index: usize| bytemuck::pod_read_unaligned::<u64>(&copied[8 * index..8 * index + 8]);
-        for (stage, ms) in stages_ms.iter_mut().enumerate().skip(first_stage) {
+        for (stage, ms) in stages_ms.iter_mut().enumerate().skip(first_stage as usize) {
             // A clock that steps back is no clock.
             *ms += time(2 * stage + 1).saturating_sub(time(2 * stage)) as f64 * unit_ms;
         }

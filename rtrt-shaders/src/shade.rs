@@ -31,6 +31,6 @@ pub fn shade(
         let arriving = IncomingLight::new(&lit[index as usize]);
         let shaded = stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving);
         colors[index as usize] =
-            if frame.layers == 0 { shaded } else { stage::peel::blend(frame, [0.0; 4], shaded) };
+            if frame.has_layers() { stage::peel::blend(frame, [0.0; 4], shaded) } else { shaded };
     }
 }

@@ -3,7 +3,6 @@
 
 use crate::layers::Layers;
 use rtrt_core::backend::{Picture, Request};
-use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::view::camera_ray;
 use rtrt_core::layout::{Frame, NONE};
@@ -129,14 +128,7 @@ fn inspected(
     let (grid, camera) = (frame.grid(), setup.views[Frame::CAMERA as usize]);
     let words = picture.deferred.as_ref().map_or(&[][..], |deferred| &deferred.lists);
     let lists = BlockLists { data: words, blocks: frame.blocks };
-    let geometry = Geometry {
-        instances: setup.instances(scene),
-        nodes: scene.nodes(),
-        mesh_data: scene.mesh_data(),
-        positions: scene.positions(),
-        texels: scene.texels(),
-        magnitude: frame.magnitude,
-    };
+    let geometry = setup.geometry(scene);
     let inspect = |number| {
         let [x, y] = grid.pixel(number).map(|place| place * grid.side);
         let ray = camera_ray(&camera, x as f32, y as f32);

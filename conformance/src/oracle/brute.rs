@@ -15,7 +15,7 @@ use rtrt_core::kernel::transmittance::{Transmittance, WHITE};
 use rtrt_core::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
 use rtrt_core::kernel::triangle::{Intersection, intersect};
 use rtrt_core::kernel::view::camera_ray;
-use rtrt_core::layout::{AlphaKind, Frame, Hit, NONE, Surface, ViewKind};
+use rtrt_core::layout::{AlphaKind, Frame, Hit, NONE, ShadowKind, Surface, ViewKind};
 use rtrt_core::scene::{Scene, Setup, SetupError};
 use rtrt_core::stage::occlusion::{LIGHTS_PER_WORD, limit, to_light};
 use rtrt_core::stage::surface::Surfaces;
@@ -91,11 +91,7 @@ impl<'a> Brute<'a> {
     fn geometry(&self) -> Geometry<'_> {
         Geometry {
             instances: &self.setup.instances(self.scene)[..self.scene.instances().len()],
-            nodes: self.scene.nodes(),
-            mesh_data: self.scene.mesh_data(),
-            positions: self.scene.positions(),
-            texels: self.scene.texels(),
-            magnitude: self.setup.frame.magnitude,
+            ..self.setup.geometry(self.scene)
         }
     }
 
@@ -259,13 +255,13 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
             }
         }
         for light in 0..brute.setup.frame.lights {
-            if brute.setup.frame.penumbra_window > 0 {
+            if brute.setup.frame.shadow_kind() == ShadowKind::Penumbra {
                 let (left, size) = brute.near(RayIndex(ray as u32), &deferred.surfaces[ray], light);
                 let at = ray * deferred.transmittance_words as usize + light as usize;
                 (deferred.raw_transmittance[at], deferred.penumbra_radii[at]) = (left, size);
             }
             // Filtered shadows are not the result of one ray.
-            let lit = if brute.setup.frame.penumbra_window > 0 {
+            let lit = if brute.setup.frame.shadow_kind() == ShadowKind::Penumbra {
                 deferred.transmittance[ray * deferred.transmittance_words as usize + light as usize] != 0
             } else if brute.setup.frame.layers > 0 {
                 let tint = brute.transmittance(RayIndex(ray as u32), &deferred.surfaces[ray], light);

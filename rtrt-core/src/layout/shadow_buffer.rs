@@ -1,6 +1,6 @@
 //! Where the shadows of a band of rays are.
 
-use crate::layout::Frame;
+use crate::layout::{Frame, ShadowKind};
 
 /// Where the words of a band's shadow rays are in one buffer, in frames whose shadows are not bits.
 ///
@@ -25,7 +25,7 @@ impl ShadowBuffer {
     /// That of the rays of `frame`, a band or all of them.
     #[inline(always)]
     pub fn new(frame: &Frame) -> Self {
-        let words = if frame.penumbra_window == 0 { 1 } else { 2 };
+        let words = if frame.shadow_kind() == ShadowKind::Penumbra { 2 } else { 1 };
         Self { rays: frame.rays, lights: frame.lights, words }
     }
     /// Words of a ray.

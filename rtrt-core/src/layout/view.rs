@@ -129,6 +129,20 @@ pub struct Sky {
     pub levels: u32,
 }
 
+/// What a frame knows of its shadows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum ShadowKind {
+    /// One bit a light: whether it reaches a surface.
+    Bits,
+    /// A color a light, as some instances let light through: see
+    /// `kernel::transmittance`.
+    Transmittance,
+    /// A color a light, blurred by the radius of its penumbra: see
+    /// [`penumbra_filter`](crate::stage::penumbra_filter).
+    Penumbra,
+}
+
 /// The numbers of one frame. Scalars only, so that it may be a uniform block.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -232,10 +246,45 @@ impl Frame {
     pub fn sky(&self) -> Sky {
         Sky { first: self.sky_first, side: self.sky_side, levels: self.sky_levels }
     }
+    /// What it knows of its shadows.
+    #[inline(always)]
+    pub fn shadow_kind(&self) -> ShadowKind {
+        if self.penumbra_window != 0 {
+            ShadowKind::Penumbra
+        } else if self.has_layers() {
+            ShadowKind::Transmittance
+        } else {
+            ShadowKind::Bits
+        }
+    }
+    /// Words of the transmittance a ray.
+    #[inline(always)]
+    pub fn transmittance_words(&self) -> u32 {
+        if self.has_transmittance() { self.lights } else { 0 }
+    }
+    /// The most layers of surfaces behind the first.
+    #[inline(always)]
+    pub fn layers_behind(&self) -> u32 {
+        if self.has_layers() { self.layers - 1 } else { 0 }
+    }
+    /// The numbers for a layer of surfaces with so many in front: the last that a ray looks at counts
+    /// as opaque, and those behind the first are never drawn.
+    #[inline(always)]
+    pub fn of_layer(&self, in_front: u32) -> Self {
+        if in_front == 0 {
+            return *self;
+        }
+        Self { layers: self.layers - in_front, is_drawn: 0, ..*self }
+    }
+    /// Whether rays go on behind surfaces: not every instance is opaque.
+    #[inline(always)]
+    pub fn has_layers(&self) -> bool {
+        self.layers != 0
+    }
     /// Whether shadows are transmittances instead of bits.
     #[inline(always)]
     pub fn has_transmittance(&self) -> bool {
-        self.layers != 0 || self.penumbra_window != 0
+        self.has_layers() || self.penumbra_window != 0
     }
     /// The view and the instance, or part of one, of the cover with this index: those of the camera
     /// first, then, view after view, those of lights.

@@ -1,6 +1,7 @@
 //! The numbers of one frame: views, grids, sizes.
 
 use crate::grid::{BLOCK_RAYS, Grid};
+use crate::kernel::geometry::Geometry;
 use crate::layout::{AlphaKind, Backdrop, Frame, Instance, View};
 use crate::request::{Request, Shadows};
 use crate::scene::cut::BvhCut;
@@ -53,6 +54,18 @@ impl Setup {
     /// their parts, where the camera's lists hold those.
     pub fn instances<'a>(&'a self, scene: &'a Scene) -> &'a [Instance] {
         if self.cut.triangles.is_some() { self.cut.instances() } else { self.lods.instances(scene) }
+    }
+
+    /// What rays of the frame meet.
+    pub fn geometry<'a>(&'a self, scene: &'a Scene) -> Geometry<'a> {
+        Geometry {
+            instances: self.instances(scene),
+            nodes: scene.nodes(),
+            mesh_data: scene.mesh_data(),
+            positions: scene.positions(),
+            texels: scene.texels(),
+            magnitude: self.frame.magnitude,
+        }
     }
 
     /// Whether lists hold whole instances, whatever [`Structure`] says.

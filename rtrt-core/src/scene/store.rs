@@ -6,6 +6,7 @@ mod meshes;
 mod textures;
 mod transparency;
 
+use crate::kernel::texture::Maps;
 use crate::layout::{AlphaKind, Attribute, Backdrop, COLOR_LIMIT, Instance, Kind, MaterialRecord, Node, Sky};
 use crate::scene::bvh::Bounds;
 use crate::scene::image::decode_words;
@@ -366,6 +367,10 @@ impl Scene {
     /// environment.
     pub fn texels(&self) -> &[u32] {
         &self.texels
+    }
+    /// The materials, and the texels of their textures.
+    pub fn maps(&self) -> Maps<'_> {
+        Maps { materials: &self.material_records, texels: &self.texels }
     }
     /// The instances.
     pub fn instances(&self) -> &[Instance] {

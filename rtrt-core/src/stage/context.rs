@@ -2,7 +2,8 @@
 
 use crate::kernel::geometry::Geometry;
 use crate::kernel::lists::BlockLists;
-use crate::layout::{Frame, View};
+use crate::layout::{Attribute, Frame, View};
+use crate::stage::surface::Vertices;
 
 /// A frame's numbers, its viewpoints, the lists of their blocks, and what is in them.
 #[derive(Clone, Copy)]
@@ -28,5 +29,11 @@ impl<'a> Context<'a> {
     #[inline(always)]
     pub fn light(&self, light: u32) -> &'a View {
         &self.views[self.frame.light_view(light) as usize]
+    }
+
+    /// All that is known of vertices but their positions.
+    #[inline(always)]
+    pub fn vertices(&self, attributes: &'a [Attribute]) -> Vertices<'a> {
+        Vertices { instances: self.geometry.instances, mesh_data: self.geometry.mesh_data, attributes }
     }
 }

@@ -1,5 +1,5 @@
-//! What a ray, a pixel or a block needs, in the order of a frame: compositions of
-//! kernels that backends only dispatch.
+//! What a ray, a pixel or a block needs: compositions of kernels that backends only dispatch, in
+//! the order of [`schedule`](crate::schedule).
 
 pub mod bin;
 pub mod context;

@@ -7,8 +7,9 @@ use super::options::BenchOptions;
 use super::output;
 use super::report::{Machine, PerStage};
 use rtrt::hash;
-use rtrt_core::backend::{Backend, Picture, STAGES, Shadows};
+use rtrt_core::backend::{Backend, Picture, Shadows};
 use rtrt_core::scene::Structure;
+use rtrt_core::schedule::Stage;
 use std::fmt;
 use std::time::Instant;
 
@@ -16,13 +17,13 @@ use std::time::Instant;
 const SAMPLES: u32 = 1;
 /// Frames before the measurement, which allocate memory and upload the scene.
 const WARM_UP: u32 = 2;
-/// The stages of primary rays: prepare, bin, visibility.
-const PRIMARY: [usize; 3] = [0, 1, 2];
-/// The stages that trace rays: those of primary rays, and occlusion.
-const TRACED: [usize; 4] = [0, 1, 2, 5];
-/// The stages up to incoming light: those that trace rays, surface and light. Normal maps (detail) are not
-/// among them.
-const LIT: [usize; 6] = [0, 1, 2, 3, 5, 6];
+/// The stages of primary rays.
+const PRIMARY: [Stage; 3] = [Stage::Prepare, Stage::Bin, Stage::Visibility];
+/// The stages that trace rays.
+const TRACED: [Stage; 4] = [Stage::Prepare, Stage::Bin, Stage::Visibility, Stage::Occlusion];
+/// The stages up to incoming light, without detail, which reads normal maps.
+const LIT: [Stage; 6] =
+    [Stage::Prepare, Stage::Bin, Stage::Visibility, Stage::Surface, Stage::Occlusion, Stage::Light];
 
 /// The results; `--json` prints them.
 #[derive(serde::Serialize)]
@@ -74,7 +75,7 @@ pub fn run(options: &BenchOptions) -> Result<(), Error> {
     let mut job = RenderJob::load(&options.common, SAMPLES, true, options.common.start(), &console)?;
     let (mut backend, machine) = open(&options.common.backend, options.hybrid, &console)?;
     let mut picture = Picture::default();
-    let mut frames: Vec<[f64; STAGES.len()]> = Vec::new();
+    let mut frames: Vec<[f64; Stage::COUNT]> = Vec::new();
     let (mut frame_ms, mut host_ms) = (Vec::new(), Vec::new());
     for frame in 0..WARM_UP + options.frames {
         console.step(format_args!("frame {}", frame + 1));
@@ -100,9 +101,9 @@ pub fn run(options: &BenchOptions) -> Result<(), Error> {
     let shadow_rays = shadow_rays(&job, &mut *backend)?;
     drop(console);
 
-    let stages: [Times; STAGES.len()] =
+    let stages: [Times; Stage::COUNT] =
         core::array::from_fn(|stage| times(frames.iter().map(|frame| frame[stage]).collect()));
-    let seconds = |of: &[usize]| of.iter().map(|&stage| stages[stage].median).sum::<f64>() * 1e-3;
+    let seconds = |of: &[Stage]| of.iter().map(|&stage| stages[stage as usize].median).sum::<f64>() * 1e-3;
     let rays = (job.rays + shadow_rays) as f64;
     let scene = &job.scene;
     let report = BenchReport {
@@ -161,8 +162,8 @@ impl fmt::Display for BenchReport {
         writeln!(f, "{}: {width}x{height}, {} samples", self.machine, self.samples)?;
         let Self { triangles, drawn_triangles, objects, .. } = self;
         writeln!(f, "{objects} objects, {triangles} triangles, {drawn_triangles} drawn")?;
-        for (name, Times { median, min }) in STAGES.iter().zip(self.stages_ms.0) {
-            writeln!(f, "{name:>12} {median:9.3} ms (min {min:.3})")?;
+        for (stage, Times { median, min }) in Stage::ALL.iter().zip(self.stages_ms.0) {
+            writeln!(f, "{:>12} {median:9.3} ms (min {min:.3})", stage.name())?;
         }
         writeln!(f, "{:>12} {:9.3} ms", "frame", self.frame_ms)?;
         if let Some(Times { median, min }) = self.host_ms {
@@ -188,14 +189,6 @@ impl fmt::Display for BenchReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn rates_are_over_the_stages_they_name() {
-        assert_eq!(PRIMARY.map(|stage| STAGES[stage]), ["prepare", "bin", "visibility"]);
-        assert_eq!(TRACED.map(|stage| STAGES[stage]), ["prepare", "bin", "visibility", "occlusion"]);
-        let lit = ["prepare", "bin", "visibility", "surface", "occlusion", "light"];
-        assert_eq!(LIT.map(|stage| STAGES[stage]), lit);
-    }
 
     #[test]
     fn the_median_is_in_the_middle() {

@@ -15,8 +15,9 @@ use bytemuck::cast_slice;
 use image::ExtendedColorType::{Rgba8, Rgba16};
 use rtrt::hash;
 use rtrt::layers::Layers;
-use rtrt_core::backend::{Backend, Picture, STAGES};
+use rtrt_core::backend::{Backend, Picture};
 use rtrt_core::layout::Backdrop;
+use rtrt_core::schedule::Stage;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -112,8 +113,8 @@ fn render(
 
 /// The stages that took time, with their times.
 fn stages(picture: &Picture) -> String {
-    let all = STAGES.iter().zip(picture.stages_ms).filter(|(_, ms)| *ms > 0.0);
-    all.map(|(stage, ms)| format!("{stage} {ms:.1}")).collect::<Vec<_>>().join(", ")
+    let all = Stage::ALL.iter().zip(picture.stages_ms).filter(|(_, ms)| *ms > 0.0);
+    all.map(|(stage, ms)| format!("{} {ms:.1}", stage.name())).collect::<Vec<_>>().join(", ")
 }
 
 /// Checks that the options do not contradict each other, and that the files can be written.

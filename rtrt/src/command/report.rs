@@ -1,6 +1,7 @@
 //! Results that several commands print: machines, times, hashes.
 
-use rtrt_core::backend::{Description, Picture, STAGES};
+use rtrt_core::backend::{Description, Picture};
+use rtrt_core::schedule::Stage;
 use serde::ser::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -51,11 +52,11 @@ pub fn counted(count: u32, what: &str) -> String {
 
 /// A value for each stage. It is serialized as a map from the stages' names, in their order.
 #[derive(Debug, Clone)]
-pub struct PerStage<T>(pub [T; STAGES.len()]);
+pub struct PerStage<T>(pub [T; Stage::COUNT]);
 
 impl<T: Serialize> Serialize for PerStage<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(STAGES.iter().zip(&self.0))
+        serializer.collect_map(Stage::ALL.map(Stage::name).iter().zip(&self.0))
     }
 }
 

@@ -112,7 +112,7 @@ fn bench_prints_the_documented_keys() {
     ];
     assert_eq!(keys(&report), expected);
     let stages = report["stages_ms"].as_object().unwrap();
-    assert_eq!(stages.len(), rtrt_core::backend::STAGES.len());
+    assert_eq!(stages.len(), rtrt_core::schedule::Stage::COUNT);
     for (name, times) in stages {
         let [median, min] = ["median", "min"].map(|key| times[key].as_f64().unwrap());
         assert!(0.0 <= min && min <= median, "{name}");

@@ -4,7 +4,7 @@ use super::controls::KEYS;
 use super::pace::Detail;
 use super::viewer::{Timing, Viewer};
 use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Rect, Sense, Ui, vec2};
-use rtrt_core::backend::STAGES;
+use rtrt_core::schedule::Stage;
 
 /// The margin at the sides of the window.
 pub const MARGIN: f32 = 8.0;
@@ -65,8 +65,8 @@ fn timing(ui: &mut Ui, viewer: &Viewer) {
     }
     let whole = stages_ms.iter().sum::<f64>().max(1e-9);
     Grid::new("stages").num_columns(3).show(ui, |ui| {
-        for (name, ms) in STAGES.iter().zip(stages_ms) {
-            ui.label(*name);
+        for (stage, ms) in Stage::ALL.iter().zip(stages_ms) {
+            ui.label(stage.name());
             bar(ui, (ms / whole) as f32);
             ui.label(format!("{ms:.2} ms"));
             ui.end_row();

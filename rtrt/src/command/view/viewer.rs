@@ -19,8 +19,9 @@ use glam::DVec3;
 use image::ExtendedColorType::Rgba8;
 use rtrt::choose::Choice;
 use rtrt::debug::{DebugImage, DebugView};
-use rtrt_core::backend::{Picture, STAGES, Shadows};
+use rtrt_core::backend::{Picture, Shadows};
 use rtrt_core::scene::Camera;
+use rtrt_core::schedule::Stage;
 use std::path::{Path, PathBuf};
 
 /// The time without a change after which a picture has full detail, seconds.
@@ -64,7 +65,7 @@ pub struct Timing {
     pub detail: Detail,
     /// Wall-clock time including readback, milliseconds.
     pub frame_ms: f64,
-    pub stages_ms: [f64; STAGES.len()],
+    pub stages_ms: [f64; Stage::COUNT],
 }
 
 /// The output of `--json` for a screenshot.

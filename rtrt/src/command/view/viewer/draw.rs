@@ -5,7 +5,8 @@ use crate::command::Error;
 use crate::command::job::rays;
 use crate::command::view::pace::Detail;
 use bytemuck::cast_slice;
-use rtrt_core::backend::{RenderError, STAGES};
+use rtrt_core::backend::RenderError;
+use rtrt_core::schedule::Stage;
 use std::time::Instant;
 
 impl Viewer {
@@ -94,7 +95,7 @@ impl Viewer {
     }
 
     /// Records the time of a picture.
-    fn measured(&mut self, detail: Detail, start: Instant, stages_ms: [f64; STAGES.len()]) {
+    fn measured(&mut self, detail: Detail, start: Instant, stages_ms: [f64; Stage::COUNT]) {
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
         // Later frames do not compile shaders.
         if !self.is_cold() {

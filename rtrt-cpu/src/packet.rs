@@ -1,0 +1,457 @@
+//! The steps of a packet, which need no other packet. Each runs outlined, so that it is compiled once for
+//! each instruction set.
+
+use crate::clock::Clock;
+use crate::context::FrameContext;
+use crate::planes::OF_SURFACE;
+use crate::records::Records;
+use crate::wide::Wide;
+use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
+use rtrt_core::kernel::closest_hit::ClosestHit;
+use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
+use rtrt_core::layout::{Frame, NONE};
+use rtrt_core::schedule::{Pass, Step};
+use rtrt_core::stage::context::Context;
+use rtrt_core::stage::light::{IncomingLight, ShadowTerms};
+use rtrt_core::stage::occlusion::Arrival;
+use rtrt_core::stage::peel::{blend, is_covered, peel};
+use rtrt_core::stage::shade::shade;
+use rtrt_core::stage::surface::Surfaces;
+use rtrt_core::stage::visibility::{directions, hit, visibility};
+use rtrt_core::stage::{detail, light, occlusion, surface};
+use std::time::Instant;
+
+/// Rays in a block.
+pub const RAYS: usize = BLOCK_RAYS as usize;
+/// Words of a hit.
+pub const HIT: usize = 5;
+
+/// What the rays of a block leave for later steps, ray after ray or, of words, plane after plane: the first
+/// word of all rays, then the second.
+pub struct Rays<'a> {
+    pub colors: &'a mut [[f32; 4]],
+    /// A plane a light, where shadows are not bits.
+    pub transmittance: &'a mut [u32],
+    /// [`HIT`] planes, where blocks wait for one another.
+    pub hits: &'a mut [u32],
+    /// [`OF_SURFACE`] planes and two a light, where penumbras are filtered.
+    pub cells: &'a mut [u32],
+}
+
+/// A packet, and what its last steps have found.
+pub struct Packet<'a, L: Wide, const G: usize> {
+    token: L::Token,
+    context: &'a FrameContext<'a>,
+    /// Its first ray, and the number of that ray in the block.
+    ray: RayIndex,
+    first: usize,
+    directions: [V3<L>; G],
+    closest: [ClosestHit<L>; G],
+    surfaces: [Surfaces<L>; G],
+    incoming: [IncomingLight<L>; G],
+    /// The first word of the shadow masks, where shadows are bits; and those of scenes with more lights.
+    mask: [L::Bits; G],
+    more_masks: Vec<[L::Bits; G]>,
+    /// Whether nothing behind the layers so far can be seen.
+    pub is_done: bool,
+}
+
+impl<'a, L: Wide, const G: usize> Packet<'a, L, G> {
+    /// The packet from the ray numbered `first` of a block on, which has not looked for anything yet.
+    #[inline(always)]
+    pub fn new(token: L::Token, context: &'a FrameContext<'a>, block: u32, first: usize) -> Self {
+        let ray = RayIndex(block * BLOCK_RAYS + first as u32);
+        let zero = L::splat(token, 0.0);
+        let none = zero.broadcast_bits(0);
+        let unfound = ClosestHit { t: zero, instance: none, triangle: none, u: zero, v: zero };
+        Self {
+            token,
+            context,
+            ray,
+            first,
+            directions: directions(token, context.trace.frame, context.trace.camera(), ray),
+            closest: [unfound; G],
+            surfaces: [no_surface(token); G],
+            incoming: [IncomingLight::dark(token); G],
+            mask: [none; G],
+            more_masks: Vec::new(),
+            is_done: false,
+        }
+    }
+
+    /// Runs steps that follow one another.
+    #[inline(always)]
+    pub fn run_all(
+        &mut self,
+        steps: &[Step],
+        rays: &mut Rays<'_>,
+        mut records: Option<&mut Records<'_>>,
+        clock: &mut Clock,
+        start: &mut Instant,
+    ) {
+        let frame = self.context.trace.frame;
+        let Step { pass, layer } = steps[0];
+        let follows_barrier = !matches!(pass, Pass::Visibility | Pass::Peel);
+        if follows_barrier {
+            self.load(rays.hits);
+        }
+        // Surfaces are found again: they have far more words than hits.
+        let again = [Pass::Surface, Pass::Detail].map(|pass| Step { pass, layer });
+        let count = if follows_barrier { 1 + frame.details as usize } else { 0 };
+        for step in again.into_iter().take(count).chain(steps.iter().copied()) {
+            if !self.is_done {
+                self.run(step, &frame.of_layer(step.layer), rays, records.as_deref_mut());
+                clock.lap(step.stage(), start);
+            } else if step.pass == Pass::BlockerSearch {
+                // Neighbors read what a search finds, though it be nothing.
+                self.clear(rays.cells);
+            }
+        }
+        if !rays.hits.is_empty() {
+            self.store(rays.hits);
+        }
+    }
+
+    /// Takes over the hits of earlier steps.
+    #[inline(always)]
+    fn load(&mut self, hits: &[u32]) {
+        for g in 0..G {
+            let [t, instance, triangle, u, v]: [L::Bits; HIT] = groups(
+                #[inline(always)]
+                |plane| L::load(self.token, &hits[plane * RAYS + self.first + g * L::WIDTH..]),
+            );
+            let [t, u, v] = [L::from_bits(t), L::from_bits(u), L::from_bits(v)];
+            self.closest[g] = ClosestHit { t, instance, triangle, u, v };
+        }
+    }
+
+    /// Leaves the hits to later steps.
+    #[inline(always)]
+    fn store(&self, hits: &mut [u32]) {
+        for g in 0..G {
+            let ClosestHit { t, instance, triangle, u, v } = self.closest[g];
+            let words = [t.to_bits(), instance, triangle, u.to_bits(), v.to_bits()];
+            for (plane, word) in words.into_iter().enumerate() {
+                L::store(word, &mut hits[plane * RAYS + self.first + g * L::WIDTH..]);
+            }
+        }
+    }
+
+    /// Runs a step on the frame as its layer sees it.
+    #[inline(always)]
+    fn run(&mut self, step: Step, frame: &Frame, rays: &mut Rays<'_>, records: Option<&mut Records<'_>>) {
+        let context = Context { frame, ..self.context.trace };
+        match step.pass {
+            Pass::Visibility => {
+                let (token, ray) = (self.token, self.ray);
+                self.closest = L::outlined(
+                    token,
+                    #[inline(always)]
+                    || visibility::<L, G>(token, &context, ray),
+                );
+            }
+            Pass::Peel => {
+                let (token, ray, last) = (self.token, self.ray, &self.closest);
+                self.closest = L::outlined(
+                    token,
+                    #[inline(always)]
+                    || peel::<L, G>(token, &context, ray, last),
+                );
+            }
+            Pass::EndCovered => self.end_covered(rays.colors),
+            Pass::Surface => self.surface(),
+            Pass::Detail => self.detail(),
+            Pass::Occlusion => self.occlusion(&context),
+            Pass::Transmittance => self.transmittance(&context, rays.transmittance),
+            Pass::BlockerSearch => self.blocker_search(&context, rays.cells),
+            Pass::Light => self.light(frame, rays.transmittance),
+            Pass::Shade | Pass::Blend => {
+                self.shade(step, frame, rays.colors);
+                if let Some(records) = records {
+                    self.record(step.layer, rays.transmittance, records);
+                }
+            }
+            // Records hold the mask: it is found when they are written.
+            Pass::Mask => {}
+            // These are not steps of a packet; and this backend draws nothing.
+            Pass::Prepare
+            | Pass::Bin
+            | Pass::Pick
+            | Pass::SummarizePenumbras
+            | Pass::SelectFilterBlocks
+            | Pass::FilterPenumbra
+            | Pass::Resolve => {}
+        }
+    }
+
+    /// Ends the rays whose colors let nothing through.
+    #[inline(always)]
+    fn end_covered(&mut self, colors: &[[f32; 4]]) {
+        self.is_done = true;
+        for g in 0..G {
+            let at = self.first + g * L::WIDTH;
+            let [alpha] = L::gather(
+                self.token,
+                #[inline(always)]
+                |lane| [colors[at + lane][3]],
+            );
+            let instance = &mut self.closest[g].instance;
+            let missing = instance.broadcast(NONE);
+            *instance = is_covered(alpha).select(missing, *instance);
+            self.is_done &= !(!instance.eq(missing)).any();
+        }
+    }
+
+    #[inline(always)]
+    fn surface(&mut self) {
+        let FrameContext { trace, attributes, .. } = self.context;
+        let (camera, geometry) = (trace.camera(), &trace.geometry);
+        let Self { directions, closest, surfaces, .. } = self;
+        L::outlined(
+            self.token,
+            #[inline(always)]
+            || {
+                for g in 0..G {
+                    surfaces[g] = surface::surface(camera, geometry, attributes, directions[g], &closest[g]);
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn detail(&mut self) {
+        let FrameContext { trace, attributes, maps } = self.context;
+        let vertices = trace.vertices(attributes);
+        let Self { closest, surfaces, .. } = self;
+        L::outlined(
+            self.token,
+            #[inline(always)]
+            || {
+                for g in 0..G {
+                    surfaces[g] = detail::detail(maps, &vertices, &closest[g], &surfaces[g]);
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn occlusion(&mut self, context: &Context<'_>) {
+        self.more_masks.clear();
+        for word in 0..context.frame.mask_words {
+            let mask = L::outlined(
+                self.token,
+                #[inline(always)]
+                || occlusion::word::<L, G>(context, word, self.ray, &self.surfaces),
+            );
+            if word == 0 {
+                self.mask = mask;
+            } else {
+                self.more_masks.push(mask);
+            }
+        }
+    }
+
+    /// Where the shadow rays of the packet start, and which of them are cast to a light.
+    #[inline(always)]
+    fn potentially_lit(&self, context: &Context<'_>, light: u32) -> ([V3<L>; G], [L::Bits; G]) {
+        let origins = groups(
+            #[inline(always)]
+            |g| self.surfaces[g].origin,
+        );
+        let active = groups(
+            #[inline(always)]
+            |g| {
+                let first = RayIndex(self.ray.0 + (g * L::WIDTH) as u32);
+                occlusion::potentially_lit(context.frame, context.views, light, first, &self.surfaces[g])
+            },
+        );
+        (origins, active)
+    }
+
+    #[inline(always)]
+    fn transmittance(&self, context: &Context<'_>, transmittance: &mut [u32]) {
+        // Loops, not iterators: what is called back is not compiled for the instruction set.
+        for light in 0..context.frame.lights {
+            let (origins, active) = self.potentially_lit(context, light);
+            let arrivals = L::outlined(
+                self.token,
+                #[inline(always)]
+                || occlusion::transmittance::<L, false, G>(context, light, self.ray, &origins, &active),
+            );
+            let plane = light as usize * RAYS + self.first;
+            for (g, arrival) in arrivals.into_iter().enumerate() {
+                L::store(arrival.transmittance, &mut transmittance[plane + g * L::WIDTH..]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn blocker_search(&self, context: &Context<'_>, cells: &mut [u32]) {
+        for g in 0..G {
+            let (origin, normal) = (self.surfaces[g].origin, self.surfaces[g].normal);
+            let numbers = [origin.x, origin.y, origin.z, normal.x, normal.y, normal.z];
+            for (plane, number) in numbers.into_iter().enumerate() {
+                L::store(number.to_bits(), &mut cells[plane * RAYS + self.first + g * L::WIDTH..]);
+            }
+        }
+        for light in 0..context.frame.lights {
+            let (origins, active) = self.potentially_lit(context, light);
+            let arrivals = L::outlined(
+                self.token,
+                #[inline(always)]
+                || occlusion::transmittance::<L, true, G>(context, light, self.ray, &origins, &active),
+            );
+            let plane = (OF_SURFACE + 2 * light as usize) * RAYS + self.first;
+            for (g, Arrival { transmittance, penumbra_radius }) in arrivals.into_iter().enumerate() {
+                let at = plane + g * L::WIDTH;
+                L::store(transmittance, &mut cells[at..]);
+                L::store(penumbra_radius.to_bits(), &mut cells[at + RAYS..]);
+            }
+        }
+    }
+
+    /// Leaves what a search finds for rays that ask for no light.
+    #[inline(always)]
+    fn clear(&self, cells: &mut [u32]) {
+        let range = self.first..self.first + G * L::WIDTH;
+        for planes in cells[OF_SURFACE * RAYS..].chunks_mut(2 * RAYS) {
+            let (transmittance, radii) = planes.split_at_mut(RAYS);
+            transmittance[range.clone()].fill(0);
+            radii[range.clone()].fill((-1.0_f32).to_bits());
+        }
+    }
+
+    /// A word of the shadow mask, where shadows are bits.
+    #[inline(always)]
+    fn mask(&self, word: u32, g: usize) -> L::Bits {
+        if word == 0 { self.mask[g] } else { self.more_masks[word as usize - 1][g] }
+    }
+
+    #[inline(always)]
+    fn light(&mut self, frame: &Frame, transmittance: &[u32]) {
+        let FrameContext { trace, maps, .. } = self.context;
+        let Self { token, ray, first, directions, surfaces, incoming, mask, more_masks, .. } = self;
+        let (token, first) = (*token, *first);
+        L::outlined(
+            token,
+            #[inline(always)]
+            || {
+                for g in 0..G {
+                    let terms = ShadowTerms::new(
+                        #[inline(always)]
+                        |word| if word == 0 { mask[g] } else { more_masks[word as usize - 1][g] },
+                        #[inline(always)]
+                        |light| {
+                            L::load(token, &transmittance[light as usize * RAYS + first + g * L::WIDTH..])
+                        },
+                    );
+                    let ray = RayIndex(ray.0 + (g * L::WIDTH) as u32);
+                    incoming[g] =
+                        light::light(frame, trace.views, maps, &terms, ray, directions[g], &surfaces[g]);
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn shade(&self, step: Step, frame: &Frame, colors: &mut [[f32; 4]]) {
+        let Self { directions, surfaces, incoming, token, .. } = self;
+        let maps = &self.context.maps;
+        let colors = &mut colors[self.first..];
+        L::outlined(
+            *token,
+            #[inline(always)]
+            || {
+                for g in 0..G {
+                    let colors = &mut colors[g * L::WIDTH..];
+                    let shaded = shade(frame, maps, directions[g], &surfaces[g], &incoming[g]);
+                    let sum = if !frame.has_layers() {
+                        shaded
+                    } else if step.pass == Pass::Shade {
+                        blend(frame, [L::splat(*token, 0.0); 4], shaded)
+                    } else {
+                        let [before] = L::gather_fours(
+                            *token,
+                            #[inline(always)]
+                            |lane| [colors[lane]],
+                        );
+                        blend(frame, before, shaded)
+                    };
+                    let [red, green, blue, alpha] = groups(
+                        #[inline(always)]
+                        |channel| sum[channel].row(),
+                    );
+                    for (lane, color) in colors[..L::WIDTH].iter_mut().enumerate() {
+                        *color = [red.at(lane), green.at(lane), blue.at(lane), alpha.at(lane)];
+                    }
+                }
+            },
+        );
+    }
+
+    /// Writes the records of the layer.
+    #[inline(always)]
+    fn record(&self, layer: u32, transmittance: &[u32], records: &mut Records<'_>) {
+        let frame = self.context.trace.frame;
+        let none = L::splat(self.token, 0.0).broadcast_bits(0);
+        for g in 0..G {
+            let first = self.first + g * L::WIDTH;
+            for lane in 0..L::WIDTH {
+                let (at, found) = (first + lane, hit(&self.closest[g], lane));
+                if layer > 0 {
+                    records.layers[at * frame.layers_behind() as usize + layer as usize - 1] = found;
+                    continue;
+                }
+                records.hits[at] = found;
+                records.surfaces[at] = self.surfaces[g].lane(lane);
+                records.lit[at] = self.incoming[g].lane(lane);
+                let (words, lights) = (frame.mask_words, frame.transmittance_words());
+                for (word, to) in (0..).zip(of_ray(records.masks, at, words)) {
+                    let mask = if lights == 0 {
+                        self.mask(word, g)
+                    } else {
+                        occlusion::mask(
+                            frame,
+                            word,
+                            none,
+                            #[inline(always)]
+                            |light| self.transmittance_of(light, transmittance, g),
+                        )
+                    };
+                    *to = mask.lane(lane);
+                }
+                for (light, to) in (0..).zip(of_ray(records.transmittance, at, lights)) {
+                    *to = self.transmittance_of(light, transmittance, g).lane(lane);
+                }
+            }
+        }
+    }
+
+    /// The transmittance of a light at a group.
+    #[inline(always)]
+    fn transmittance_of(&self, light: u32, transmittance: &[u32], g: usize) -> L::Bits {
+        L::load(self.token, &transmittance[light as usize * RAYS + self.first + g * L::WIDTH..])
+    }
+}
+
+/// The words of a ray, among those of rays that follow one another.
+fn of_ray(words: &mut [u32], ray: usize, count: u32) -> &mut [u32] {
+    &mut words[ray * count as usize..][..count as usize]
+}
+
+/// What is known of surfaces before any is found.
+#[inline(always)]
+fn no_surface<L: Lane>(token: L::Token) -> Surfaces<L> {
+    let zero = L::splat(token, 0.0);
+    let (nothing, none) = (V3 { x: zero, y: zero, z: zero }, zero.broadcast_bits(0));
+    Surfaces {
+        origin: nothing,
+        normal: nothing,
+        material: none,
+        color: none,
+        uv: [zero; 2],
+        footprint: zero,
+        second_uv: [zero; 2],
+        second_footprint: zero,
+    }
+}
