@@ -96,8 +96,8 @@ pub struct Instance {
     /// The start of the mesh's second texture coordinates, two words a vertex, in the scene's mesh data; 0
     /// for none.
     pub first_second_uv: u32,
-    /// Where the instance's pane starts in the scene's mesh_data (see [`crate::kernel::transparency`]); 0 for
-    /// an instance that is opaque everywhere.
+    /// Where the instance's [`Transparency`](crate::layout::Transparency) is in the scene's mesh data; 0 for an
+    /// instance that is opaque everywhere.
     pub transparency: u32,
     /// [`Kind`]. A sphere's mesh has two triangles without area that span its bounds.
     pub kind: u32,

@@ -40,7 +40,7 @@ use crate::stage::visibility::rays;
 pub struct Meshes<'a> {
     /// Objects, placed in the world.
     pub instances: &'a [Instance],
-    /// Vertex indices of all meshes, and panes.
+    /// See [`Geometry::mesh_data`](crate::kernel::geometry::Geometry::mesh_data).
     pub mesh_data: &'a [u32],
     /// Vertex positions, object space.
     pub positions: &'a [[f32; 3]],
