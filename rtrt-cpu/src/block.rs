@@ -1,11 +1,12 @@
 //! A block, on one thread: the steps from one barrier of the frame to the next, so that what a step
 //! leaves for another stays in the first-level cache.
 
+use crate::cells::{self, RAYS};
 use crate::clock::Clock;
 use crate::context::FrameContext;
 use crate::instruction_set::LaneTask;
-use crate::packet::{HIT, Packet, RAYS, Rays};
-use crate::planes::{OF_SURFACE, Planes, Rows, count};
+use crate::packet::{HIT, Packet, Rays};
+use crate::planes::{Planes, Rows};
 use crate::records::Records;
 use crate::wide::Wide;
 use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, number};
@@ -29,7 +30,7 @@ pub struct Block {
     /// In frames with penumbras, the hits of the last layer, and the colors of all so far.
     hits: Vec<u32>,
     colors: Vec<[f32; 4]>,
-    /// What the penumbra filter reads: see [`OF_SURFACE`].
+    /// What the penumbra filter reads: see [`cells`].
     pub cells: Vec<u32>,
     /// One a light.
     pub summaries: Vec<PenumbraSummary>,
@@ -46,7 +47,7 @@ impl Block {
         let penumbras = usize::from(frame.shadow_kind() == ShadowKind::Penumbra);
         self.hits.resize(penumbras * RAYS * HIT, 0);
         self.colors.resize(penumbras * RAYS, [0.0; 4]);
-        self.cells.resize(penumbras * RAYS * count(frame), 0);
+        self.cells.resize(penumbras * RAYS * cells::count(frame), 0);
         self.summaries.resize(penumbras * frame.lights as usize, PenumbraSummary::NONE);
         self.is_done = false;
     }
@@ -140,7 +141,7 @@ impl PenumbraFilter<'_> {
         let [left, top] = frame.grid().ray(RayIndex(index * BLOCK_RAYS));
         for (light, transmittance) in transmittance.chunks_mut(RAYS).enumerate() {
             if self.blocks[edges_at(frame, index, light as u32)] == 0 {
-                transmittance.copy_from_slice(&cells[(OF_SURFACE + 2 * light) * RAYS..][..RAYS]);
+                transmittance.copy_from_slice(&cells[cells::transmittance(light) * RAYS..][..RAYS]);
                 continue;
             }
             for y in 0..BLOCK {
@@ -164,8 +165,7 @@ impl PenumbraFilter<'_> {
 /// Finds what the penumbras of each light have in common in a block.
 #[inline(always)]
 fn summarize_penumbras(grid: Grid, index: u32, cells: &[u32], summaries: &mut [PenumbraSummary]) {
-    for (planes, summary) in cells[OF_SURFACE * RAYS..].chunks(2 * RAYS).zip(summaries) {
-        let (transmittance, radii) = planes.split_at(RAYS);
+    for ((transmittance, radii), summary) in cells::lights(cells).zip(summaries) {
         *summary = common(
             grid,
             RayIndex(index * BLOCK_RAYS),

@@ -26,6 +26,7 @@ mod bin;
 mod block;
 mod blocks;
 mod canary;
+mod cells;
 mod clock;
 mod context;
 mod error;

@@ -1,9 +1,9 @@
 //! The steps of a packet, which need no other packet. Each runs outlined, so that it is compiled once for
 //! each instruction set.
 
+use crate::cells::{self, RAYS};
 use crate::clock::Clock;
 use crate::context::FrameContext;
-use crate::planes::OF_SURFACE;
 use crate::records::Records;
 use crate::wide::Wide;
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
@@ -21,8 +21,6 @@ use rtrt_core::stage::visibility::{directions, hit, visibility};
 use rtrt_core::stage::{detail, light, occlusion, surface};
 use std::time::Instant;
 
-/// Rays in a block.
-pub const RAYS: usize = BLOCK_RAYS as usize;
 /// Words of a hit.
 pub const HIT: usize = 5;
 
@@ -34,7 +32,7 @@ pub struct Rays<'a> {
     pub transmittance: &'a mut [u32],
     /// [`HIT`] planes, where blocks wait for one another.
     pub hits: &'a mut [u32],
-    /// [`OF_SURFACE`] planes and two a light, where penumbras are filtered.
+    /// See [`cells`], where penumbras are filtered.
     pub cells: &'a mut [u32],
 }
 
@@ -289,9 +287,10 @@ impl<'a, L: Wide, const G: usize> Packet<'a, L, G> {
     fn blocker_search(&self, context: &Context<'_>, cells: &mut [u32]) {
         for g in 0..G {
             let (origin, normal) = (self.surfaces[g].origin, self.surfaces[g].normal);
-            let numbers = [origin.x, origin.y, origin.z, normal.x, normal.y, normal.z];
-            for (plane, number) in numbers.into_iter().enumerate() {
-                L::store(number.to_bits(), &mut cells[plane * RAYS + self.first + g * L::WIDTH..]);
+            for (first, V3 { x, y, z }) in [(cells::ORIGIN, origin), (cells::NORMAL, normal)] {
+                for (plane, number) in (first..).zip([x, y, z]) {
+                    L::store(number.to_bits(), &mut cells[plane * RAYS + self.first + g * L::WIDTH..]);
+                }
             }
         }
         for light in 0..context.frame.lights {
@@ -301,11 +300,12 @@ impl<'a, L: Wide, const G: usize> Packet<'a, L, G> {
                 #[inline(always)]
                 || occlusion::transmittance::<L, true, G>(context, light, self.ray, &origins, &active),
             );
-            let plane = (OF_SURFACE + 2 * light as usize) * RAYS + self.first;
+            let light = light as usize;
+            let (to, radii) = (cells::transmittance(light) * RAYS, cells::radius(light) * RAYS);
             for (g, Arrival { transmittance, penumbra_radius }) in arrivals.into_iter().enumerate() {
-                let at = plane + g * L::WIDTH;
-                L::store(transmittance, &mut cells[at..]);
-                L::store(penumbra_radius.to_bits(), &mut cells[at + RAYS..]);
+                let at = self.first + g * L::WIDTH;
+                L::store(transmittance, &mut cells[to + at..]);
+                L::store(penumbra_radius.to_bits(), &mut cells[radii + at..]);
             }
         }
     }
@@ -314,8 +314,7 @@ impl<'a, L: Wide, const G: usize> Packet<'a, L, G> {
     #[inline(always)]
     fn clear(&self, cells: &mut [u32]) {
         let range = self.first..self.first + G * L::WIDTH;
-        for planes in cells[OF_SURFACE * RAYS..].chunks_mut(2 * RAYS) {
-            let (transmittance, radii) = planes.split_at_mut(RAYS);
+        for (transmittance, radii) in cells::lights_mut(cells) {
             transmittance[range.clone()].fill(0);
             radii[range.clone()].fill((-1.0_f32).to_bits());
         }

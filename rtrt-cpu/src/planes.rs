@@ -1,6 +1,7 @@
 //! What the penumbra filter reads, in planes of whole rows of the frame, so that rays side by side have
 //! their neighbors side by side.
 
+use crate::cells;
 use crate::wide::Wide;
 use rayon::prelude::*;
 use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, place};
@@ -9,19 +10,10 @@ use rtrt_core::layout::Frame;
 use rtrt_core::stage::penumbra_blocks::around;
 use rtrt_core::stage::penumbra_filter::{MISSING, Neighborhood};
 
-/// Numbers of a ray that have to do with its surface: three of its origin, three of its normal.
-/// Two a light follow: the transmittance, and the radius of the penumbra.
-pub const OF_SURFACE: usize = 6;
-
 /// Along a side of a block.
 const SIDE: usize = BLOCK as usize;
 /// As many rays that follow one another lie in a row.
 const TILE: usize = 4;
-
-/// How many numbers a ray has.
-pub fn count(frame: &Frame) -> usize {
-    OF_SURFACE + 2 * frame.lights as usize
-}
 
 /// The numbers of all rays: row after row of the frame, in a row number after number, and around
 /// the frame a margin as wide as the blur may look.
@@ -72,15 +64,14 @@ impl Planes {
         }
         self.margin = (around(frame) * BLOCK) as usize;
         self.row = grid.blocks_x() as usize * SIDE + 2 * self.margin;
-        self.pitch = self.row * count(frame);
+        self.pitch = self.row * cells::count(frame);
         let rows = grid.blocks_y() as usize * SIDE + 2 * self.margin;
         self.words.clear();
         self.words.resize(rows * self.pitch, 0);
-        for number in OF_SURFACE..count(frame) {
-            let is_size = (number - OF_SURFACE) % 2 == 1;
-            let word = if is_size { (-1.0_f32).to_bits() } else { MISSING };
-            for row in self.words.chunks_mut(self.pitch) {
-                row[number * self.row..][..self.row].fill(word);
+        for row in self.words.chunks_mut(self.pitch) {
+            for light in 0..lights as usize {
+                row[cells::transmittance(light) * self.row..][..self.row].fill(MISSING);
+                row[cells::radius(light) * self.row..][..self.row].fill((-1.0_f32).to_bits());
             }
         }
     }
@@ -129,18 +120,18 @@ impl<L: Wide> Neighborhood<L> for Rows<'_, L> {
     }
     #[inline(always)]
     fn transmittance(&self, place: usize) -> L::Bits {
-        self.number(place, OF_SURFACE + 2 * self.light)
+        self.number(place, cells::transmittance(self.light))
     }
     #[inline(always)]
     fn penumbra_radius(&self, place: usize) -> L {
-        L::from_bits(self.number(place, OF_SURFACE + 2 * self.light + 1))
+        L::from_bits(self.number(place, cells::radius(self.light)))
     }
     #[inline(always)]
     fn origin(&self, place: usize) -> V3<L> {
-        self.vector(place, 0)
+        self.vector(place, cells::ORIGIN)
     }
     #[inline(always)]
     fn normal(&self, place: usize) -> V3<L> {
-        self.vector(place, 3)
+        self.vector(place, cells::NORMAL)
     }
 }

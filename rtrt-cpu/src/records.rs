@@ -1,7 +1,6 @@
 //! The deferred buffers, block by block.
 
-use crate::packet::RAYS;
-use crate::planes::OF_SURFACE;
+use crate::cells::{self, RAYS};
 use rtrt_core::backend::Deferred;
 use rtrt_core::layout::{Frame, Hit, Lit, Surface};
 
@@ -22,10 +21,10 @@ impl Records<'_> {
     /// Writes the shadows before they are filtered.
     pub fn raw_shadows(&mut self, cells: &[u32]) {
         let lights = self.raw_transmittance.len() / RAYS;
-        for (light, planes) in cells[OF_SURFACE * RAYS..].chunks(2 * RAYS).enumerate() {
+        for (light, (transmittance, radii)) in cells::lights(cells).enumerate() {
             for ray in 0..RAYS {
-                self.raw_transmittance[ray * lights + light] = planes[ray];
-                self.penumbra_radii[ray * lights + light] = f32::from_bits(planes[RAYS + ray]);
+                self.raw_transmittance[ray * lights + light] = transmittance[ray];
+                self.penumbra_radii[ray * lights + light] = f32::from_bits(radii[ray]);
             }
         }
     }
