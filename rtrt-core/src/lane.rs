@@ -6,6 +6,9 @@
 //! construction. There is no division, no square root and no fused multiply-add here:
 //! devices do not agree on them (see [`crate::num`]).
 
+#[cfg(test)]
+pub(crate) mod flushing;
+
 use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Shl, Shr, Sub};
 
 /// One truth value per lane.

@@ -15,7 +15,11 @@
 //! | [`pow`] | relative 2⁻¹⁹ · max(1, abs(y · log2 x)) | x ≥ 0; 0 for x < 2⁻⁹⁰ |
 //! | [`atan2`] | absolute 2⁻²⁰ | any but NaN; 0 for (0, 0) |
 //! | [`sine_and_cosine`] | absolute 2⁻²² | −1 ≤ x ≤ 1 |
-//! | [`srgb_encode`], [`srgb_decode`] | absolute 2⁻²⁰ | 0 ..= 1; clamped into it |
+//! | [`srgb_encode`], [`srgb_decode`] | absolute 2⁻²⁰ | 0 ..= 1; clamped into it, NaN as 0 |
+//!
+//! A device that flushes denormals gives the same bits for any argument of these functions:
+//! numbers below [`FLOOR`] count as 0 where their size would show. [`floor`] and [`clamp`] leave
+//! that to their callers, who give them no denormals or [`flush`] the result.
 
 use crate::lane::{Bits, Lane, Select, V3};
 
@@ -90,7 +94,8 @@ pub fn round<L: Lane>(x: L) -> L {
     (x + ROUND) - ROUND
 }
 
-/// The largest integer not above `x`. For `|x| < 2²²`.
+/// The largest integer not above `x`. For `|x| < 2²²`, and no negative denormal, whose floor some
+/// devices take for −1 and others for 0.
 #[inline(always)]
 pub fn floor<L: Lane>(x: L) -> L {
     let nearest = round(x);
@@ -133,6 +138,7 @@ pub fn exp2<L: Lane>(x: L) -> L {
 /// remainders are below 2⁻²⁴.
 #[inline(always)]
 pub fn sine_and_cosine<L: Lane>(x: L) -> [L; 2] {
+    let x = flush(x);
     let square = x * x;
     // (π/4)ⁿ / n!
     let mut sine = square * 3.133_616_9e-7 - 3.657_620_4e-5;
@@ -178,9 +184,10 @@ pub fn pow<L: Lane>(x: L, y: L) -> L {
 /// octant.
 #[inline(always)]
 pub fn atan2<L: Lane>(y: L, x: L) -> L {
+    let (x, y) = (flush(x), flush(y));
     let (width, height) = (x.abs(), y.abs());
     let steep = height.gt(width);
-    let slope = width.min(height) * recip(width.max(height));
+    let slope = flush(width.min(height) * recip(width.max(height)));
     let square = slope * slope;
     let mut p = square * 2.866_225_7e-3 - 1.616_573_7e-2;
     p = p * square + 4.290_961_4e-2;
@@ -210,7 +217,7 @@ const DECODE_SLOPE: f32 = 1.0 / 12.92;
 #[inline(always)]
 pub fn srgb_encode<L: Lane>(linear: L) -> L {
     // NaN would be white through `clamp`; it is black.
-    let c = linear.gt(linear.broadcast(0.0)).select(linear, linear.broadcast(0.0));
+    let c = linear.gt(linear.broadcast(FLOOR)).select(linear, linear.broadcast(0.0));
     let c = clamp(c, 0.0, 1.0);
     let curve = pow(c, c.broadcast(ENCODE_POWER)) * 1.055 - 0.055;
     clamp(c.le(c.broadcast(0.003_130_8)).select(c * 12.92, curve), 0.0, 1.0)
@@ -224,7 +231,7 @@ pub fn srgb_encode<L: Lane>(linear: L) -> L {
 /// ```
 #[inline(always)]
 pub fn srgb_decode<L: Lane>(encoded: L) -> L {
-    let c = encoded.gt(encoded.broadcast(0.0)).select(encoded, encoded.broadcast(0.0));
+    let c = encoded.gt(encoded.broadcast(FLOOR)).select(encoded, encoded.broadcast(0.0));
     let c = clamp(c, 0.0, 1.0);
     let curve = pow((c + 0.055) * DECODE_SCALE, c.broadcast(2.4));
     clamp(c.le(c.broadcast(0.040_45)).select(c * DECODE_SLOPE, curve), 0.0, 1.0)
@@ -239,6 +246,8 @@ pub fn normalize<L: Lane>(v: V3<L>) -> V3<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::Word;
+    use crate::lane::flushing::assert_flushing_changes_nothing;
 
     /// Positive numbers spread over all exponents of the domain, dense within each.
     fn positive() -> impl Iterator<Item = f32> {
@@ -352,6 +361,56 @@ mod tests {
         assert_eq!([srgb_encode(-1.0_f32), srgb_encode(f32::NAN)], [0.0; 2]);
         assert_eq!(srgb_encode(2.0_f32), srgb_encode(1.0));
         assert!((1.0 - srgb_encode(1.0_f32)).abs() < 2f32.powi(-20));
+    }
+
+    #[test]
+    fn functions_give_the_same_bits_where_denormals_are_flushed() {
+        let edges = edge_values();
+        for &x in &edges {
+            assert_flushing_changes_nothing!(of_one(x), x);
+            for &y in &edges {
+                assert_flushing_changes_nothing!(of_two(x, y), std::format!("{x:e}, {y:e}"));
+            }
+        }
+    }
+
+    fn of_one<L: Lane<Token = (), Bits = Word>>(x: f32) -> [u32; 11] {
+        let x = L::splat((), x);
+        let whole = flush(x);
+        let [sine, cosine] = sine_and_cosine(clamp(x, -1.0, 1.0));
+        [
+            recip(x),
+            rsqrt(x),
+            sqrt(x),
+            exp2(x),
+            log2(x),
+            srgb_encode(x),
+            srgb_decode(x),
+            round(whole),
+            floor(whole),
+            sine,
+            cosine,
+        ]
+        .map(word)
+    }
+
+    fn of_two<L: Lane<Token = (), Bits = Word>>(x: f32, y: f32) -> [u32; 4] {
+        let [x, y] = [x, y].map(|x| L::splat((), x));
+        let unit = normalize(flush3(V3 { x, y, z: x }));
+        [pow(x, y), atan2(y, x), flush(unit.x), flush(unit.y)].map(word)
+    }
+
+    /// The bits; one word for every NaN.
+    fn word<L: Lane<Bits = Word>>(x: L) -> u32 {
+        let bits = x.to_bits().0;
+        if bits & 0x7fff_ffff > 0x7f80_0000 { f32::NAN.to_bits() } else { bits }
+    }
+
+    /// Zeros, denormals, all powers of two and their neighbors, infinities and NaN, of both signs.
+    fn edge_values() -> std::vec::Vec<f32> {
+        let powers = (0..=255_u32).flat_map(|e| [(e << 23).saturating_sub(1), e << 23, e << 23 | 1]);
+        let denormals = (0..23).map(|bit| 3 << bit);
+        powers.chain(denormals).flat_map(|bits| [bits, bits | 0x8000_0000]).map(f32::from_bits).collect()
     }
 
     #[test]
