@@ -3,7 +3,7 @@
 use crate::device::{Device, watched};
 use crate::entry::{Access, KERNELS, PROBE, groups};
 use crate::error::Error;
-use rtrt_core::kernel::canary::{NAMES, OUTPUTS, canary};
+use rtrt_core::kernel::canary::{Fixture, NAMES, OUTPUTS, canary, first_difference};
 use rtrt_core::layout::{
     Attribute, Frame, Hit, Instance, MaterialRecord, Node, PROBES, Surface, View, probe,
 };
@@ -12,25 +12,29 @@ use rtrt_core::layout::{
 pub(crate) fn check(device: &Device) -> Result<(), Error> {
     let words = words();
     let answers = watched(&device.device, || kernels(device, &words))?;
-    for (case, answers) in answers.iter().enumerate() {
-        let expected = canary::<f32>((), &words, case as u32).map(|word| word.0);
-        if let Some(i) = (0..OUTPUTS).find(|&i| answers[i] != expected[i]) {
-            return Err(Error::Canary {
-                adapter: device.name.clone(),
-                what: NAMES[i],
-                case,
-                cpu: expected[i],
-                gpu: answers[i],
-            });
-        }
-    }
-    Ok(())
+    let Some((case, output)) = first_difference(&words, &answers) else { return Ok(()) };
+    Err(Error::Canary {
+        adapter: device.name.clone(),
+        what: NAMES[output],
+        case,
+        cpu: canary::<f32>((), &words, &Fixture::default().given(), case as u32)[output].0,
+        gpu: answers[case][output],
+    })
 }
 
 /// The kernels' answers to every run of words.
 pub(crate) fn kernels(device: &Device, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
     let bytes = (words.len() * size_of::<[u32; OUTPUTS]>()) as u64;
-    let inputs = [bytemuck::cast_slice(words)];
+    let fixture = Fixture::default();
+    let given = fixture.given();
+    let inputs = [
+        bytemuck::bytes_of(given.frame),
+        bytemuck::cast_slice(words),
+        bytemuck::cast_slice(given.views),
+        bytemuck::cast_slice(given.instances),
+        bytemuck::cast_slice(given.maps.materials),
+        bytemuck::cast_slice(given.maps.texels),
+    ];
     let answers = run(device, KERNELS, &inputs, bytes, groups([words.len() as u32, 1]))?;
     Ok(bytemuck::pod_collect_to_vec(&answers))
 }

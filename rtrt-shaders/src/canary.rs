@@ -2,22 +2,25 @@
 
 use crate::index;
 use rtrt_core::kernel::canary::{OUTPUTS, canary};
+use rtrt_core::kernel::texture::Maps;
 use rtrt_core::lane::groups;
 use rtrt_core::layout::{Attribute, Frame, Hit, Instance, MaterialRecord, Node, Surface, View, probe};
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
-/// The kernels' answers to arrays of mesh_data, as many mesh_data an invocation as
+/// The kernels' answers to arrays of words, as many an invocation as
 /// [`rtrt_core::kernel::canary::NAMES`] has names.
 #[spirv(compute(threads(64), entry_point_name = "kernels"))]
 pub fn kernels(
     #[spirv(global_invocation_id)] id: UVec3,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] mesh_data: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] answers: &mut [[u32; OUTPUTS]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] materials: &[Material],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] texels: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] answers: &mut [[u32; OUTPUTS]],
 ) {
     let index = index(id);
     if (index as usize) < answers.len() {
-        let found = canary::<f32>((), mesh_data, index);
+        let found = canary::<f32>((), words, &Maps { materials, texels }, index);
         answers[index as usize] = groups(
             #[inline(always)]
             |i| found[i].0,

@@ -91,7 +91,7 @@ pub fn disc<L: Lane>(a: L, b: L) -> [L; 2] {
 /// Bits that look random: "lowbias32" (Chris Wellons, Prospecting for Hash Functions, 2018;
 /// public domain).
 #[inline(always)]
-pub fn hash(x: u32) -> u32 {
+pub const fn hash(x: u32) -> u32 {
     let x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
     let x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
     x ^ (x >> 16)

@@ -66,3 +66,38 @@ pub fn normal<L: Lane + Mul<M, Output = L>, M: Copy>(m: &[[M; 4]; 3], n: V3<L>) 
         z: n.x * m[0][2] + n.y * m[1][2] + n.z * m[2][2],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn a_matrix_takes_points_vectors_and_normals() {
+        let m = [[1.0_f32, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0], [9.0, 10.0, 11.0, 12.0]];
+        let v = V3::<f32>::splat((), [1.0, -1.0, 2.0]);
+        assert_eq!(point(&m, v).lane(0), [9.0, 21.0, 33.0]);
+        assert_eq!(vector(&m, v).lane(0), [5.0, 13.0, 21.0]);
+        // Columns in place of rows.
+        assert_eq!(normal(&m, v).lane(0), [14.0, 16.0, 18.0]);
+    }
+
+    #[test]
+    fn a_ray_keeps_its_t_on_the_way_into_an_object() {
+        // Half the size, and moved.
+        let to_object = [[0.5, 0.0, 0.0, 1.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, -3.0]];
+        let instance = Instance { to_object, ..Instance::zeroed() };
+        let ray = Ray::<f32>::new(V3::splat((), [2.0, 4.0, 6.0]), V3::splat((), [0.0, -8.0, 2.0]));
+        let local = ray.to_object(&instance);
+        assert_eq!((local.origin.lane(0), local.direction.lane(0)), ([2.0, 2.0, 0.0], [0.0, -4.0, 1.0]));
+        let ends = [ray.origin + ray.direction.scale(3.0), local.origin + local.direction.scale(3.0)];
+        assert_eq!(point(&to_object, ends[0]).lane(0), ends[1].lane(0));
+    }
+
+    #[test]
+    fn reciprocals_of_a_direction_are_finite() {
+        let ray = Ray::<f32>::new(V3::splat((), [0.0; 3]), V3::splat((), [0.0, -0.0, 4.0]));
+        let [x, y, z] = ray.inverse.lane(0);
+        assert!(x > 1e27 && x.is_finite() && y < -1e27 && y.is_finite() && (z - 0.25).abs() < 1e-7);
+    }
+}

@@ -218,3 +218,111 @@ pub(crate) fn sphere_in_block(
     let reach = (radius + view.spread + view.spread_w * far_end) * WIDER;
     dot(&x, &x) <= reach * reach * dot(&d, &d) * WIDER
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    /// A camera at (0, 0, 5) that looks along −z, with a picture of 8 by 8 blocks whose edges are at 45
+    /// degrees: a point lies in column 4 + 4 x/d and row 4 − 4 y/d, d in front of it.
+    fn camera() -> View {
+        View {
+            kind: ViewKind::Camera as u32,
+            center: [0.0, 0.0, 5.0],
+            width: 8,
+            height: 8,
+            depth: [0.0, 0.0, -1.0],
+            w: [0.0, 0.0, -1.0],
+            x: [4.0, 0.0, -4.0],
+            y: [0.0, -4.0, -4.0],
+            along: [-1.0, 1.0, -1.0],
+            along_x: [0.25, 0.0, 0.0],
+            along_y: [0.0, -0.25, 0.0],
+            spread_w: 0.18,
+            reach_squared: f32::MAX,
+            ..View::zeroed()
+        }
+    }
+
+    fn instance(low: [f32; 3], high: [f32; 3]) -> Instance {
+        let center = [0, 1, 2].map(|i| (low[i] + high[i]) * 0.5);
+        let half = [0, 1, 2].map(|i| (high[i] - low[i]) * 0.5);
+        let radius = libm::sqrtf(half.iter().map(|h| h * h).sum());
+        Instance { low, high, center, radius, ..Instance::zeroed() }
+    }
+
+    /// The rectangle of a box.
+    fn rectangle(view: &View, low: [f32; 3], high: [f32; 3]) -> [u32; 4] {
+        let bounds = screen_bounds(view, &instance(low, high), 0.0);
+        [bounds.x0, bounds.y0, bounds.x1, bounds.y1]
+    }
+
+    #[test]
+    fn a_box_covers_the_blocks_that_it_is_projected_to() {
+        // At a distance of 8: columns 4.5 to 5.5, rows 2.25 to 3.5.
+        let flat = |view: View| rectangle(&view, [1.0, 1.0, -3.0], [3.0, 3.5, -3.0]);
+        assert_eq!(flat(camera()), [4, 2, 6, 4]);
+        // The nearer side of a box is larger: up to column 4 + 4 · 3/4.
+        assert_eq!(rectangle(&camera(), [1.0, 1.0, -3.0], [3.0, 3.5, 1.0]), [4, 0, 8, 4]);
+        // Behind the camera, beside the picture, around the camera.
+        assert_eq!(rectangle(&camera(), [-1.0, -1.0, 6.0], [1.0, 1.0, 8.0]), [0; 4]);
+        assert_eq!(rectangle(&camera(), [30.0, 0.0, -3.0], [31.0, 1.0, -2.0]), [0; 4]);
+        assert_eq!(rectangle(&camera(), [-1.0, -1.0, 4.0], [1.0, 1.0, 6.0]), [0, 0, 8, 8]);
+        assert_eq!(flat(View { kind: ViewKind::Off as u32, ..camera() }), [0; 4]);
+        assert_eq!(flat(View { one_list: 1, ..camera() }), [0, 0, 1, 1]);
+    }
+
+    #[test]
+    fn a_key_is_a_little_nearer_than_the_nearest_point() {
+        let of = |view: &View| screen_bounds(view, &instance([0.0, 0.0, -3.0], [1.0, 1.0, -1.0]), 0.0).key;
+        let key = f32::from_bits(of(&camera()));
+        assert!(key < 6.0 && key > 6.0 * 0.999, "{key}");
+        assert_eq!(of(&View { kind: ViewKind::Point as u32, ..camera() }), 0);
+    }
+
+    #[test]
+    fn a_light_covers_nothing_beyond_its_reach() {
+        let light =
+            |reach: f32| View { kind: ViewKind::Point as u32, reach_squared: reach * reach, ..camera() };
+        // (1, 1) aside and 6 in front: √38 away.
+        let bounds = |reach: f32| rectangle(&light(reach), [1.0, 1.0, -3.0], [3.0, 3.0, -1.0]);
+        assert_eq!(bounds(6.1), [0; 4]);
+        assert_ne!(bounds(6.2), [0; 4]);
+    }
+
+    #[test]
+    fn every_block_that_a_point_of_the_box_lies_in_is_covered() {
+        let mut state = 1_u32;
+        let mut next = |low: f32, high: f32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            low + (state >> 8) as f32 / (1 << 24) as f32 * (high - low)
+        };
+        let view = camera();
+        for _ in 0..5000 {
+            let low = [next(-6.0, 5.0), next(-6.0, 5.0), next(-8.0, 5.0)];
+            let high = low.map(|c| c + next(0.0, 3.0));
+            let (bounds, instance) = (screen_bounds(&view, &instance(low, high), 0.0), instance(low, high));
+            for _ in 0..8 {
+                let p = [0, 1, 2].map(|i| next(low[i], high[i]));
+                let d = 5.0 - p[2];
+                let (column, row) = (4.0 + 4.0 * p[0] / d, 4.0 - 4.0 * p[1] / d);
+                if d <= 0.01 || !(0.0..8.0).contains(&column) || !(0.0..8.0).contains(&row) {
+                    continue;
+                }
+                let (column, row) = (column as u32, row as u32);
+                let ScreenBounds { x0, y0, x1, y1, .. } = bounds;
+                assert!((x0..x1).contains(&column) && (y0..y1).contains(&row), "{p:?} {bounds:?}");
+                assert!(sphere_in_block(&view, &instance, 0.0, column, row), "{p:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_sphere_is_out_of_the_way_of_blocks_far_beside_it() {
+        let ball = instance([-0.1, -0.1, -3.1], [0.1, 0.1, -2.9]);
+        let met = |column, row| sphere_in_block(&camera(), &ball, 0.0, column, row);
+        assert!(met(3, 3) && met(4, 4) && !met(0, 3) && !met(4, 7) && !met(7, 7));
+        assert!(sphere_in_block(&View { one_list: 1, ..camera() }, &ball, 0.0, 7, 7));
+    }
+}

@@ -62,3 +62,61 @@ pub fn intersects<L: Lane + Mul<O, Output = L>, O: Lane>(
     let (near, far) = slab(ray, relative);
     near.max(near.broadcast(0.0)).le(far.min(limit))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn interval(origin: [f32; 3], direction: [f32; 3], low: [f32; 3], high: [f32; 3]) -> (f32, f32) {
+        let ray = Ray::<f32>::new(V3::splat((), origin), V3::splat((), direction));
+        slab(&ray, &RelativeBox::new(ray.origin, &low, &high))
+    }
+
+    fn is_met(direction: [f32; 3], low: [f32; 3], high: [f32; 3], limit: f32) -> bool {
+        let ray = Ray::<f32>::new(V3::splat((), [0.0; 3]), V3::splat((), direction));
+        intersects(&ray, &RelativeBox::new(ray.origin, &low, &high), limit)
+    }
+
+    /// Numbers within −1 .. 1 that look random.
+    fn random(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 8) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    #[test]
+    fn a_ray_is_inside_from_plane_to_plane() {
+        let (near, far) = interval([0.5, 0.5, -3.0], [0.0, 0.0, 2.0], [0.0; 3], [1.0; 3]);
+        assert!((near - 1.5).abs() < 1e-6 && (far - 2.0).abs() < 1e-5);
+        // Backward, and with two axes in the way: the later entry, the earlier exit.
+        let (near, far) = interval([3.0, 4.0, 0.5], [-1.0, -1.0, 0.0], [0.0; 3], [1.0, 2.0, 1.0]);
+        assert!((near - 2.0).abs() < 1e-6 && (far - 3.0).abs() < 1e-5);
+        let (near, far) = interval([3.0, 5.0, 0.5], [-1.0, -1.0, 0.0], [0.0; 3], [1.0; 3]);
+        assert!(far < near);
+    }
+
+    #[test]
+    fn a_box_is_met_up_to_the_limit_and_not_behind() {
+        let (low, high) = ([-1.0, -1.0, 2.0], [1.0, 1.0, 3.0]);
+        let along = |z: f32, limit: f32| is_met([0.0, 0.0, z], low, high, limit);
+        assert!(along(1.0, 2.001) && !along(1.0, 1.999) && !along(-1.0, 9.0) && !along(1.0, -1.0));
+        // From within, and a box without thickness.
+        assert!(is_met([0.6, 0.8, 0.0], [-1.0; 3], [1.0; 3], 1e-3));
+        assert!(is_met([0.1, 0.2, 0.3], [-9.0, -9.0, 0.7], [9.0, 9.0, 0.7], 9.0));
+    }
+
+    #[test]
+    fn the_interval_of_a_box_contains_exactly_those_of_boxes_inside_it() {
+        let mut seed = 1;
+        for _ in 0..20_000 {
+            let mut number = || random(&mut seed);
+            let [origin, direction, a, b] = [0; 4].map(|_| [number(), number(), number()]);
+            let (low, high) = ([0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i])));
+            let out = [number().abs() * 1e-3, number().abs(), 0.0];
+            let (wide_low, wide_high) =
+                ([0, 1, 2].map(|i| low[i] - out[i]), [0, 1, 2].map(|i| high[i] + out[i]));
+            let (near, far) = interval(origin, direction, low, high);
+            let (wide_near, wide_far) = interval(origin, direction, wide_low, wide_high);
+            assert!(wide_near <= near && (far <= wide_far || far < 0.0));
+        }
+    }
+}

@@ -172,3 +172,86 @@ pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
     }
     Intersection { mask, t, u: weight_u, v: weight_v }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+
+    fn met(corners: [[f32; 3]; 3], origin: [f32; 3], direction: [f32; 3], limit: f32) -> Intersection<f32> {
+        let ray = Ray::<f32>::new(V3::splat((), origin), V3::splat((), direction));
+        let triangle = Triangle::new(corners[0], corners[1], corners[2]);
+        intersect(&ray, &triangle, &triangle.relative_to(ray.origin), limit)
+    }
+
+    /// Numbers within −1 .. 1 that look random.
+    fn random(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 8) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    #[test]
+    fn a_ray_meets_a_triangle_from_both_sides() {
+        for (z, way) in [(3.0, -2.0), (-3.0, 2.0)] {
+            let hit = met(CORNERS, [1.0, 0.5, z], [0.0, 0.0, way], 9.0);
+            assert!(hit.mask);
+            for (got, exact) in [(hit.t, 1.5), (hit.u, 0.25), (hit.v, 0.25)] {
+                assert!((got - exact).abs() < 1e-6, "{got} is not {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_limit_counts_and_what_is_behind_does_not() {
+        let at = |limit: f32| met(CORNERS, [1.0, 0.5, 3.0], [0.0, 0.0, -1.0], limit);
+        let t = at(9.0).t;
+        assert!(at(t).mask && !at(t * 0.999).mask && !at(-1.0).mask);
+        assert!(!met(CORNERS, [1.0, 0.5, 3.0], [0.0, 0.0, 1.0], 9.0).mask);
+    }
+
+    #[test]
+    fn edges_belong_to_the_triangle_and_what_is_past_them_does_not() {
+        let at = |x: f32, y: f32| met(CORNERS, [x - 0.5, y - 0.25, 1.0], [0.5, 0.25, -1.0], 9.0).mask;
+        assert!(at(0.0, 0.0) && at(4.0, 0.0) && at(0.0, 2.0) && at(2.0, 1.0) && at(2.0, 0.0) && at(0.0, 1.0));
+        assert!(!at(-1e-3, 0.5) && !at(1.0, -1e-3) && !at(2.01, 1.0));
+    }
+
+    #[test]
+    fn rays_in_the_plane_and_triangles_without_area_meet_nothing() {
+        assert!(!met(CORNERS, [-1.0, 0.5, 0.0], [1.0, 0.0, 0.0], 9.0).mask);
+        let line = [[0.0; 3], [1.0, 1.0, 0.0], [2.0, 2.0, 0.0]];
+        assert!(!met(line, [1.0, 1.0, 1.0], [0.0, 0.0, -1.0], 9.0).mask);
+        assert!(!met(CORNERS, [1.0, 0.5, 1.0], [f32::NAN, 0.0, -1.0], 9.0).mask);
+    }
+
+    #[test]
+    fn the_front_is_where_corners_are_counterclockwise() {
+        let [a, b, c] = CORNERS;
+        let front = |triangle: Triangle, z: f32| {
+            triangle.relative_to(V3::<f32>::splat((), [0.3, 0.2, z])).front(0.0_f32)
+        };
+        assert!(front(Triangle::new(a, b, c), 1.0) && !front(Triangle::new(a, b, c), -1.0));
+        assert!(!front(Triangle::new(a, c, b), 1.0) && front(Triangle::new(a, c, b), -1.0));
+    }
+
+    #[test]
+    fn a_hit_lies_in_the_interval_of_the_triangles_own_box() {
+        let (mut seed, mut count) = (1, 0);
+        for _ in 0..100_000 {
+            let mut point = |flat: f32| [random(&mut seed), random(&mut seed), random(&mut seed) * flat];
+            // Almost in one plane, and the rays almost in it as well.
+            let (corners, origin, to) = ([0; 3].map(|_| point(1e-5)), point(1e-4), point(1e-5));
+            let direction = [0, 1, 2].map(|i| to[i] - origin[i]);
+            let hit = met(corners, origin, direction, f32::MAX);
+            if hit.mask {
+                let ray = Ray::<f32>::new(V3::splat((), origin), V3::splat((), direction));
+                let (low, high) = Triangle::new(corners[0], corners[1], corners[2]).bounds();
+                let (near, far) = slab(&ray, &RelativeBox::new(ray.origin, &low, &high));
+                assert!(near <= hit.t && hit.t <= far, "{near} {} {far}", hit.t);
+                count += 1;
+            }
+        }
+        assert!(count > 1000, "{count}");
+    }
+}

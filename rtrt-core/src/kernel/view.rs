@@ -106,3 +106,81 @@ pub fn cell<L: Lane>(coordinate: L, count: u32) -> L::Bits {
     let c = coordinate.gt(zero).select(coordinate, zero);
     to_integer(clamp(floor(clamp(c, 0.0, count as f32)), 0.0, (count - 1) as f32))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    fn at(v: [f32; 3]) -> V3<f32> {
+        V3::splat((), v)
+    }
+
+    #[test]
+    fn the_camera_ray_goes_through_the_middle_of_its_cell() {
+        let view = View {
+            center: [1.0, 2.0, 3.0],
+            start_x: [8.0, 0.0, 0.0],
+            along: [-1.0, 1.0, -1.0],
+            along_x: [0.5, 0.0, 0.0],
+            along_y: [0.0, -0.25, 0.0],
+            ..View::zeroed()
+        };
+        // Half a cell is 1/32 of a block.
+        let ray = camera_ray(&view, 15.5, 31.5);
+        assert_eq!(ray.origin.lane(0), [1.0 + 8.0, 2.0, 3.0]);
+        assert_eq!(ray.direction.lane(0), [-0.5, 0.5, -1.0]);
+        assert_eq!(
+            camera_ray(&view, 0.0, 0.0).direction.lane(0),
+            [-1.0 + 0.5 / 32.0, 1.0 - 0.25 / 32.0, -1.0]
+        );
+        assert_eq!(central_ray(&view, 15.5, 31.5).origin.lane(0), [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn a_point_lights_block_is_on_the_face_of_the_longest_axis() {
+        let light = View {
+            kind: ViewKind::Point as u32,
+            center: [10.0, 0.0, 0.0],
+            width: 4,
+            height: 4,
+            first_block: 100,
+            ..View::zeroed()
+        };
+        let block = |x: f32, y: f32, z: f32| light_block(&light, at([10.0 + x, y, z])).0;
+        // Column and row are the other coordinates in their order: −1 ..= 1 becomes 0 ..= 4.
+        let in_face = |column: u32, row: u32| row * 4 + column;
+        assert_eq!(block(1.0, 0.75, -0.25), 100 + in_face(3, 1));
+        assert_eq!(block(-2.0, 1.5, -0.5), 100 + 16 + in_face(3, 1));
+        assert_eq!(block(-0.25, 1.0, 0.75), 100 + 2 * 16 + in_face(1, 3));
+        assert_eq!(block(0.25, -1.0, 0.75), 100 + 3 * 16 + in_face(2, 3));
+        assert_eq!(block(-0.75, 0.25, 1.0), 100 + 4 * 16 + in_face(0, 2));
+        assert_eq!(block(-0.75, 0.25, -1.0), 100 + 5 * 16 + in_face(0, 2));
+        // The first of equals, its last cell.
+        assert_eq!(block(1.0, 1.0, 1.0), 100 + in_face(3, 3));
+    }
+
+    #[test]
+    fn a_suns_block_is_where_the_point_lies_across_its_light() {
+        let light = View {
+            kind: ViewKind::Sun as u32,
+            center: [-4.0, 0.0, -4.0],
+            x: [0.5, 0.0, 0.0],
+            y: [0.0, 0.0, 0.5],
+            width: 4,
+            height: 2,
+            first_block: 7,
+            ..View::zeroed()
+        };
+        let block = |x: f32, y: f32, z: f32| light_block(&light, at([x, y, z])).0;
+        assert_eq!([block(-4.0, 9.0, -4.0), block(1.0, -9.0, -1.0)], [7, 7 + 4 + 2]);
+        // Beyond the edges, the nearest block.
+        assert_eq!([block(99.0, 0.0, 99.0), block(-99.0, 0.0, -99.0)], [7 + 7, 7]);
+    }
+
+    #[test]
+    fn cells_hold_what_is_outside_too() {
+        let cells = [-5.0, f32::NAN, 0.0, 0.99, 3.0, 3.7, 4.0, 1e30].map(|c: f32| cell(c, 4).0);
+        assert_eq!(cells, [0, 0, 0, 0, 3, 3, 3, 3]);
+    }
+}

@@ -109,7 +109,10 @@ pub(crate) use assert_flushing_changes_nothing;
 #[test]
 fn denormals_count_for_nothing() {
     let (tiny, least) = (Flushing::<true>(1e-40), Flushing::<true>(f32::MIN_POSITIVE));
-    assert_eq!([(tiny + tiny).0, (tiny * 1e30).0, (least * 0.5).0, (least - tiny).0], [0.0, 0.0, 0.0, least.0]);
+    assert_eq!(
+        [(tiny + tiny).0, (tiny * 1e30).0, (least * 0.5).0, (least - tiny).0],
+        [0.0, 0.0, 0.0, least.0]
+    );
     assert!(!tiny.gt(Flushing(0.0)) && Flushing::<false>(1e-40).gt(Flushing(0.0)));
     assert_eq!((-tiny).0.to_bits(), 0x8000_0000);
     assert_eq!((Flushing::<true>(3.0) * 0.25 - 1.0).0, -0.25);
