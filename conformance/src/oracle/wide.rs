@@ -1,6 +1,10 @@
 //! Whether a picture is right, and not only the same everywhere: camera, triangle test,
-//! shadows and fading of light once more in `f64`, from corners in world space, sharing no
-//! code with the renderer.
+//! shadows and fading of light once more in `f64`, from corners in world space.
+//!
+//! It computes nothing with code of the renderer. It reads the scene as it was given: positions, indices,
+//! the matrices that instances were placed with, materials and lights, and which mesh an instance with
+//! levels of detail has ([`Setup`] chose it). Matrices from world to object space and bounds on errors are
+//! its own, and it checks the renderer's bound ([`Instance::slack`]) against them.
 //!
 //! `f32` and `f64` may honestly disagree where a ray passes an edge, where two surfaces are
 //! at the same depth, or where a transform magnifies roundings. So each triangle has a
@@ -8,7 +12,7 @@
 //! a ray that comes within the margin of anything that matters is not judged. Callers assert
 //! how many are.
 
-use glam::{DVec2, DVec3, dvec2};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, dvec2};
 use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::{Grid, RayIndex};
 use rtrt_core::layout::{Hit, Instance, Kind, Lit, NONE, Surface};
@@ -92,6 +96,9 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
     let side = f64::from(request.samples).sqrt() as u32;
     let grid = Grid { width: request.size[0], height: request.size[1], side };
     let deferred = picture.deferred.as_ref().expect("deferred buffers");
+    for (index, instance) in instances.iter().enumerate() {
+        check_slack(instance).map_err(|why| format!("instance {index}: {why}"))?;
+    }
     let triangles = triangles(scene, instances);
     let mut judged = Judged::default();
     for index in (0..grid.rays()).step_by(step) {
@@ -131,26 +138,53 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
     Ok(judged)
 }
 
+/// The matrix that an instance was placed with.
+fn to_world(instance: &Instance) -> DMat4 {
+    let [x, y, z] = instance.to_world.map(|row| DVec4::from(row.map(f64::from)));
+    DMat4::from_cols(x, y, z, DVec4::W).transpose()
+}
+
+/// How much a rounding error may grow on the way to object space and back, at least 1: the largest, over
+/// the axes, of what an error of 1 in each coordinate becomes if nothing cancels.
+fn growth(to_world: DMat4) -> f64 {
+    let there = DMat3::from_mat4(to_world.inverse());
+    let back = DMat3::from_mat4(to_world);
+    let sizes = |m: DMat3| DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+    (sizes(back) * (sizes(there) * DVec3::ONE)).max_element().max(1.0)
+}
+
+/// Whether the bound that the renderer widens an instance's bounds by is one, and not far above: hits
+/// would be lost, or lists would hold instances that are nowhere near.
+fn check_slack(instance: &Instance) -> Result<(), String> {
+    let (slack, growth) = (f64::from(instance.slack), growth(to_world(instance)));
+    // A rounding of the start, of each product and sum there and of each back, all one way.
+    let (least, most) = (4.0 * ROUNDINGS * growth, 256.0 * ROUNDINGS * growth);
+    if (least..=most).contains(&slack) {
+        return Ok(());
+    }
+    Err(format!("its bounds are widened by {slack:e}, which is not within {least:e} ..= {most:e}"))
+}
+
 /// The triangles in world space.
 fn triangles(scene: &Scene, instances: &[Instance]) -> Vec<Triangle> {
     let mut all = Vec::new();
     for (instance, o) in (0..).zip(instances) {
+        let matrix = to_world(o);
+        let is_one_sided = scene.materials()[o.material as usize].double_sided == 0;
+        let one_sided = is_one_sided.then(|| matrix.determinant().signum());
+        let sphere = o.is_sphere().then(|| {
+            let rows = matrix.inverse().transpose();
+            [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.to_array())
+        });
+        let transform = if matrix == DMat4::IDENTITY { 0.0 } else { growth(matrix) * ROUNDINGS };
+        let shows = o.kind.checked_sub(Kind::Light as u32);
         let indices = &scene.mesh_data()[o.first_index as usize..][..3 * o.triangles as usize];
         for (id, corners) in (0..).zip(indices.chunks_exact(3)) {
-            let shows = o.kind.checked_sub(Kind::Light as u32);
-            let [x, y, z] = o.to_world.map(|row| DVec3::from([0, 1, 2].map(|column| f64::from(row[column]))));
-            let one_sided = (o.double_sided == 0).then(|| x.cross(y).dot(z).signum());
-            let sphere = o.is_sphere().then(|| o.to_object.map(|row| row.map(f64::from)));
             let [a, b, c] = [0, 1, 2].map(|i| {
                 let p = scene.positions()[(o.first_vertex + corners[i]) as usize].map(f64::from);
-                DVec3::from(o.to_world.map(|row| {
-                    let row = row.map(f64::from);
-                    row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3]
-                }))
+                matrix.transform_point3(DVec3::from(p))
             });
             let size = [a, b, c].iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
-            // An instance's slack is how much its transform magnifies errors, times 2⁻¹⁶.
-            let transform = if o.is_identity == 1 { 0.0 } else { f64::from(o.slack) * 65536.0 * ROUNDINGS };
             all.push(Triangle {
                 instance,
                 id,

@@ -13,13 +13,13 @@ use crate::kernel::area::{disc, light_offset};
 use crate::kernel::cone::cone;
 use crate::kernel::environment::{arriving, mirrored, octahedral};
 use crate::kernel::falloff::falloff;
-use crate::kernel::frustum::is_shadow_seen;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::{footprint, levels};
 use crate::kernel::offset::offset;
 use crate::kernel::ray::{Ray, normal, point, vector};
 use crate::kernel::reflect::{blinn_phong, lambert, shininess};
 use crate::kernel::screen_bounds::{screen_bounds, sphere_in_block};
+use crate::kernel::shadow_distance::is_near;
 use crate::kernel::slab::{RelativeBox, intersects, slab};
 use crate::kernel::sphere::{self, Chord, ENTRY, EXIT};
 use crate::kernel::tangent;
@@ -80,7 +80,7 @@ names! {
     "light block",
     "screen bounds",
     "sphere in block",
-    "shadow in picture",
+    "shadow distance",
     "disc",
     "light offset",
     "falloff",
@@ -201,7 +201,7 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], maps: &Maps<'_>, index: u
         L::bits_from_fn(
             token,
             #[inline(always)]
-            |lane| in_picture(words, index + lane as u32),
+            |lane| casts_shadow(words, index + lane as u32),
         ),
         fold(bits(flush(across)), bits(flush(up))),
         folded(flush3(light_offset(&FRAME, &SPOT, RayIndex(index), way))),
@@ -326,11 +326,10 @@ fn reached(words: &[u32], index: u32) -> u32 {
     sphere_in_block(&CAMERA, &instance, FRAME.magnitude, block & 3, block >> 2 & 3) as u32
 }
 
-/// Whether the shadow of the instance of word `index` may fall into the picture.
+/// Whether the instance of word `index` is near enough to the camera to cast a sun's shadow.
 #[inline(always)]
-fn in_picture(words: &[u32], index: u32) -> u32 {
-    let bounds = instance(words, index).padded_aabb(FRAME.magnitude);
-    is_shadow_seen(&CAMERA, &SUN, bounds) as u32
+fn casts_shadow(words: &[u32], index: u32) -> u32 {
+    is_near(&CAMERA, &SUN, &instance(words, index)) as u32
 }
 
 /// A texture of colors at the shares of word `index`, at its finest level.
@@ -535,8 +534,7 @@ mod tests {
         let all = all::<f32>(&words);
         for (output, name) in NAMES.iter().enumerate() {
             let different: BTreeSet<u32> = all.iter().map(|answers| answers[output]).collect();
-            let least = if ["box", "triangle", "front", "sphere in block", "shadow in picture"].contains(name)
-            {
+            let least = if ["box", "triangle", "front", "sphere in block", "shadow distance"].contains(name) {
                 2
             } else {
                 50

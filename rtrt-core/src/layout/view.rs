@@ -96,11 +96,8 @@ pub struct View {
     pub by_angle: u32,
     /// Sun: how far from the camera its shadows end, world units; 0 for nowhere.
     pub shadow_distance: f32,
-    /// Sun: 1 where instances whose shadows cannot be seen are left out (see
-    /// [`frustum`](crate::kernel::frustum)).
-    pub seen_only: u32,
 }
-const _: () = assert!(size_of::<View>() == 244 && offset_of!(View, depth) == 64);
+const _: () = assert!(size_of::<View>() == 240 && offset_of!(View, depth) == 64);
 const _: () = assert!(offset_of!(View, along) == 128 && offset_of!(View, axis) == 192);
 
 /// The background.

@@ -33,9 +33,6 @@ pub enum Occluders {
     /// All.
     #[default]
     All,
-    /// Those whose shadows may fall on what the camera sees, by the planes around the picture. No
-    /// picture depends on it.
-    Seen,
     /// Those within this distance of the camera, world units: the paper's one list for all lights
     /// of infinite range. Shadows of what is farther away are missing.
     Near(f32),

@@ -67,10 +67,9 @@ pub(super) fn light_views(
 /// Writes the scene's [`Structure`](crate::scene::Structure) and [`Occluders`] into a view.
 pub(super) fn mark(scene: &Scene, view: &mut View) {
     view.one_list = u32::from(scene.structure == Structure::None);
-    view.seen_only = u32::from(scene.occluders == Occluders::Seen);
     view.shadow_distance = match scene.occluders {
         Occluders::Near(distance) => distance.clamp(LEAST_DISTANCE, MOST_DISTANCE),
-        _ => 0.0,
+        Occluders::All => 0.0,
     };
 }
 

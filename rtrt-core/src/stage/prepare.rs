@@ -1,7 +1,7 @@
 //! Prepare: the bounds on the screen of an instance in a view.
 
-use crate::kernel::frustum::{is_near, is_shadow_seen};
 use crate::kernel::screen_bounds::{ScreenBounds, screen_bounds};
+use crate::kernel::shadow_distance::is_near;
 use crate::layout::{Frame, Instance, View, ViewKind};
 
 /// How many covers a frame makes: one for each instance of each view; the camera's may be parts of
@@ -21,12 +21,8 @@ pub fn prepare(frame: &Frame, views: &[View], instances: &[Instance], index: u32
         return ScreenBounds::NONE;
     }
     let (camera, view) = (&views[Frame::CAMERA as usize], &views[view as usize]);
-    if view.kind == ViewKind::Sun as u32 {
-        let is_seen =
-            view.seen_only == 0 || is_shadow_seen(camera, view, instance.padded_aabb(frame.magnitude));
-        if !is_seen || !is_near(camera, view, instance) {
-            return ScreenBounds::NONE;
-        }
+    if view.kind == ViewKind::Sun as u32 && !is_near(camera, view, instance) {
+        return ScreenBounds::NONE;
     }
     screen_bounds(view, instance, frame.magnitude)
 }

@@ -156,9 +156,8 @@ pub struct Common {
     /// the better of both for the scene (blocks); or no lists at all (none). The picture is the same
     #[arg(long, value_name = "blocks|objects|TRIANGLES|none", default_value = "blocks", value_parser = structure)]
     pub structure: Structure,
-    /// The objects that cast shadows of suns: all; those whose shadows may be visible (seen), with the
-    /// same picture; or those within this distance of the camera
-    #[arg(long, value_name = "all|seen|DISTANCE", default_value = "all", value_parser = occluders, allow_negative_numbers = true)]
+    /// The objects that cast shadows of suns: all, or those within this distance of the camera
+    #[arg(long, value_name = "all|DISTANCE", default_value = "all", value_parser = occluders, allow_negative_numbers = true)]
     pub sun_shadows: Occluders,
     /// Show point and spot lights that have a radius as spheres
     #[arg(long)]

@@ -39,14 +39,13 @@ pub fn choice() -> impl TypedValueParser<Value = Choice> {
     })
 }
 
-/// `all`, `seen`, or a distance.
+/// `all`, or a distance.
 pub fn occluders(text: &str) -> Result<Occluders, &'static str> {
     match text {
         "all" => Ok(Occluders::All),
-        "seen" => Ok(Occluders::Seen),
         _ => rate(text)
             .map(|distance| Occluders::Near(distance as f32))
-            .map_err(|_| "not all, seen or a number above 0"),
+            .map_err(|_| "neither all nor a number above 0"),
     }
 }
 

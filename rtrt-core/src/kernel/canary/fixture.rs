@@ -41,7 +41,6 @@ const NO_VIEW: View = View {
     one_list: 0,
     by_angle: 0,
     shadow_distance: 0.0,
-    seen_only: 0,
 };
 
 /// A camera with a picture of 4 by 4 blocks, that looks along −z.
@@ -96,6 +95,7 @@ pub(super) const SUN: View = View {
     along: [0.36, -0.8, -0.48],
     inv_reach: 0.03,
     margin: 0.01,
+    shadow_distance: 6.3,
     ..NO_VIEW
 };
 
