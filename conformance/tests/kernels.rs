@@ -2,7 +2,7 @@
 
 use conformance::shape::Random;
 use conformance::variants::requires_gpu;
-use rtrt_core::kernel::canary::{MAPS, NAMES, OUTPUTS, canary};
+use rtrt_core::kernel::canary::{Fixture, NAMES, OUTPUTS, canary};
 use rtrt_gpu::{Gpu, Options, Route};
 
 /// Zeros, denormals, the ends of every range that `num` names, infinities, NaN, the
@@ -29,9 +29,9 @@ fn words() -> Vec<u32> {
 fn check(who: &str, words: &[u32], answers: &[[u32; OUTPUTS]]) {
     assert_eq!(answers.len(), words.len());
     let triangle = NAMES.iter().position(|name| *name == "triangle").expect("a name");
-    let mut met = 0;
+    let (fixture, mut met) = (Fixture::default(), 0);
     for (index, answers) in (0..).zip(answers) {
-        let expected = canary::<f32>((), words, &MAPS, index).map(|word| word.0);
+        let expected = canary::<f32>((), words, &fixture.given(), index).map(|word| word.0);
         met += expected[triangle];
         for ((name, actual), expected) in NAMES.iter().zip(answers).zip(expected) {
             let word = words[index as usize];

@@ -1,7 +1,7 @@
 //! The canary: kernels and layouts that a device computes before it is trusted.
 
 use crate::index;
-use rtrt_core::kernel::canary::{OUTPUTS, canary};
+use rtrt_core::kernel::canary::{Given, OUTPUTS, canary};
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::lane::groups;
 use rtrt_core::layout::{Attribute, Frame, Hit, Instance, MaterialRecord, Node, Surface, View, probe};
@@ -13,14 +13,18 @@ use spirv_std::spirv;
 #[spirv(compute(threads(64), entry_point_name = "kernels"))]
 pub fn kernels(
     #[spirv(global_invocation_id)] id: UVec3,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] words: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] materials: &[Material],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] texels: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] answers: &mut [[u32; OUTPUTS]],
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] words: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] instances: &[Instance],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] materials: &[MaterialRecord],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] texels: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] answers: &mut [[u32; OUTPUTS]],
 ) {
     let index = index(id);
     if (index as usize) < answers.len() {
-        let found = canary::<f32>((), words, &Maps { materials, texels }, index);
+        let given = Given { frame, views, instances, maps: Maps { materials, texels } };
+        let found = canary::<f32>((), words, &given, index);
         answers[index as usize] = groups(
             #[inline(always)]
             |i| found[i].0,

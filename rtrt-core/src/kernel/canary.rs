@@ -6,7 +6,7 @@
 
 mod fixture;
 
-pub use fixture::MAPS;
+pub use fixture::{Fixture, Given};
 
 use crate::grid::RayIndex;
 use crate::kernel::area::{disc, light_offset};
@@ -28,9 +28,9 @@ use crate::kernel::transmittance::{Transmittance, color};
 use crate::kernel::triangle::{Intersection, Triangle, intersect};
 use crate::kernel::view::{camera_ray, light_block};
 use crate::lane::{Bits, Lane, Select, V3};
-use crate::layout::{Instance, Material};
+use crate::layout::{Instance, MaterialRecord};
 use crate::num::{self, flush, flush3};
-use fixture::{CAMERA, FRAME, INSTANCE, SKY, SPOT, SUN};
+use fixture::{CAMERA, SKY, SPOT, SUN};
 
 /// Names the words of [`canary`].
 macro_rules! names {
@@ -108,7 +108,7 @@ pub const INPUTS: u32 = 15;
 
 /// The kernels' answers to the words from `index` on, read as numbers and wrapping at the
 /// end of `words`, which are not none; see [`NAMES`]. Lane `i` is the case of the words from
-/// `index + i` on. `maps` are [`MAPS`], in the device's memory.
+/// `index + i` on. `given` is that of a [`Fixture`].
 ///
 /// Functions of [`num`] get words as they are, but for `floor` and `round`, which may be given no
 /// denormal. Points are put in range as a mesh's positions are, shares are the lower 16 bits of a
@@ -116,7 +116,9 @@ pub const INPUTS: u32 = 15;
 /// one word. A packet of rays is asked for the triangle of each lane in turn. Results that are NaN
 /// become one and the same NaN: devices choose different ones.
 #[inline(always)]
-pub fn canary<L: Lane>(token: L::Token, words: &[u32], maps: &Maps<'_>, index: u32) -> [L::Bits; OUTPUTS] {
+pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index: u32) -> [L::Bits; OUTPUTS] {
+    let Given { frame, views, instances, maps } = given;
+    let to_object = &instances[0].to_object;
     let (x, y) = (number::<L>(token, words, index), number::<L>(token, words, index + 1));
     // Whole numbers are asked for of nothing that a device may flush.
     let whole = flush(x);
@@ -140,7 +142,7 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], maps: &Maps<'_>, index: u
     let unit = direction(way);
     let facing = direction(unit + ball);
     let chosen = packed::<L>(token, words, index);
-    let seen = camera_ray(&CAMERA, u * 64.0, v * 64.0);
+    let seen = camera_ray(&views[CAMERA], u * 64.0, v * 64.0);
     let [across, up] = disc(u * 2.0 - 1.0, v * 2.0 - 1.0);
     let distance = num::sqrt(way.dot(way));
     let mip = levels(flush(x.abs()), v.broadcast(3.0), v.broadcast(4.0));
@@ -181,39 +183,39 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], maps: &Maps<'_>, index: u
         fold(folded(flush3(tangent)), folded(flush3(bitangent))),
         fold(bits(longitude), bits(latitude)),
         bits(sphere::density(ball)),
-        folded(flush3(point(&INSTANCE.to_object, ray.origin))),
-        folded(flush3(vector(&INSTANCE.to_object, way))),
-        folded(flush3(normal(&INSTANCE.to_object, unit))),
+        folded(flush3(point(to_object, ray.origin))),
+        folded(flush3(vector(to_object, way))),
+        folded(flush3(normal(to_object, unit))),
         folded(flush3(offset(ray.origin, unit))),
         folded(flush3(weights.mix3(unit, ball, ray.origin))),
         fold(folded(flush3(seen.origin)), folded(flush3(seen.direction))),
-        fold(light_block(&SPOT, ray.origin), light_block(&SUN, ray.origin)),
+        fold(light_block(&views[SPOT], ray.origin), light_block(&views[SUN], ray.origin)),
         L::bits_from_fn(
             token,
             #[inline(always)]
-            |lane| covered(words, index + lane as u32),
+            |lane| covered(given, words, index + lane as u32),
         ),
         L::bits_from_fn(
             token,
             #[inline(always)]
-            |lane| reached(words, index + lane as u32),
+            |lane| reached(given, words, index + lane as u32),
         ),
         L::bits_from_fn(
             token,
             #[inline(always)]
-            |lane| casts_shadow(words, index + lane as u32),
+            |lane| casts_shadow(given, words, index + lane as u32),
         ),
         fold(bits(flush(across)), bits(flush(up))),
-        folded(flush3(light_offset(&FRAME, &SPOT, RayIndex(index), way))),
-        bits(flush(falloff(&SUN, distance))),
-        bits(flush(falloff(&SPOT, distance))),
-        bits(flush(cone(&SPOT, unit))),
+        folded(flush3(light_offset(frame, &views[SPOT], RayIndex(index), way))),
+        bits(flush(falloff(&views[SUN], distance))),
+        bits(flush(falloff(&views[SPOT], distance))),
+        bits(flush(cone(&views[SPOT], unit))),
         bits(lambert(unit, facing)),
         bits(flush(blinn_phong(ball, unit, facing, v * 8192.0))),
         bits(shininess(w)),
         bits(flush(footprint(u, v, w))),
         fold(fold(bits(mip.fine), bits(mip.coarse)), bits(flush(mip.share))),
-        colored(sample::<L, { Material::COLOR }, true>(maps, &materials, &tex_coords)),
+        colored(sample::<L, { MaterialRecord::COLOR }, true>(maps, &materials, &tex_coords)),
         L::bits_from_fn(
             token,
             #[inline(always)]
@@ -235,8 +237,9 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], maps: &Maps<'_>, index: u
 /// The first of a device's answers to every index of `words` that is not the CPU's: its case, and
 /// which of [`NAMES`] it is.
 pub fn first_difference(words: &[u32], answers: &[[u32; OUTPUTS]]) -> Option<(usize, usize)> {
+    let fixture = Fixture::default();
     answers.iter().enumerate().find_map(|(case, answers)| {
-        let expected = canary::<f32>((), words, &MAPS, case as u32);
+        let expected = canary::<f32>((), words, &fixture.given(), case as u32);
         let wrong = (0..OUTPUTS).find(|&output| answers[output] != expected[output].0)?;
         Some((case, wrong))
     })
@@ -302,40 +305,40 @@ fn side<L: Lane>(met: &Intersection<L>) -> L::Bits {
 
 /// An instance around the camera and the light, from 0 to 2 units on a side.
 #[inline(always)]
-fn instance(words: &[u32], index: u32) -> Instance {
+fn instance(given: &Given<'_>, words: &[u32], index: u32) -> Instance {
     let at = |number: u32| share::<f32>((), words, index + number);
     let low = [at(0) * 12.0 - 6.0, at(1) * 12.0 - 6.0, at(2) * 16.0 - 12.0];
     let half = [at(3), at(4), at(5)];
     let center = [low[0] + half[0], low[1] + half[1], low[2] + half[2]];
     let high = [center[0] + half[0], center[1] + half[1], center[2] + half[2]];
-    Instance { low, high, center, radius: half[0] + half[1] + half[2], ..INSTANCE }
+    Instance { low, high, center, radius: half[0] + half[1] + half[2], ..given.instances[0] }
 }
 
 /// The blocks in which the camera sees the instance of word `index`.
 #[inline(always)]
-fn covered(words: &[u32], index: u32) -> u32 {
-    let bounds = screen_bounds(&CAMERA, &instance(words, index), FRAME.magnitude);
+fn covered(given: &Given<'_>, words: &[u32], index: u32) -> u32 {
+    let bounds = screen_bounds(&given.views[CAMERA], &instance(given, words, index), given.frame.magnitude);
     bounds.x0 ^ bounds.y0 << 4 ^ bounds.x1 << 8 ^ bounds.y1 << 12 ^ bounds.key.rotate_left(16)
 }
 
 /// Whether the rays of a block of the camera may meet the sphere of the instance of word `index`.
 #[inline(always)]
-fn reached(words: &[u32], index: u32) -> u32 {
+fn reached(given: &Given<'_>, words: &[u32], index: u32) -> u32 {
     let block = word(words, index + 6) >> 4;
-    let instance = instance(words, index);
-    sphere_in_block(&CAMERA, &instance, FRAME.magnitude, block & 3, block >> 2 & 3) as u32
+    let instance = instance(given, words, index);
+    sphere_in_block(&given.views[CAMERA], &instance, given.frame.magnitude, block & 3, block >> 2 & 3) as u32
 }
 
 /// Whether the instance of word `index` is near enough to the camera to cast a sun's shadow.
 #[inline(always)]
-fn casts_shadow(words: &[u32], index: u32) -> u32 {
-    is_near(&CAMERA, &SUN, &instance(words, index)) as u32
+fn casts_shadow(given: &Given<'_>, words: &[u32], index: u32) -> u32 {
+    is_near(&given.views[CAMERA], &given.views[SUN], &instance(given, words, index)) as u32
 }
 
 /// A texture of colors at the shares of word `index`, at its finest level.
 #[inline(always)]
 fn finest_level(maps: &Maps<'_>, words: &[u32], index: u32) -> u32 {
-    let map = &maps.materials[0].textures[Material::COLOR];
+    let map = &maps.materials[0].textures[MaterialRecord::COLOR];
     let level = FinestLevel {
         first: map.first,
         width: map.width,
@@ -473,7 +476,7 @@ mod tests {
     use std::vec::Vec;
 
     fn answers<L: Lane<Token = (), Bits = Word>>(words: &[u32], index: u32) -> [u32; OUTPUTS] {
-        canary::<L>((), words, &MAPS, index).map(|word| word.0)
+        canary::<L>((), words, &Fixture::default().given(), index).map(|word| word.0)
     }
 
     fn answer(name: &str) -> usize {

@@ -26,3 +26,31 @@ pub fn prepare(frame: &Frame, views: &[View], instances: &[Instance], index: u32
     }
     screen_bounds(view, instance, frame.magnitude)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Kind;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn an_instance_casts_shadows_of_lights_that_it_does_not_show_and_whose_shadows_reach_it() {
+        let one_list = |kind| View { kind: kind as u32, one_list: 1, ..View::zeroed() };
+        let mut views = [one_list(ViewKind::Off); 13];
+        // A camera, a point light, a sun.
+        views[0].kind = ViewKind::Camera as u32;
+        views[1].kind = ViewKind::Point as u32;
+        views[7] = View { shadow_distance: 2.0, ..one_list(ViewKind::Sun) };
+        let at = |x: f32, kind| Instance { low: [x; 3], high: [x; 3], kind, ..Instance::zeroed() };
+        let instances = [at(1.0, Kind::Mesh as u32), at(1.0, Kind::Light as u32), at(9.0, Kind::Mesh as u32)];
+        let frame = Frame { views: 13, instances: 3, seen: 3, ..Frame::zeroed() };
+        assert_eq!(count(&frame), 3 + 12 * 3);
+        let covers = |view: u32| {
+            [0, 1, 2].map(|i| prepare(&frame, &views, &instances, view * 3 + i) != ScreenBounds::NONE)
+        };
+        assert_eq!(covers(0), [true; 3]);
+        assert_eq!(covers(1), [true, false, true]);
+        assert_eq!(covers(2), [false; 3]);
+        assert_eq!(covers(7), [true, true, false]);
+    }
+}

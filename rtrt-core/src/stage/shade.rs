@@ -170,3 +170,81 @@ impl MaterialField<14> for Numbers {
         [b[0], b[1], b[2], s[0], s[1], s[2], e[0], e[1], e[2], metallic, roughness, occlusion, unlit, alpha]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::Word;
+    use bytemuck::Zeroable;
+
+    /// The color of a white surface, or of nothing, in this frame, with ambient light of 1/8 and a
+    /// background of (1/4, 0, 1); half of the light that arrives makes a highlight.
+    fn shaded(frame: Frame, material: Option<MaterialRecord>) -> [f32; 4] {
+        let [ambient_r, ambient_g, ambient_b] = [0.125; 3];
+        let [background_r, background_g, background_b] = [0.25, 0.0, 1.0];
+        let frame =
+            Frame { ambient_r, ambient_g, ambient_b, background_r, background_g, background_b, ..frame };
+        let materials = [material.unwrap_or(MaterialRecord::zeroed())];
+        let maps = Maps { materials: &materials, texels: &[] };
+        let zero = V3::<f32>::splat((), [0.0; 3]);
+        let surfaces = Surfaces {
+            origin: zero,
+            normal: V3::splat((), [0.0, 0.0, 1.0]),
+            material: Word(material.is_some() as u32),
+            color: Word(u32::MAX),
+            uv: [0.0; 2],
+            footprint: 0.0,
+            second_uv: [0.0; 2],
+            second_footprint: 0.0,
+        };
+        let arriving =
+            IncomingLight { diffuse: V3::splat((), [1.0, 2.0, 0.0]), specular: V3::splat((), [0.5; 3]) };
+        shade(&frame, &maps, V3::splat((), [0.0, 0.0, -1.0]), &surfaces, &arriving)
+    }
+
+    fn dielectric() -> MaterialRecord {
+        let (base, specular) = ([0.5, 0.25, 1.0], [0.0625; 3]);
+        MaterialRecord { base, specular, occlusion: 1.0, ..MaterialRecord::zeroed() }
+    }
+
+    fn near(a: [f32; 4], b: [f32; 4]) -> bool {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
+    }
+
+    #[test]
+    fn a_surface_adds_diffuse_light_highlight_and_emission() {
+        // diffuse · (ambient + light) + specular · highlight
+        let lit = shaded(Frame::zeroed(), Some(dielectric()));
+        assert!(near(lit, [0.5 * 1.125 + 0.03125, 0.25 * 2.125 + 0.03125, 0.125 + 0.03125, 1.0]), "{lit:?}");
+        let glowing = MaterialRecord { emission: [0.0, 3.0, 0.0], ..dielectric() };
+        assert!((shaded(Frame::zeroed(), Some(glowing))[1] - lit[1] - 3.0).abs() < 1e-5);
+        // A metal has half of the diffuse color, and a highlight of its own color; a rough one half of it.
+        let metal = MaterialRecord { metallic: 1.0, roughness: 1.0, ..dielectric() };
+        let lit = shaded(Frame::zeroed(), Some(metal));
+        assert!(
+            near(lit, [0.25 * 1.125 + 0.125, 0.125 * 2.125 + 0.0625, 0.5 * 0.125 + 0.25, 1.0]),
+            "{lit:?}"
+        );
+    }
+
+    #[test]
+    fn an_unlit_surface_shows_its_base_color_and_nothing_shows_the_background() {
+        let unlit = MaterialRecord { unlit: 1, ..dielectric() };
+        assert_eq!(shaded(Frame::zeroed(), Some(unlit)), [0.5, 0.25, 1.0, 1.0]);
+        assert_eq!(shaded(Frame::zeroed(), None), [0.25, 0.0, 1.0, 1.0]);
+        let nothing = Frame { backdrop: Backdrop::Nothing as u32, ..Frame::zeroed() };
+        assert_eq!(shaded(nothing, None)[3], 0.0);
+    }
+
+    #[test]
+    fn only_what_blends_has_an_alpha() {
+        let with = |kind: AlphaKind| {
+            let material = MaterialRecord { alpha: 0.25, alpha_mode: kind as u32, ..dielectric() };
+            shaded(Frame::zeroed(), Some(material))[3]
+        };
+        assert_eq!(
+            [with(AlphaKind::Opaque), with(AlphaKind::Mask), with(AlphaKind::Blend)],
+            [1.0, 1.0, 0.25]
+        );
+    }
+}
