@@ -8,6 +8,8 @@
 
 #[cfg(test)]
 pub(crate) mod flushing;
+#[cfg(test)]
+pub(crate) mod plain;
 
 use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Shl, Shr, Sub};
 

@@ -330,4 +330,18 @@ mod tests {
         assert_eq!(of(0.3, 1.0, Wrap::Repeat), [0, 0]);
         assert_eq!(of(0.3, 0.0, Wrap::Repeat), [0, 0]);
     }
+
+    /// The floor of a negative denormal is −1 or 0, as a device has it.
+    #[test]
+    fn a_denormal_coordinate_is_where_zero_is() {
+        let of = |c: f32, wrap: u32| {
+            let (texels, share) = neighbors(c, 4.0, wrap as f32);
+            (texels.map(|x| x.0), share)
+        };
+        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+            for tiny in [1e-40, -1e-40] {
+                assert_eq!(of(tiny, wrap as u32), of(0.0, wrap as u32), "{tiny:e} {wrap:?}");
+            }
+        }
+    }
 }

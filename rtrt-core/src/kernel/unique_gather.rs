@@ -89,3 +89,54 @@ impl<L: Lane> UniqueGather<L> {
         all
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::plain::{Plain, PlainMask};
+    use core::cell::Cell;
+
+    /// Record `r` is [[r, 10 r, 100 r, -r]].
+    fn record(r: f32) -> [[f32; 4]; 1] {
+        [[r, 10.0 * r, 100.0 * r, -r]]
+    }
+
+    /// The records of the lanes that are wanted, and how many were read, of floats and of words.
+    fn gathered(records: [u8; 8], wanted: [bool; 8]) -> ([[f32; 8]; 2], [u32; 2]) {
+        let (wanted, read) = (PlainMask(wanted), Cell::new([0; 2]));
+        let gather =
+            UniqueGather::<Plain<8>>::of((), wanted, |lane| PlainMask(records.map(|r| r == records[lane])));
+        let [[first, _, _, last]] = gather.gather(|lane| {
+            read.set([read.get()[0] + 1, read.get()[1]]);
+            record(f32::from(records[lane]))
+        });
+        let [_, word, _, _] = gather.bits(|lane| {
+            read.set([read.get()[0], read.get()[1] + 1]);
+            [0, u32::from(records[lane]), 0, 0]
+        });
+        assert_eq!(first.0, last.0.map(|x| -x));
+        ([first.0, word.0.map(|word| word as f32)], read.get())
+    }
+
+    #[test]
+    fn each_lane_gets_its_record_and_each_record_is_read_once() {
+        let ([numbers, words], read) = gathered([3, 3, 7, 3, 7, 7, 3, 1], [true; 8]);
+        assert_eq!((numbers, words), ([3.0, 3.0, 7.0, 3.0, 7.0, 7.0, 3.0, 1.0], numbers));
+        assert_eq!(read, [3, 3]);
+    }
+
+    #[test]
+    fn lanes_that_want_nothing_have_no_record_read_for_them() {
+        let wanted = [false, true, false, false, true, false, false, false];
+        let ([numbers, words], read) = gathered([9, 2, 9, 9, 2, 9, 9, 9], wanted);
+        assert_eq!((numbers[1], numbers[4], words[1], words[4], read), (2.0, 2.0, 2.0, 2.0, [1, 1]));
+        assert_eq!(gathered([9; 8], [false; 8]).1, [0, 0]);
+    }
+
+    #[test]
+    fn many_records_are_gathered_lane_by_lane() {
+        let records = [1, 2, 3, 4, 5, 5, 5, 5];
+        let ([numbers, words], _) = gathered(records, [true; 8]);
+        assert_eq!((numbers, words), (records.map(f32::from), numbers));
+    }
+}
