@@ -16,6 +16,7 @@ use crate::kernel::falloff::falloff;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::{footprint, levels};
 use crate::kernel::offset::offset;
+use crate::kernel::penumbra::penumbra_radius;
 use crate::kernel::ray::{Ray, normal, point, vector};
 use crate::kernel::reflect::{blinn_phong, lambert, shininess};
 use crate::kernel::screen_bounds::{screen_bounds, sphere_in_block};
@@ -23,12 +24,12 @@ use crate::kernel::shadow_distance::is_near;
 use crate::kernel::slab::{RelativeBox, intersects, slab};
 use crate::kernel::sphere::{self, Chord, ENTRY, EXIT};
 use crate::kernel::tangent;
-use crate::kernel::texture::{FinestLevel, Maps, MaterialLookup, TexCoords, finest, sample};
+use crate::kernel::texture::{Maps, MaterialLookup, TexCoords, finest, sample};
 use crate::kernel::transmittance::{Transmittance, color};
 use crate::kernel::triangle::{Intersection, Triangle, intersect};
 use crate::kernel::view::{camera_ray, light_block};
 use crate::lane::{Bits, Lane, Select, V3};
-use crate::layout::{Instance, MaterialRecord};
+use crate::layout::{FinestLevel, Instance, MaterialRecord};
 use crate::num::{self, flush, flush3};
 use fixture::{CAMERA, SKY, SPOT, SUN};
 
@@ -100,6 +101,7 @@ names! {
     "arriving environment",
     "transmittance",
     "transmitted color",
+    "penumbra radius",
 }
 
 /// Words that one case reads, from its own on: a ray's origin and direction, and the three
@@ -149,7 +151,7 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index:
     let materials = chosen.gt(chosen.broadcast(0x7fff_ffff)).select(chosen.broadcast(2), chosen.broadcast(1));
     let materials = MaterialLookup::<L>::new(materials);
     let tex_coords = TexCoords { uv: [[whole, flush(y)], [u, v]], footprint: [w, u * 0.25] };
-    let mut transmittance = Transmittance::new(x);
+    let mut transmittance = Transmittance::<L, false>::new(x);
     transmittance.add([u, v, w, w * 0.5]);
     transmittance.add([v, w, u, u * 0.5]);
     let weights = Weights::new(u, v);
@@ -231,6 +233,10 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index:
         folded(flush3(arriving(maps, SKY, unit))),
         transmittance.word(),
         folded(flush3(color::<L>(transmittance.word()))),
+        fold(
+            bits(penumbra_radius(&views[SPOT], u)),
+            bits(penumbra_radius(&views[SUN], flush(x.abs().min(x.broadcast(f32::MAX))))),
+        ),
     ]
 }
 
@@ -345,6 +351,8 @@ fn finest_level(maps: &Maps<'_>, words: &[u32], index: u32) -> u32 {
         height: map.height,
         wrap_u: map.wrap_u,
         wrap_v: map.wrap_v,
+        turn: map.turn,
+        shift: map.shift,
     };
     let uv = [share::<f32>((), words, index) * 3.0 - 1.0, share::<f32>((), words, index + 1)];
     colored(finest(maps.texels, &level, uv)).0

@@ -1,9 +1,9 @@
 //! What the kernels of the canary are asked with: views, an instance, textures and an environment.
 
 use crate::kernel::area::hash;
-use crate::kernel::environment::{IRRADIANCE_SIDE, Sky};
+use crate::kernel::environment::IRRADIANCE_SIDE;
 use crate::kernel::texture::{DECODE_WORDS, Maps};
-use crate::layout::{Frame, Instance, MaterialRecord, NONE, Texture, View, ViewKind, Wrap};
+use crate::layout::{Frame, Instance, MaterialRecord, NONE, Sky, Texture, View, ViewKind, Wrap};
 use bytemuck::Zeroable;
 
 /// What a device reads beside the words.
@@ -93,6 +93,7 @@ fn spot() -> View {
         axis: [0.48, -0.8, 0.36],
         cone_scale: 3.7,
         cone_offset: -1.9,
+        radius: 0.25,
         disc: 0.25,
         jitter: 0x9e37_79b9,
         ..View::zeroed()
@@ -108,6 +109,7 @@ fn sun() -> View {
         x: [0.32, 0.1, 0.0],
         y: [0.0, 0.1, 0.32],
         inv_reach: 0.03,
+        radius: 0.01,
         shadow_distance: 6.3,
         ..View::zeroed()
     }
