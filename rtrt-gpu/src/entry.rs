@@ -153,7 +153,10 @@ pub(crate) fn vertex_accesses() -> impl Iterator<Item = Access> {
 }
 
 /// The entry point that runs the kernels of the canary, and what it binds.
-pub(crate) const KERNELS: (&str, &[Access]) = ("kernels", &[Access::Read, Access::Write]);
+pub(crate) const KERNELS: (&str, &[Access]) = (
+    "kernels",
+    &[Access::Uniform, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write],
+);
 /// The entry point that tells where it finds fields, and what it binds.
 pub(crate) const PROBE: (&str, &[Access]) = (
     "probe_layout",

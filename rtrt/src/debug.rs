@@ -8,6 +8,7 @@ use rtrt_core::kernel::view::camera_ray;
 use rtrt_core::layout::{Frame, NONE};
 use rtrt_core::num::srgb_encode;
 use rtrt_core::scene::{Scene, Setup, SetupError};
+use rtrt_core::stage::context::Context;
 use rtrt_core::stage::inspect::{Inspection, inspect};
 
 /// A property of a frame as colors.
@@ -129,10 +130,11 @@ fn inspected(
     let words = picture.deferred.as_ref().map_or(&[][..], |deferred| &deferred.lists);
     let lists = BlockLists { data: words, blocks: frame.blocks };
     let geometry = setup.geometry(scene);
+    let context = Context { frame: &frame, views: &setup.views, lists, geometry };
     let inspect = |number| {
         let [x, y] = grid.pixel(number).map(|place| place * grid.side);
         let ray = camera_ray(&camera, x as f32, y as f32);
-        inspect(&lists, &geometry, camera.list(grid.block(grid.index([x, y]))), &ray)
+        inspect(&context, camera.list(grid.block(grid.index([x, y]))), &ray)
     };
     Ok((0..frame.width * frame.height).map(inspect).collect::<Vec<_>>().into_iter())
 }
@@ -202,7 +204,7 @@ mod tests {
             let mut picture = Picture::default();
             cpu.render(&loaded.scene, &request, &mut picture).unwrap();
             let layers = Layers::new(&loaded.scene, &picture, samples).unwrap();
-            let mut asked = 0;
+            let mut skipped = 0;
             for (i, found) in inspected(&loaded.scene, &request, &picture).unwrap().enumerate() {
                 let hit = found.hit;
                 let t = if hit.instance == NONE { f32::INFINITY } else { hit.t };
@@ -211,11 +213,11 @@ mod tests {
                     ([t, hit.u, hit.v]),
                     [layers.depth[i], layers.barycentrics[i][0], layers.barycentrics[i][1]]
                 );
-                assert!(found.asked <= found.entries && found.asked <= found.boxes);
+                assert!(found.tested <= found.entries && found.tested <= found.boxes);
                 assert!(found.sphere || hit.instance == NONE);
-                asked += found.entries - found.asked;
+                skipped += found.entries - found.tested;
             }
-            assert!(asked > 0, "no list is left before its end");
+            assert!(skipped > 0, "no list is left before its end");
             let views = DebugView::ALL
                 .map(|(_, view)| show(view, &loaded.scene, &request, &picture).unwrap().unwrap());
             for (i, view) in views.iter().enumerate() {

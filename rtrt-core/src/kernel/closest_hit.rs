@@ -108,3 +108,36 @@ impl ClosestHit<f32> {
         Self { t: hit.t, instance: Word(hit.instance), triangle: Word(hit.triangle), u: hit.u, v: hit.v }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(t: f32) -> Intersection<f32> {
+        Intersection { mask: true, t, u: 0.25, v: 0.5 }
+    }
+
+    #[test]
+    fn the_least_by_t_then_instance_then_triangle_is_kept_whatever_the_order() {
+        let hits = [(2.0, 1, 1), (1.0, 4, 0), (1.0, 3, 7), (1.0, 3, 5), (3.0, 0, 0)];
+        for first in 0..hits.len() {
+            let mut closest = ClosestHit::none(9.0_f32);
+            assert_eq!(closest.rows().hit(0), Hit::MISS);
+            for i in 0..hits.len() {
+                let (t, instance, triangle) = hits[(first + 2 * i) % hits.len()];
+                closest.keep_closest(&at(t), true, instance, triangle);
+            }
+            let expected = Hit { t: 1.0, instance: 3, triangle: 5, u: 0.25, v: 0.5 };
+            assert_eq!(closest.rows().hit(0), expected);
+            assert_eq!(ClosestHit::new(&expected).rows().hit(0), expected);
+        }
+    }
+
+    #[test]
+    fn what_is_masked_or_beyond_the_limit_is_not_kept() {
+        let mut closest = ClosestHit::none(2.0_f32);
+        closest.keep_closest(&at(1.0), false, 0, 0);
+        closest.keep_closest(&at(2.5), true, 0, 0);
+        assert_eq!((closest.t, closest.instance.0), (2.0, NONE));
+    }
+}

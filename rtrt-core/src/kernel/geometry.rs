@@ -35,3 +35,28 @@ impl Geometry<'_> {
         Triangle::new(self.positions[a as usize], self.positions[b as usize], self.positions[c as usize])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn a_triangle_has_the_vertices_of_its_mesh() {
+        // Another mesh of one triangle and two vertices comes first.
+        let mesh_data = [0, 1, 0, 0, 1, 2, 2, 1, 3];
+        let positions = [9.0, 9.0, 0.0, 1.0, 2.0, 3.0].map(|x: f32| [x, 10.0 * x, 0.0]);
+        let instance = Instance { first_index: 3, first_vertex: 2, triangles: 2, ..Instance::zeroed() };
+        let instances = [instance];
+        let geometry = Geometry {
+            instances: &instances,
+            nodes: &[],
+            mesh_data: &mesh_data,
+            positions: &positions,
+            texels: &[],
+            magnitude: 1.0,
+        };
+        assert_eq!(geometry.corners(&instance, 1), [4, 3, 5]);
+        assert_eq!(geometry.triangle(&instance, 0).corners, [0.0, 1.0, 2.0].map(|x: f32| [x, 10.0 * x, 0.0]));
+    }
+}

@@ -5,12 +5,25 @@ use crate::kernel::geometry::Geometry;
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Lane, Mask, Select};
 
+/// What a box is around that rays are tested against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bounded {
+    /// An instance in a list.
+    Instance,
+    /// A node of a BVH.
+    Node,
+}
+
 /// What a traversal does with the triangles that a group of rays hits.
 pub trait HitFilter<L: Lane>: Copy {
     /// Whether a ray may end before all of its hits are found: it then has the limit −1.
     const TERMINATES: bool;
     /// Whether only front faces count, unless the instance is double-sided.
     const CULLS_BACK_FACES: bool;
+
+    /// Takes notice that a packet is tested against a box: the first filter of a packet, for counting.
+    #[inline(always)]
+    fn test_box(&mut self, _: Bounded) {}
 
     /// Takes an intersection with a triangle into `closest` or into the filter itself. Returns whether the
     /// limit of a ray has changed.
@@ -71,5 +84,32 @@ impl<L: Lane> HitFilter<L> for Any {
         }
         closest.t = intersection.mask.select(closest.t.broadcast(-1.0), closest.t);
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::NONE;
+
+    const NOTHING: Geometry<'_> =
+        Geometry { instances: &[], nodes: &[], mesh_data: &[], positions: &[], texels: &[], magnitude: 0.0 };
+
+    /// Whether a limit has changed, what it is then, and the instance.
+    fn accepted(mut filter: impl HitFilter<f32>, mask: bool) -> (bool, f32, u32) {
+        let mut closest = ClosestHit::none(9.0);
+        let intersection = Intersection { mask, t: 2.0, u: 0.0, v: 0.0 };
+        let changed = filter.accept(&NOTHING, 5, 0, &intersection, &mut closest);
+        (changed, closest.t, closest.instance.0)
+    }
+
+    #[test]
+    fn closest_lowers_the_limit_and_any_ends_the_ray() {
+        assert_eq!(accepted(Closest, true), (true, 2.0, 5));
+        assert_eq!(accepted(Any, true), (true, -1.0, NONE));
+        assert_eq!(
+            (accepted(Closest, false), accepted(Any, false)),
+            ((false, 9.0, NONE), (false, 9.0, NONE))
+        );
     }
 }

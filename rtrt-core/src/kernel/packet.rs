@@ -156,3 +156,54 @@ pub fn ray_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
     }
     hit_mask
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::V3;
+    use crate::lane::plain::Plain;
+
+    type Lanes = Plain<8>;
+
+    #[test]
+    fn groups_are_in_tiles_of_16_rays() {
+        assert_eq!(groups_of_tile::<Lanes, 32>(3), (6, 8));
+        assert_eq!(groups_of_tile::<Plain<16>, 16>(3), (3, 4));
+        // A packet of one group is one tile.
+        assert_eq!(
+            (groups_of_tile::<f32, 1>(0), first_tile::<1>(1), first_tile::<32>(0b1100)),
+            ((0, 1), 0, 2)
+        );
+    }
+
+    #[test]
+    fn limits_are_those_of_the_farthest_ray_of_a_tile() {
+        let mut closest = [ClosestHit::none(Plain([-1.0; 8])); 32];
+        closest[6].t.0[2] = 3.0;
+        closest[7].t.0[7] = 5.0;
+        closest[20].t.0[0] = 4.0;
+        let mut hits = PacketHits::<Lanes, 32>::new(closest);
+        assert_eq!((hits.active(), hits.limit()), (1 << 3 | 1 << 10, 5.0));
+        hits.closest[7].t.0[7] = 1.0;
+        hits.update_limits(1 << 3);
+        assert_eq!((hits.active(), hits.limit()), (1 << 3 | 1 << 10, 4.0));
+        hits.closest[20].t.0[0] = -1.0;
+        hits.update_limits(1 << 10);
+        assert_eq!((hits.active(), hits.limit()), (1 << 3, 3.0));
+    }
+
+    #[test]
+    fn the_tiles_that_hit_a_box_are_found_with_few_and_with_many() {
+        // Tile i looks along +z from x = i.
+        let rays: [Ray<Lanes>; 32] = core::array::from_fn(|g| {
+            let x = (g / 2) as f32;
+            Ray::new(V3::splat((), [x, 0.0, 0.0]), V3::splat((), [0.0, 0.0, 1.0]))
+        });
+        let hits = PacketHits::new([ClosestHit::none(Plain([9.0; 8])); 32]);
+        let tiles = Tiles::of(&rays, &hits.closest, 0xffff);
+        let packet = Packet { rays: &rays, tiles: &tiles };
+        let mask = |z: f32, active| packet.hit_mask(&[2.5, -1.0, z], &[6.5, 1.0, z + 1.0], active, &hits);
+        assert_eq!([mask(3.0, 0xffff), mask(3.0, 0b1_1001)], [0b111_1000, 0b1_1000]);
+        assert_eq!([mask(9.5, 0xffff), mask(-3.0, 0xffff)], [0; 2]);
+    }
+}

@@ -324,3 +324,80 @@ fn each<L: Lane, O: Lane>(like: L, v: V3<O>) -> V3<L> {
         |lane| row.at(lane),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::packet::ray_hit_mask;
+    use crate::lane::plain::Plain;
+    use core::ops::Mul;
+
+    /// Numbers within −1 .. 1 that look random.
+    fn random(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 8) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    /// Of many boxes: how many pairs of a tile and a box there are, in how many a ray hits the box, and how
+    /// many the bounds let pass. No pair with a hit may be culled.
+    fn judge<L: Lane<Token = ()> + Mul<O, Output = L>, O: Lane<Token = ()>, const G: usize>(
+        rays: &[Ray<L, O>; G],
+    ) -> [u32; 3] {
+        let mut closest = [ClosestHit::none(L::splat((), 4.0)); G];
+        // The rays of one tile are not traced.
+        for group in Tiles::<L, G>::groups(5).0..Tiles::<L, G>::groups(5).1 {
+            closest[group].t = L::splat((), -1.0);
+        }
+        let active = 0xffff & !(1 << 5);
+        let tiles = Tiles::of(rays, &closest, active);
+        let limits = Tiles::<L, G>::limits(&closest);
+        assert_eq!(Tiles::<L, G>::active((), &limits), active);
+        let (mut seed, mut counts) = (3, [0; 3]);
+        for _ in 0..2000 {
+            let low = [0; 3].map(|_| random(&mut seed) * 3.0);
+            let high = low.map(|c| c + random(&mut seed).abs());
+            let hit = ray_hit_mask(rays, &low, &high, active, &closest);
+            let passed = tiles.hit_mask::<O>(&low, &high, &limits, active);
+            assert_eq!(hit & !passed, 0, "{low:?} {high:?}");
+            for (count, more) in counts.iter_mut().zip([active, hit, passed]) {
+                *count += more.count_ones();
+            }
+        }
+        counts
+    }
+
+    /// The direction of ray `i` of a packet that is 16 rays wide.
+    fn direction(i: usize) -> [f32; 3] {
+        let (tile, inside) = (i / TILE, i % TILE);
+        let (x, y) = (tile % 4 * 4 + inside % 4, tile / 4 * 4 + inside / 4);
+        [x as f32 * 0.05 - 0.4, y as f32 * 0.05 - 0.4, 1.0]
+    }
+
+    #[test]
+    fn no_tile_with_a_ray_that_hits_a_box_is_culled_and_most_others_are() {
+        let at = |g: usize, lane: usize| direction(g * 8 + lane);
+        let common: [Ray<Plain<8>, f32>; 32] = core::array::from_fn(|g| {
+            Ray::new(V3::splat((), [0.1, 0.2, -3.0]), V3::from_fn((), |lane| at(g, lane)))
+        });
+        let apart: [Ray<Plain<8>>; 32] = core::array::from_fn(|g| {
+            let origin = V3::from_fn((), |lane| at(g, lane).map(|c| c * 0.3 - 2.0));
+            Ray::new(origin, V3::from_fn((), |lane| at(g, lane)))
+        });
+        for [pairs, hit, passed] in [judge(&common), judge(&apart)] {
+            assert!(hit > pairs / 100, "{hit} of {pairs}");
+            assert!(passed - hit < pairs / 20, "{passed} passed, {hit} hit, of {pairs}");
+        }
+    }
+
+    #[test]
+    fn limits_are_the_largest_of_each_tile() {
+        let mut closest = [ClosestHit::none(Plain([1.0; 16])); 16];
+        closest[3].t.0[4] = 7.0;
+        closest[9].t = Plain([-1.0; 16]);
+        let limits = Tiles::limits(&closest);
+        assert_eq!((limits[3], limits[9], limits[0]), (7.0, -1.0, 1.0));
+        assert_eq!(Tiles::<Plain<16>, 16>::widest((), &limits), 7.0);
+        assert_eq!(Tiles::<Plain<16>, 16>::active((), &limits), 0xffff & !(1 << 9));
+        assert_eq!((Tiles::<Plain<8>, 32>::tile(7), Tiles::<Plain<8>, 32>::groups(3)), (3, (6, 8)));
+    }
+}

@@ -129,3 +129,40 @@ fn vertex_channel(weights: &Weights<f32>, [a, b, c]: [u32; 3], shift: u32) -> f3
     // Weights sum to 1 but for rounding, and alpha may have to equal a cutoff.
     if a == b && b == c { channel(a) } else { weights.mix(channel(a), channel(b), channel(c)) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, Scene};
+    use crate::stage::fixture::{Prepared, add_square, square_at};
+
+    /// Tint and alpha in the middle of a square's first triangle, or of one that is missed.
+    fn of(material: Material, mask: bool) -> ([f32; 4], bool) {
+        let mut scene = Scene::new();
+        add_square(&mut scene, material, square_at(1.0, [0.0; 3]));
+        let prepared = Prepared::new(scene, |request| request);
+        let geometry = prepared.context().geometry;
+        let found = tint_and_alpha(&geometry, 0, 0, &Intersection { mask, t: 1.0_f32, u: 0.25, v: 0.25 });
+        (found, passes_mask(&geometry, 0, found[3]))
+    }
+
+    #[test]
+    fn without_texture_and_color_it_is_the_materials() {
+        let glass = Material::new([0.25, 0.5, 1.0]).blend(0.125);
+        assert_eq!(of(glass, true).0, [0.25, 0.5, 1.0, 0.125]);
+        assert_eq!(of(glass, false).0, [0.0; 4]);
+        // Within 0 ..= 1.
+        assert_eq!(of(Material::new([4.0, -1.0, 1.0]).blend(3.0), true).0, [1.0, 0.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn a_mask_leaves_what_is_not_below_its_cutoff() {
+        let passes = |alpha: f32| of(Material::default().mask(0.5).alpha(alpha), true).1;
+        assert_eq!([passes(0.49), passes(0.5), passes(0.75)], [false, true, true]);
+    }
+
+    #[test]
+    fn an_instance_without_a_record_is_opaque() {
+        assert_eq!(alpha_mode(&bytemuck::Zeroable::zeroed(), &[]), AlphaKind::Opaque as u32);
+    }
+}

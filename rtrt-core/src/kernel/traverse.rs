@@ -1,7 +1,7 @@
 //! Traversal: a packet of rays through the BVH of one mesh.
 
 use crate::kernel::geometry::Geometry;
-use crate::kernel::hit_filter::HitFilter;
+use crate::kernel::hit_filter::{Bounded, HitFilter};
 use crate::kernel::packet::{Packet, PacketHits, first_tile, groups_of_tile};
 use crate::kernel::sphere::{Chord, ENTRY, EXIT};
 use crate::kernel::triangle::intersect;
@@ -53,8 +53,8 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G:
             let far_first = (direction[node.kind as usize] < 0.0) as u32;
             let children = mesh.instance.root + node.first;
             let (near, far) = (children + far_first, children + 1 - far_first);
-            near_active = node_hit_mask(geometry, near, packet, active, hits);
-            let far_active = node_hit_mask(geometry, far, packet, active, hits);
+            near_active = node_hit_mask(geometry, near, packet, active, hits, filters);
+            let far_active = node_hit_mask(geometry, far, packet, active, hits, filters);
             index = near;
             active = near_active;
             if near_active == 0 {
@@ -78,7 +78,7 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G:
             active = if G > 1 { stack_active[waiting] } else { 1 };
             if waiting < stale {
                 stale = waiting;
-                active = node_hit_mask(geometry, index, packet, active, hits);
+                active = node_hit_mask(geometry, index, packet, active, hits, filters);
             }
             near_active = active;
         }
@@ -87,13 +87,15 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G:
 
 /// The tiles of `active` that may hit a node's box.
 #[inline(always)]
-fn node_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
+fn node_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: usize>(
     geometry: &Geometry<'_>,
     node: u32,
     packet: &Packet<'_, L, O, G>,
     active: u32,
     hits: &PacketHits<L, G>,
+    filters: &mut [F; G],
 ) -> u32 {
+    filters[0].test_box(Bounded::Node);
     let node = geometry.nodes[node as usize];
     packet.hit_mask(&node.low, &node.high, active, hits)
 }
@@ -199,5 +201,122 @@ impl<'a> Mesh<'a> {
         }
         hits.update_limits(changed);
         changed != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::closest_hit::ClosestHit;
+    use crate::kernel::hit_filter::{Any, Closest};
+    use crate::kernel::ray::Ray;
+    use crate::kernel::tiles::Tiles;
+    use crate::lane::V3;
+    use crate::layout::{Attribute, Hit};
+    use crate::scene::{Bvh, Material, Mesh, Scene, Sequential};
+    use bytemuck::Zeroable;
+    use std::vec::Vec;
+
+    /// Numbers within −1 .. 1 that look random.
+    fn random(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 8) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    /// Triangles strewn over a cube.
+    fn heap(double_sided: bool) -> Scene {
+        let mut seed = 5;
+        let mut positions: Vec<[f32; 3]> = Vec::new();
+        for _ in 0..300 {
+            let center = [0; 3].map(|_| random(&mut seed));
+            positions.extend([0; 3].map(|_| center.map(|c| c + random(&mut seed) * 0.3)));
+        }
+        let indices = (0..positions.len() as u32).collect();
+        let attributes = std::vec![Attribute::zeroed(); positions.len()];
+        let mesh = Mesh::new(positions, attributes, indices).unwrap();
+        let mut scene = Scene::new();
+        let material = scene.add_material(Material::default().double_sided(double_sided)).unwrap();
+        let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+        scene.add_instance(mesh, material, glam::Mat4::IDENTITY).unwrap();
+        scene
+    }
+
+    fn geometry(scene: &Scene) -> Geometry<'_> {
+        Geometry {
+            instances: scene.instances(),
+            nodes: scene.nodes(),
+            mesh_data: scene.mesh_data(),
+            positions: scene.positions(),
+            texels: &[],
+            magnitude: 2.0,
+        }
+    }
+
+    fn found<F: HitFilter<f32>>(
+        geometry: &Geometry<'_>,
+        ray: Ray<f32>,
+        limit: f32,
+        filter: F,
+    ) -> ClosestHit<f32> {
+        let mut hits = PacketHits::new([ClosestHit::none(limit)]);
+        let tiles = Tiles::of(&[ray], &hits.closest, 1);
+        traverse(geometry, 0, &Packet { rays: &[ray], tiles: &tiles }, 1, &mut hits, &mut [filter]);
+        hits.closest[0]
+    }
+
+    #[test]
+    fn finds_the_least_of_all_triangles() {
+        for double_sided in [true, false] {
+            let scene = heap(double_sided);
+            let geometry = geometry(&scene);
+            let (mut seed, mut count) = (1, 0);
+            for _ in 0..2000 {
+                let mut point = |size: f32| V3::splat((), [0; 3].map(|_| random(&mut seed) * size));
+                let ray = Ray::<f32>::new(point(2.0), point(1.0));
+                let mut least = ClosestHit::none(3.0);
+                let mut is_any = false;
+                for id in 0..scene.instances()[0].triangles {
+                    let triangle = geometry.triangle(&scene.instances()[0], id);
+                    let relative = triangle.relative_to(ray.origin);
+                    let hit = intersect(&ray, &triangle, &relative, 3.0);
+                    is_any |= hit.mask;
+                    let counts = hit.mask && (double_sided || relative.front(0.0_f32));
+                    least.keep_closest(&hit, counts, 0, id);
+                }
+                let least = least.rows().hit(0);
+                assert_eq!(found(&geometry, ray, 3.0, Closest).rows().hit(0), least);
+                // Shadows know no sides.
+                assert_eq!(found(&geometry, ray, 3.0, Any).t < 0.0, is_any);
+                count += usize::from(least != Hit::MISS);
+            }
+            assert!(count > 150, "{count}");
+        }
+    }
+
+    #[test]
+    fn a_ray_that_is_not_traced_finds_nothing() {
+        let scene = heap(true);
+        let ray = Ray::<f32>::new(V3::splat((), [0.0; 3]), V3::splat((), [0.3, 0.1, 1.0]));
+        assert_eq!(found(&geometry(&scene), ray, -1.0, Closest).rows().hit(0), Hit::MISS);
+        assert_ne!(found(&geometry(&scene), ray, 9.0, Closest).rows().hit(0), Hit::MISS);
+    }
+
+    #[test]
+    fn a_sphere_is_entered_and_left() {
+        for (double_sided, from_within) in [(true, 1), (false, crate::layout::NONE)] {
+            let mut scene = Scene::new();
+            let material = scene.add_material(Material::default().double_sided(double_sided)).unwrap();
+            scene.add_sphere(material, glam::Mat4::from_scale(glam::Vec3::splat(2.0))).unwrap();
+            let triangle = |z: f32| {
+                let ray = Ray::<f32>::new(V3::splat((), [0.0, 0.0, z]), V3::splat((), [0.0, 0.0, -1.0]));
+                let mut hits = PacketHits::new([ClosestHit::none(9.0)]);
+                let tiles = Tiles::of(&[ray], &hits.closest, 1);
+                let packet = Packet { rays: &[ray], tiles: &tiles };
+                intersect_sphere(&geometry(&scene), 0, &packet, 1, &mut hits, &mut [Closest]);
+                let hit = hits.closest[0].rows().hit(0);
+                if hit == Hit::MISS { crate::layout::NONE } else { hit.triangle }
+            };
+            assert_eq!([triangle(4.0), triangle(0.0), triangle(-4.0)], [0, from_within, crate::layout::NONE]);
+        }
     }
 }

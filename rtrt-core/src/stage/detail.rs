@@ -190,3 +190,70 @@ fn corners<L: Lane>(vertices: &Vertices<'_>, found: &ClosestHitRows<L>, lane: us
         (&attributes[a as usize].normal, &attributes[b as usize].normal, &attributes[c as usize].normal);
     [[a[0], a[1], a[2], t[0]], [b[0], b[1], b[2], t[1]], [c[0], c[1], c[2], u[0]], [u[1], v[0], v[1], t[2]]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::RayIndex;
+    use crate::layout::{Attribute, Surface, Wrap};
+    use crate::scene::{Bvh, Content, Image, Material, Mesh, Scene, Sequential};
+    use crate::stage::fixture::Prepared;
+    use crate::stage::surface::surface;
+    use crate::stage::visibility::{directions, visibility};
+    use std::vec;
+
+    /// The surface at x = 0.5 and y = 0.5 of a square from −4 to 4 whose second texture coordinates are
+    /// three times its first, with a normal map of this color on the second.
+    fn detailed(rgb: [u8; 3]) -> [Surface; 2] {
+        let corners = [[-4.0, -4.0, 0.0], [4.0, -4.0, 0.0], [4.0, 4.0, 0.0], [-4.0, 4.0, 0.0]];
+        let uv = corners.map(|[x, y, _]: [f32; 3]| [x * 0.125, y * -0.125]);
+        let attributes = uv.map(|uv| Attribute { normal: [0.0, 0.0, 1.0], uv, color: u32::MAX });
+        let mesh = Mesh::new(corners.to_vec(), attributes.to_vec(), vec![0, 1, 2, 0, 2, 3]).unwrap();
+        let mesh = mesh.with_second_uv(uv.map(|uv| uv.map(|c| c * 3.0)).to_vec()).unwrap();
+        let mesh = mesh.with_made_tangents(true);
+        let mut scene = Scene::new();
+        let rgba = [rgb[0], rgb[1], rgb[2], 255].repeat(16);
+        let map =
+            scene.add_map(&Image { width: 4, height: 4, rgba }, [Wrap::Repeat; 2], Content::Numbers).unwrap();
+        let map = crate::layout::Texture { set: 1, ..map };
+        let material = scene.add_material(Material::default().normal_map(map, 1.0)).unwrap();
+        let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+        scene.add_instance(mesh, material, glam::Mat4::IDENTITY).unwrap();
+        let prepared = Prepared::new(scene, |request| request);
+        assert_eq!(prepared.frame().details, 1);
+        let (context, scene) = (prepared.context(), &prepared.scene);
+        let ray: RayIndex = context.frame.grid().index([8, 7]);
+        let [closest] = visibility::<f32, 1>((), &context, ray);
+        let [direction] = directions::<f32, 1>((), context.frame, context.camera(), ray);
+        let plain = surface(context.camera(), &context.geometry, scene.attributes(), direction, &closest);
+        let maps = Maps { materials: scene.materials(), texels: scene.texels() };
+        let (instances, mesh_data) = (context.geometry.instances, scene.mesh_data());
+        let vertices = Vertices { instances, mesh_data, attributes: scene.attributes() };
+        [plain, detail(&maps, &vertices, &closest, &plain)].map(|surfaces| surfaces.lane(0))
+    }
+
+    #[test]
+    fn a_second_set_has_its_own_coordinates_and_footprint() {
+        let [plain, detailed] = detailed([128, 128, 255]);
+        assert_eq!((plain.second_uv, plain.second_footprint), ([0.0; 2], 0.0));
+        let [u, v] = detailed.second_uv;
+        assert!((u - 0.1875).abs() < 1e-6 && (v + 0.1875).abs() < 1e-6, "{u} {v}");
+        assert!((detailed.second_footprint - 3.0 * plain.footprint).abs() < 1e-5);
+        assert_eq!(
+            (plain.origin, plain.uv, plain.footprint),
+            (detailed.origin, detailed.uv, detailed.footprint)
+        );
+    }
+
+    #[test]
+    fn a_normal_map_turns_the_normal_along_its_columns_and_rows() {
+        let near = |rgb, expected: [f32; 3]| {
+            let normal = detailed(rgb)[1].normal;
+            assert!(normal.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.01), "{rgb:?}: {normal:?}");
+        };
+        near([128, 128, 255], [0.0, 0.0, 1.0]);
+        // (0.6, 0, 0.8) and (0, 0.6, 0.8); rows of a map run down, its second coordinate up.
+        near([204, 128, 230], [0.6, 0.0, 0.8]);
+        near([128, 204, 230], [0.0, 0.6, 0.8]);
+    }
+}

@@ -3,165 +3,98 @@
 
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::geometry::Geometry;
-use crate::kernel::lists::BlockLists;
+use crate::kernel::hit_filter::{Bounded, Closest, HitFilter};
+use crate::kernel::packet::PacketHits;
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::{RelativeBox, intersects};
-use crate::kernel::sphere::{Chord, ENTRY, EXIT};
-use crate::kernel::traverse::STACK;
-use crate::kernel::triangle::{Intersection, intersect};
-use crate::lane::{V3, Word};
-use crate::layout::{Hit, Instance, Node};
+use crate::kernel::triangle::Intersection;
+use crate::lane::V3;
+use crate::layout::{Hit, Instance};
+use crate::stage::context::Context;
+use crate::stage::visibility::trace;
 
 /// What it took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inspection {
     /// Entries in the list of the ray's block.
     pub entries: u32,
-    /// Those that the ray was asked for before nothing nearer could follow.
-    pub asked: u32,
-    /// Boxes asked, of instances and of nodes.
+    /// Those that the ray was tested against before nothing nearer could follow.
+    pub tested: u32,
+    /// Boxes tested, of instances and of nodes.
     pub boxes: u32,
-    /// Triangles asked, and spheres.
+    /// Triangles tested, and sides of spheres. Triangles that turn away from the camera are culled
+    /// before, unless their instance is double-sided.
     pub triangles: u32,
-    /// Whether the ray meets the bounding sphere of an entry.
+    /// Whether the ray hits the bounding sphere of an entry.
     pub sphere: bool,
     /// The closest hit: that of the stage `visibility`, bit for bit.
     pub hit: Hit,
 }
 
-/// Follows one ray of the camera through the list of its block, as an invocation of a GPU does.
-/// (A packet asks fewer boxes, for all of its rays at once, and more triangles.)
-pub fn inspect(lists: &BlockLists<'_>, geometry: &Geometry<'_>, block: u32, ray: &Ray<f32>) -> Inspection {
-    let mut best = ClosestHit::new(&Hit::MISS);
-    let [first, last] = lists.range(block);
-    let mut found =
-        Inspection { entries: last - first, asked: 0, boxes: 0, triangles: 0, sphere: false, hit: Hit::MISS };
-    for entry in first..last {
-        let entry = lists.entry(entry);
-        let instance = &geometry.instances[entry.instance as usize];
-        found.sphere |= meets_sphere(ray, instance);
-        if best.t < f32::from_bits(entry.key) {
-            continue;
-        }
-        found.asked += 1;
-        found.boxes += 1;
-        let (low, high) = instance.padded_aabb(geometry.magnitude);
-        if intersects(ray, &RelativeBox::new(ray.origin, &low, &high), best.t) {
-            let ray = if instance.is_identity == 1 { *ray } else { ray.to_object(instance) };
-            if instance.is_sphere() {
-                found.triangles += 1;
-                let chord = Chord::new(&ray);
-                for side in if instance.double_sided == 1 { ENTRY..=EXIT } else { ENTRY..=ENTRY } {
-                    let met = chord.side(ray.direction, side, best.t);
-                    keep(instance.source_instance(entry.instance), side, &met, &mut best);
-                }
-            } else {
-                descend(geometry, entry.instance, &ray, &mut best, &mut found);
-            }
+/// Traces one ray of the camera through the list of its block, as an invocation of a GPU does.
+/// (A packet tests fewer boxes, for all of its rays at once, and more triangles.)
+pub fn inspect(context: &Context<'_>, block: u32, ray: &Ray<f32>) -> Inspection {
+    let [first, last] = context.lists.range(block);
+    let instance = |entry| &context.geometry.instances[context.lists.entry(entry).instance as usize];
+    let mut hits = PacketHits::new([ClosestHit::none(f32::MAX)]);
+    let mut filters = [Counting::default()];
+    trace(context, block, &[*ray], &mut hits, &mut filters);
+    let [Counting { instances, nodes, triangles }] = filters;
+    Inspection {
+        entries: last - first,
+        tested: instances,
+        boxes: instances + nodes,
+        triangles,
+        sphere: (first..last).any(|entry| hits_sphere(ray, instance(entry))),
+        hit: hits.closest[0].rows().hit(0),
+    }
+}
+
+/// [`Closest`], counting.
+#[derive(Clone, Copy, Default)]
+struct Counting {
+    /// Boxes of instances.
+    instances: u32,
+    /// Boxes of nodes.
+    nodes: u32,
+    triangles: u32,
+}
+
+impl HitFilter<f32> for Counting {
+    const TERMINATES: bool = <Closest as HitFilter<f32>>::TERMINATES;
+    const CULLS_BACK_FACES: bool = <Closest as HitFilter<f32>>::CULLS_BACK_FACES;
+
+    fn test_box(&mut self, bounded: Bounded) {
+        match bounded {
+            Bounded::Instance => self.instances += 1,
+            Bounded::Node => self.nodes += 1,
         }
     }
-    found.hit = best.rows().hit(0);
-    found
+
+    fn accept(
+        &mut self,
+        geometry: &Geometry<'_>,
+        instance: u32,
+        triangle: u32,
+        intersection: &Intersection<f32>,
+        closest: &mut ClosestHit<f32>,
+    ) -> bool {
+        self.triangles += 1;
+        Closest.accept(geometry, instance, triangle, intersection, closest)
+    }
 }
 
 /// Whether the ray's line passes within the radius of the instance's bounding sphere:
 /// `|(c − o) × d|² ≤ r² · |d|²`.
-fn meets_sphere(ray: &Ray<f32>, instance: &Instance) -> bool {
+fn hits_sphere(ray: &Ray<f32>, instance: &Instance) -> bool {
     let across = (V3::splat((), instance.center) - ray.origin).cross(ray.direction);
     across.dot(across) <= instance.radius * instance.radius * ray.direction.dot(ray.direction)
-}
-
-/// [`traverse`](crate::kernel::traverse::traverse) for one ray, counting.
-fn descend(
-    geometry: &Geometry<'_>,
-    instance_index: u32,
-    ray: &Ray<f32>,
-    best: &mut ClosestHit<f32>,
-    found: &mut Inspection,
-) {
-    let instance = &geometry.instances[instance_index as usize];
-    let rising = [ray.direction.x, ray.direction.y, ray.direction.z];
-    let asked = |index: u32, best: &ClosestHit<f32>, found: &mut Inspection| {
-        let node = &geometry.nodes[index as usize];
-        found.boxes += 1;
-        intersects(ray, &RelativeBox::new(ray.origin, &node.low, &node.high), best.t)
-    };
-    let mut stack = [0_u32; STACK];
-    let (mut waiting, mut stale) = (0_usize, 0_usize);
-    let instance_index = instance.source_instance(instance_index);
-    let mut index = instance.start;
-    loop {
-        let node = geometry.nodes[index as usize];
-        if node.is_leaf() {
-            if leaf(geometry, instance_index, &node, ray, best, found) {
-                stale = waiting;
-            }
-        } else {
-            let far_first = u32::from(rising[node.kind as usize] < 0.0);
-            let children = instance.root + node.first;
-            let (near, far) = (children + far_first, children + 1 - far_first);
-            let (meets_near, meets_far) = (asked(near, best, found), asked(far, best, found));
-            if meets_near && meets_far {
-                stack[waiting] = far;
-                waiting += 1;
-            }
-            if meets_near || meets_far {
-                index = if meets_near { near } else { far };
-                continue;
-            }
-        }
-        loop {
-            if waiting == 0 {
-                return;
-            }
-            waiting -= 1;
-            index = stack[waiting];
-            if waiting >= stale {
-                break;
-            }
-            stale = waiting;
-            if asked(index, best, found) {
-                break;
-            }
-        }
-    }
-}
-
-/// Asks the triangles of a leaf; whether one is the closest so far.
-fn leaf(
-    geometry: &Geometry<'_>,
-    instance_index: u32,
-    node: &Node,
-    ray: &Ray<f32>,
-    best: &mut ClosestHit<f32>,
-    found: &mut Inspection,
-) -> bool {
-    let instance = &geometry.instances[instance_index as usize];
-    let mut is_met = false;
-    for id in node.first..node.first + node.triangles() {
-        found.triangles += 1;
-        let triangle = geometry.triangle(instance, id);
-        let seen = triangle.relative_to(ray.origin);
-        let mut met = intersect(ray, &triangle, &seen, best.t);
-        met.mask &= instance.double_sided == 1 || seen.front(best.t);
-        keep(instance_index, id, &met, best);
-        is_met |= met.mask;
-    }
-    is_met
-}
-
-/// Keeps the closest.
-fn keep(instance: u32, id: u32, met: &Intersection<f32>, best: &mut ClosestHit<f32>) {
-    let is_earlier = (instance, id) < (best.instance.0, best.triangle.0);
-    if met.mask && (met.t < best.t || (met.t <= best.t && is_earlier)) {
-        *best = ClosestHit { t: met.t, instance: Word(instance), triangle: Word(id), u: met.u, v: met.v };
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Attribute, NONE};
+    use crate::kernel::lists::BlockLists;
+    use crate::layout::{Attribute, Frame, NONE};
     use crate::scene::{Bvh, Material, Mesh, Scene, Sequential};
     use bytemuck::Zeroable;
     use std::vec;
@@ -177,7 +110,8 @@ mod tests {
             magnitude: 1.0,
         };
         let lists = BlockLists { data: &[0, 1, 0, 0], blocks: 1 };
-        inspect(&lists, &geometry, 0, &Ray::new(V3::splat((), from), V3::splat((), [0.0, 0.0, -1.0])))
+        let context = Context { frame: &Frame::zeroed(), views: &[], lists, geometry };
+        inspect(&context, 0, &Ray::new(V3::splat((), from), V3::splat((), [0.0, 0.0, -1.0])))
     }
 
     /// A triangle that faces +z, and its material.
@@ -196,7 +130,7 @@ mod tests {
     fn a_ray_past_a_triangle_meets_its_sphere_only() {
         let scene = triangle(true, glam::Mat4::IDENTITY);
         let hit = found(&scene, [0.25, 0.25, 1.0]);
-        assert_eq!((hit.hit.instance, hit.entries, hit.asked), (0, 1, 1));
+        assert_eq!((hit.hit.instance, hit.entries, hit.tested), (0, 1, 1));
         assert_eq!((hit.boxes, hit.triangles, hit.sphere), (1, 1, true));
         let past = found(&scene, [0.9, 0.9, 1.0]);
         assert_eq!((past.hit.instance, past.boxes, past.triangles, past.sphere), (NONE, 1, 1, true));

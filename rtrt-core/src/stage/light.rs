@@ -185,3 +185,72 @@ impl<L: Lane> Receiver<'_, L> {
         IncomingLight { diffuse: sum.diffuse + diffuse, specular: sum.specular + flush3(diffuse.scale(lobe)) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::Word;
+    use crate::layout::ViewKind;
+    use bytemuck::Zeroable;
+
+    /// What a light sends to a surface at the origin that faces +z, seen from there.
+    fn sent(light: View, shadow: u32, layers: u32) -> Lit {
+        let frame = Frame { lights: 1, mask_words: 1, layers, ..Frame::zeroed() };
+        let mut views = [View::zeroed(); 7];
+        views[1] = View { color: [0.5, 1.0, 2.0], ..light };
+        let materials = [MaterialRecord { shininess: 1.0, ..MaterialRecord::zeroed() }];
+        let maps = Maps { materials: &materials, texels: &[] };
+        let at = |v| V3::<f32>::splat((), v);
+        let surfaces = Surfaces {
+            origin: at([0.0; 3]),
+            normal: at([0.0, 0.0, 1.0]),
+            material: Word(1),
+            color: Word(u32::MAX),
+            uv: [0.0; 2],
+            footprint: 0.0,
+            second_uv: [0.0; 2],
+            second_footprint: 0.0,
+        };
+        let shadows = ShadowTerms::new(|_| Word(shadow), |_| Word(shadow));
+        light_of(&frame, &views, &maps, &shadows, &surfaces)
+    }
+
+    fn light_of(
+        frame: &Frame,
+        views: &[View],
+        maps: &Maps<'_>,
+        shadows: &ShadowTerms<impl Fn(u32) -> Word, impl Fn(u32) -> Word>,
+        surfaces: &Surfaces<f32>,
+    ) -> Lit {
+        light(frame, views, maps, shadows, RayIndex(0), V3::splat((), [0.0, 0.0, -1.0]), surfaces).lane(0)
+    }
+
+    fn lamp(center: [f32; 3]) -> View {
+        View { kind: ViewKind::Point as u32, center, inv_reach: 0.125, ..View::zeroed() }
+    }
+
+    fn near(found: [f32; 3], share: f32) -> bool {
+        found.iter().zip([0.5, 1.0, 2.0]).all(|(found, color)| (found - color * share).abs() < 1e-5)
+    }
+
+    #[test]
+    fn light_falls_off_with_distance_and_by_the_cosine() {
+        // Half of its reach away, straight above: a half. Its lobe has the factor (1 + 8) / 8.
+        let above = sent(lamp([0.0, 0.0, 4.0]), 1, 0);
+        assert!(near(above.diffuse, 0.5) && near(above.specular, 0.5 * 1.125), "{above:?}");
+        // 5 away, at a cosine of 4/5.
+        let aside = sent(lamp([3.0, 0.0, 4.0]), 1, 0);
+        assert!(near(aside.diffuse, (1.0 - 5.0 / 8.0) * 0.8), "{aside:?}");
+        assert!(near(sent(lamp([3.0, 0.0, -4.0]), 1, 0).diffuse, 0.0));
+        let sun = View { kind: ViewKind::Sun as u32, along: [0.0, -3.0, -4.0], ..View::zeroed() };
+        assert!(near(sent(sun, 1, 0).diffuse, 0.8));
+    }
+
+    #[test]
+    fn shadows_take_light_away() {
+        assert_eq!(sent(lamp([0.0, 0.0, 4.0]), 0, 0), Lit::zeroed());
+        // A word of 10 bits a channel, each the square root of its share: red 1, green 1/4, blue 0.
+        let [r, g, b] = sent(lamp([0.0, 0.0, 4.0]), 1023 | 512 << 10, 1).diffuse;
+        assert!((r - 0.25).abs() < 1e-6 && (g - 0.125).abs() < 1e-3 && b == 0.0, "{r} {g} {b}");
+    }
+}

@@ -293,3 +293,100 @@ fn first_pending<L: Lane, const G: usize>(pending: &[L; G], blocks: &[L::Bits; G
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::plain::Plain;
+    use crate::request::{Request, Shadows};
+    use crate::scene::{Light, Material, Scene};
+    use crate::stage::fixture::{Prepared, add_square, square_at};
+    use crate::stage::surface::surface;
+    use crate::stage::visibility::{directions, visibility};
+    use std::vec::Vec;
+
+    /// For each ray, in the order of its number, whether the light reaches what it hits.
+    fn lit<L: Lane<Token = ()>, const G: usize>(prepared: &Prepared) -> Vec<bool> {
+        let (context, rays) = (prepared.context(), (L::WIDTH * G) as u32);
+        let packets = (0..prepared.frame().rays).step_by(rays as usize).map(RayIndex);
+        let all = packets.flat_map(|first| {
+            let closest = visibility::<L, G>((), &context, first);
+            let directions = directions::<L, G>((), prepared.frame(), context.camera(), first);
+            let attributes = prepared.scene.attributes();
+            let surfaces: [Surfaces<L>; G] = core::array::from_fn(|g| {
+                surface(context.camera(), &context.geometry, attributes, directions[g], &closest[g])
+            });
+            let lit = occlusion::<L, G>(&context, 0, first, &surfaces);
+            (0..rays as usize).map(move |ray| lit[ray / L::WIDTH].lane(ray % L::WIDTH) == 1)
+        });
+        all.collect()
+    }
+
+    /// A floor at z = 0, and a square from −1 to 1 at z = 2.
+    fn prepared(light: Light, shadows: Shadows) -> Prepared {
+        let mut scene = Scene::new();
+        add_square(&mut scene, Material::default(), square_at(6.0, [0.0; 3]));
+        add_square(&mut scene, Material::default(), square_at(1.0, [0.0, 0.0, 2.0]));
+        scene.add_light(light);
+        Prepared::new(scene, move |request: Request<'_>| request.shadows(shadows))
+    }
+
+    /// The rays that reach the floor, or the square, without light.
+    fn dark(prepared: &Prepared) -> Vec<[f32; 2]> {
+        let lit = lit::<f32, 1>(prepared);
+        let grid = prepared.frame().grid();
+        let places = (0..prepared.frame().rays).map(|ray| grid.ray(RayIndex(ray)));
+        let places = places.map(|[column, row]| [column as f32 - 7.5, 7.5 - row as f32]);
+        let on_floor = places.zip(lit).filter(|([x, y], _)| x.abs() < 6.0 && y.abs() < 6.0);
+        let mut dark: Vec<_> = on_floor.filter(|(_, lit)| !lit).map(|(place, _)| place).collect();
+        dark.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap());
+        dark
+    }
+
+    #[test]
+    fn a_shadow_falls_where_something_stands_in_the_way_of_the_light() {
+        // Two units down are two units to the right.
+        let sun = Light::sun([1.0, 0.0, -1.0]);
+        let shadow = [[1.5, -0.5], [1.5, 0.5], [2.5, -0.5], [2.5, 0.5]];
+        assert_eq!(dark(&prepared(sun, Shadows::Hard)), shadow);
+        assert_eq!(dark(&prepared(sun, Shadows::Off)), [[0.0; 2]; 0]);
+        // From twice the square's height, the shadow is twice as large, but for what the square hides.
+        let lamp = Light::point([0.0, 0.0, 4.0]);
+        let shadow = dark(&prepared(lamp, Shadows::Hard));
+        assert_eq!(shadow.len(), 16 - 4, "{shadow:?}");
+        assert!(shadow.iter().all(|[x, y]| x.abs() < 2.0 && y.abs() < 2.0));
+    }
+
+    #[test]
+    fn surfaces_that_turn_away_or_are_out_of_reach_are_dark() {
+        assert_eq!(dark(&prepared(Light::sun([0.0, 0.0, 1.0]), Shadows::Off)).len(), 144);
+        // (0.5, 0.5) is 0.71 aside of the light, (1.5, 0.5) is 1.58; both 4 below it. The square is nearer.
+        let lamp = Light::point([0.0, 0.0, 4.0]).reach(4.1);
+        assert_eq!(dark(&prepared(lamp, Shadows::Off)).len(), 144 - 4);
+    }
+
+    #[test]
+    fn packets_find_the_shadows_of_single_rays() {
+        for light in [Light::sun([0.4, 0.3, -1.0]), Light::point([3.0, 1.0, 3.0])] {
+            let prepared = prepared(light, Shadows::Hard);
+            let single = lit::<f32, 1>(&prepared);
+            assert!(single.contains(&true) && single.contains(&false));
+            assert_eq!(lit::<Plain<8>, 32>(&prepared), single);
+            assert_eq!(lit::<Plain<16>, 16>(&prepared), single);
+        }
+    }
+
+    #[test]
+    fn masks_have_a_bit_for_each_light() {
+        let frame = Frame { mask_words: 2, lights: 34, ..bytemuck::Zeroable::zeroed() };
+        assert_eq!(
+            [place(&frame, 5, 0), place(&frame, 5, 31), place(&frame, 5, 33)],
+            [(10, 0), (10, 31), (11, 1)]
+        );
+        let word =
+            |word: u32| mask(&frame, word, crate::lane::Word(0), |light| crate::lane::Word(light % 3)).0;
+        let expected = (0..32).filter(|light| light % 3 != 0).map(|light| 1 << light).sum::<u32>();
+        // Of the second word, lights 32 and 33.
+        assert_eq!([word(0), word(1)], [expected, 0b01]);
+    }
+}

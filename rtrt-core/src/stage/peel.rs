@@ -129,3 +129,51 @@ pub fn blend<L: Lane>(frame: &Frame, before: [L; 4], shaded: [L; 4]) -> [L; 4] {
 pub fn is_covered<L: Lane>(covered: L) -> L::Mask {
     covered.ge(covered.broadcast(1.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Hit;
+    use crate::scene::{Material, Scene};
+    use crate::stage::fixture::{Prepared, add_square, square_at};
+    use bytemuck::Zeroable;
+    use std::vec::Vec;
+
+    #[test]
+    fn each_peel_finds_the_next_surface() {
+        let mut scene = Scene::new();
+        add_square(&mut scene, Material::default(), square_at(4.0, [0.0; 3]));
+        add_square(&mut scene, Material::default().blend(0.5), square_at(4.0, [0.0, 0.0, 2.0]));
+        add_square(&mut scene, Material::default().blend(0.5), square_at(4.0, [0.0, 0.0, 1.0]));
+        let prepared = Prepared::new(scene, |request| request.layers(4));
+        let ray = prepared.frame().grid().index([8, 8]);
+        let mut last = [ClosestHit::new(&Hit::zeroed())];
+        let layers: Vec<u32> = (0..4)
+            .map(|_| {
+                last = peel::<f32, 1>((), &prepared.context(), ray, &last);
+                last[0].rows().hit(0).instance
+            })
+            .collect();
+        assert_eq!(layers, [1, 2, 0, NONE]);
+        // Nothing follows a miss.
+        assert_eq!(peel::<f32, 1>((), &prepared.context(), ray, &last)[0].t, -1.0);
+    }
+
+    #[test]
+    fn layers_cover_what_those_before_left() {
+        let frame = |layers| Frame { layers, ..Frame::zeroed() };
+        let first = blend(&frame(3), [0.0_f32; 4], [1.0, 0.5, 0.0, 0.5]);
+        assert_eq!(first, [0.5, 0.25, 0.0, 0.5]);
+        // Half of a half.
+        assert_eq!(blend(&frame(2), first, [0.0, 1.0, 4.0, 0.5]), [0.5, 0.5, 1.0, 0.75]);
+        // What is opaque, and the last layer, cover the rest.
+        let rest = [0.5, 0.75, 2.0, 1.0];
+        assert_eq!(blend(&frame(2), first, [0.0, 1.0, 4.0, 1.0]), rest);
+        assert_eq!(blend(&frame(1), first, [0.0, 1.0, 4.0, 0.5]), rest);
+        assert_eq!(blend(&frame(2), rest, [9.0; 4]), rest);
+        // But for nothing behind it, where alpha is kept.
+        let nothing = Frame { backdrop: Backdrop::Nothing as u32, ..frame(1) };
+        assert_eq!(blend(&nothing, first, [0.0; 4]), first);
+        assert!(is_covered(1.0_f32) && !is_covered(0.999_f32));
+    }
+}

@@ -165,3 +165,59 @@ pub fn pick(frame: &Frame, camera: &View, meshes: &Meshes<'_>, ray: RayIndex, dr
         UNTRACED
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::geometry::Geometry;
+    use crate::scene::{Material, Scene};
+    use crate::stage::fixture::{Prepared, add_square, square_at};
+    use crate::stage::visibility::visibility;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn rows_of_the_picture_have_an_even_number_of_blocks() {
+        // Three blocks across.
+        let frame = Frame { width: 40, height: 40, side: 1, ..Frame::zeroed() };
+        assert_eq!(pitch(&frame), 64);
+        let grid = frame.grid();
+        assert_eq!(pixel(&frame, grid.index([37, 18])), 18 * 64 + 37);
+        // Of a dispatch that begins with the second row of blocks.
+        let band = Frame { first_ray: grid.index([0, 16]).0, ..frame };
+        assert_eq!(pixel(&band, grid.index([37, 18])), 2 * 64 + 37);
+    }
+
+    #[test]
+    fn an_instance_is_drawn_in_the_windows_that_it_covers() {
+        let frame = Frame { width: 256, height: 256, side: 1, ..Frame::zeroed() };
+        let window = ClipWindow { column: 4, row: 8, columns: 4, rows: 4 };
+        let is_in = |x0, y0, x1, y1| {
+            is_in(&frame, &View::zeroed(), &window, &ScreenBounds { x0, y0, x1, y1, key: 0 })
+        };
+        assert!(is_in(0, 0, 5, 9) && is_in(7, 11, 16, 16) && is_in(5, 9, 6, 10));
+        assert!(!is_in(0, 0, 4, 16) && !is_in(8, 0, 16, 16) && !is_in(0, 0, 16, 8) && !is_in(0, 12, 16, 16));
+    }
+
+    #[test]
+    fn a_ray_has_the_hit_of_the_triangle_that_is_drawn() {
+        let mut scene = Scene::new();
+        add_square(&mut scene, Material::default(), square_at(4.0, [0.0, 0.0, 1.0]));
+        let prepared = Prepared::new(scene, |request| request);
+        let context = prepared.context();
+        let Geometry { instances, mesh_data, positions, .. } = context.geometry;
+        let meshes = Meshes { instances, mesh_data, positions };
+        let pick = |place, drawn| {
+            let ray = context.frame.grid().index(place);
+            pick(context.frame, context.camera(), &meshes, ray, drawn)
+        };
+        let [traced] = visibility::<f32, 1>((), &context, context.frame.grid().index([9, 8]));
+        let traced = traced.rows().hit(0);
+        assert_eq!(pick([9, 8], [1, traced.triangle]), traced);
+        assert_eq!(pick([9, 8], [0, 0]), Hit::MISS);
+        // The square's other triangle, and what only a search can find.
+        assert!(
+            is_untraced(&pick([9, 8], [1, 1 - traced.triangle])) && is_untraced(&pick([9, 8], [1, NONE]))
+        );
+        assert!(!is_untraced(&traced) && !is_untraced(&Hit::MISS));
+    }
+}

@@ -454,3 +454,51 @@ fn mixed<L: Lane>(weights: &Weights<L>, [a, b, c, _]: [L::Bits; 4]) -> L::Bits {
     };
     same.select(a, channel(0) | channel(8) | channel(16) | channel(24))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::RayIndex;
+    use crate::scene::{Material, Scene};
+    use crate::stage::fixture::{Prepared, add_square, square_at};
+    use crate::stage::visibility::{directions, visibility};
+
+    /// The surface in a column and row of the picture.
+    fn seen(prepared: &Prepared, place: [u32; 2]) -> Surface {
+        let (context, ray) = (prepared.context(), prepared.frame().grid().index(place));
+        let [closest] = visibility::<f32, 1>((), &context, ray);
+        let [direction] = directions::<f32, 1>((), prepared.frame(), context.camera(), ray);
+        surface(context.camera(), &context.geometry, prepared.scene.attributes(), direction, &closest).lane(0)
+    }
+
+    #[test]
+    fn a_surface_is_interpolated_where_the_ray_hits() {
+        let mut scene = Scene::new();
+        scene.add_material(Material::default()).unwrap();
+        add_square(&mut scene, Material::default(), square_at(4.0, [0.0, 0.0, 1.0]));
+        let prepared = Prepared::new(scene, |request| request);
+        // x = 2.5 and y = −1.5.
+        let surface = seen(&prepared, [10, 9]);
+        let [x, y, z] = surface.origin;
+        assert!((x - 2.5).abs() < 1e-5 && (y + 1.5).abs() < 1e-5, "{x} {y}");
+        // Off the surface, on the side of the camera.
+        assert!(z > 1.0 && z < 1.0001, "{z}");
+        assert!((surface.normal[2] - 1.0).abs() < 1e-6, "{:?}", surface.normal);
+        assert_eq!((surface.material, surface.color), (2, u32::MAX));
+        let [u, v] = surface.uv;
+        assert!((u - 6.5 / 8.0).abs() < 1e-6 && (v - 5.5 / 8.0).abs() < 1e-6, "{u} {v}");
+        // A ray is a unit wide, the texture 8.
+        assert!((surface.footprint - 0.125).abs() < 1e-4, "{}", surface.footprint);
+    }
+
+    #[test]
+    fn what_is_seen_from_behind_has_the_viewers_normal_and_a_miss_has_nothing() {
+        let mut scene = Scene::new();
+        let turned = square_at(4.0, [0.0; 3]) * glam::Mat4::from_rotation_y(core::f32::consts::PI);
+        add_square(&mut scene, Material::default(), turned);
+        let prepared = Prepared::new(scene, |request| request);
+        assert!((seen(&prepared, [8, 8]).normal[2] - 1.0).abs() < 1e-6);
+        assert_eq!(seen(&prepared, [0, 0]), bytemuck::Zeroable::zeroed());
+        assert_eq!(prepared.frame().grid().ray(RayIndex(0)), [0, 0]);
+    }
+}

@@ -2,7 +2,7 @@
 
 use crate::grid::{RayIndex, place};
 use crate::kernel::closest_hit::ClosestHit;
-use crate::kernel::hit_filter::{Closest, HitFilter};
+use crate::kernel::hit_filter::{Bounded, Closest, HitFilter};
 use crate::kernel::packet::{Packet, PacketHits};
 use crate::kernel::ray::Ray;
 use crate::kernel::tiles::Tiles;
@@ -154,6 +154,7 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
         }
         let instance = &geometry.instances[entry.instance as usize];
         let (low, high) = instance.padded_aabb(geometry.magnitude);
+        filters[0].test_box(Bounded::Instance);
         let hit_mask = packet.tile_hit_mask(&low, &high, active, hits);
         if hit_mask == 0 {
             continue;
@@ -185,4 +186,75 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
 #[inline(always)]
 pub fn hit<L: Lane>(best: &ClosestHit<L>, lane: usize) -> Hit {
     best.rows().hit(lane)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::plain::Plain;
+    use crate::layout::NONE;
+    use crate::scene::{Material, Scene};
+    use crate::stage::fixture::{Prepared, add_square, square_at};
+    use glam::{Mat4, Vec3};
+    use std::vec::Vec;
+
+    /// The hits of all rays of the block, traced in packets.
+    fn hits<L: Lane<Token = ()>, const G: usize>(prepared: &Prepared) -> Vec<Hit> {
+        let rays = (L::WIDTH * G) as u32;
+        let packets = (0..prepared.frame().rays).step_by(rays as usize);
+        let all = packets.flat_map(|first| {
+            let closest = visibility::<L, G>((), &prepared.context(), RayIndex(first));
+            (0..rays as usize).map(move |ray| hit(&closest[ray / L::WIDTH], ray % L::WIDTH))
+        });
+        all.collect()
+    }
+
+    #[test]
+    fn a_ray_hits_the_nearest_surface_in_its_way() {
+        let mut scene = Scene::new();
+        add_square(&mut scene, Material::default(), square_at(6.0, [0.0; 3]));
+        add_square(&mut scene, Material::default(), square_at(2.0, [3.0, 0.0, 1.0]));
+        let prepared = Prepared::new(scene, |request| request);
+        for (number, hit) in (0..).zip(hits::<f32, 1>(&prepared)) {
+            let [column, row] = prepared.frame().grid().ray(RayIndex(number));
+            // The rays are a unit apart, and start at z = 4.
+            let (x, y) = (column as f32 - 7.5, 7.5 - row as f32);
+            let expected = if (x - 3.0).abs() < 2.0 && y.abs() < 2.0 {
+                (1, 3.0)
+            } else if x.abs() < 6.0 && y.abs() < 6.0 {
+                (0, 4.0)
+            } else {
+                (NONE, Hit::MISS.t)
+            };
+            assert_eq!(hit.instance, expected.0, "{x} {y}");
+            assert!((hit.t - expected.1).abs() <= 1e-5 * expected.1, "{x} {y}: {}", hit.t);
+        }
+    }
+
+    #[test]
+    fn packets_find_what_single_rays_find() {
+        let mut scene = Scene::new();
+        for i in 0..40 {
+            let (place, turn) =
+                ([(i % 7) as f32 * 2.0 - 6.0, (i % 5) as f32 * 2.5 - 5.0, 0.0], i as f32 * 0.7);
+            let to_world = square_at(1.5, place) * Mat4::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), turn);
+            add_square(&mut scene, Material::default().double_sided(i % 3 == 0), to_world);
+        }
+        let white = scene.add_material(Material::default()).unwrap();
+        scene.add_sphere(white, square_at(3.0, [2.0, 1.0, 0.0])).unwrap();
+        let prepared = Prepared::new(scene, |request| request);
+        let single = hits::<f32, 1>(&prepared);
+        assert!(single.iter().filter(|hit| hit.instance != NONE).count() > 100);
+        assert_eq!(hits::<Plain<8>, 32>(&prepared), single);
+        assert_eq!(hits::<Plain<16>, 16>(&prepared), single);
+        assert_eq!(hits::<f32, 16>(&prepared), single);
+    }
+
+    #[test]
+    fn rays_outside_the_frame_are_not_traced() {
+        let frame = Frame { width: 5, height: 3, side: 1, ..bytemuck::Zeroable::zeroed() };
+        let limit = |number: u32| unfound::<f32, 1>((), &frame, RayIndex(number))[0].t;
+        let inside = (0..256).filter(|&number| limit(number) > 0.0).count();
+        assert_eq!((inside, limit(255)), (15, -1.0));
+    }
 }
