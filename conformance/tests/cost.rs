@@ -3,7 +3,7 @@
 use conformance::shape::paved;
 use rtrt_core::kernel::texture::{Maps, MaterialLookup, TexCoords, sample};
 use rtrt_core::lane::{Lane, Word};
-use rtrt_core::layout::Material;
+use rtrt_core::layout::MaterialRecord;
 use rtrt_core::scene::Scene;
 use std::cell::Cell;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -114,7 +114,11 @@ fn cost(scene: &Scene, uv: [f32; 2], footprint: f32) -> Cost {
     let (uv, footprint) = (uv.map(Counting), Counting(footprint));
     let tex_coords = TexCoords { uv: [uv; 2], footprint: [footprint; 2] };
     SPENT.set(Cost::default());
-    sample::<Counting, { Material::COLOR }, true>(&maps, &MaterialLookup::new(Word(floor)), &tex_coords);
+    sample::<Counting, { MaterialRecord::COLOR }, true>(
+        &maps,
+        &MaterialLookup::new(Word(floor)),
+        &tex_coords,
+    );
     SPENT.get()
 }
 
