@@ -85,7 +85,7 @@ mod tests {
         let white = scene.add_material(Material::default()).unwrap();
         scene.add_sphere(white, square_at(1.0, [3.0, 3.0, tiny])).unwrap();
         scene.ambient = Vec3::splat(tiny);
-        for color in [tiny, small, 1.0] {
+        for color in [tiny, small, 2_f32.powi(-20), 1.0] {
             let color = Vec3::new(color, tiny, color);
             scene.add_light(Light::sun([tiny, small, -1.0]).color(color));
             scene.add_light(Light::point([tiny, small, 3.0]).color(color).inverse_square(true).reach(9.0));
