@@ -1,6 +1,5 @@
 //! A frame of a small scene, ready for the stages that trace rays, for tests.
 
-use crate::kernel::geometry::Geometry;
 use crate::kernel::lists::{BlockLists, ListEntry};
 use crate::layout::{Attribute, Frame};
 use crate::request::{Camera, Projection, Request};
@@ -74,14 +73,7 @@ impl Prepared {
             frame: &setup.frame,
             views: &setup.views,
             lists: BlockLists { data: lists, blocks: setup.frame.blocks },
-            geometry: Geometry {
-                instances: setup.instances(scene),
-                nodes: scene.nodes(),
-                mesh_data: scene.mesh_data(),
-                positions: scene.positions(),
-                texels: scene.texels(),
-                magnitude: setup.frame.magnitude,
-            },
+            geometry: setup.geometry(scene),
         }
     }
 
