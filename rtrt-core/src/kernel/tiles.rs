@@ -345,8 +345,9 @@ mod tests {
     ) -> [u32; 3] {
         let mut closest = [ClosestHit::none(L::splat((), 4.0)); G];
         // The rays of one tile are not traced.
-        for group in Tiles::<L, G>::groups(5).0..Tiles::<L, G>::groups(5).1 {
-            closest[group].t = L::splat((), -1.0);
+        let (first, end) = Tiles::<L, G>::groups(5);
+        for closest in &mut closest[first..end] {
+            closest.t = L::splat((), -1.0);
         }
         let active = 0xffff & !(1 << 5);
         let tiles = Tiles::of(rays, &closest, active);
