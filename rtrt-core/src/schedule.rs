@@ -1,7 +1,7 @@
-//! The order of a frame: which step follows which, what each works on, and where all blocks wait
-//! for one another.
+//! The order of a frame: the sequence of its steps, the unit that each works on, and the barriers where
+//! all blocks wait for one another.
 //!
-//! A backend is a loop over [`steps`]; what it adds is where and when each of them runs:
+//! A backend is a loop over [`steps`]. It decides where and when each of them runs:
 //!
 //! ```
 //! use bytemuck::Zeroable;
@@ -45,7 +45,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// How many there are.
+    /// The number of stages.
     pub const COUNT: usize = Self::Resolve as usize + 1;
 
     /// All of them, in order.
@@ -79,7 +79,7 @@ impl Stage {
     }
 }
 
-/// What a step does: a function of [`stage`](crate::stage) for every unit.
+/// The work of a step: a function of [`stage`](crate::stage) for every unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pass {
     /// The bounds of instances in views.
@@ -87,7 +87,7 @@ pub enum Pass {
     /// The list of each block, from these bounds.
     Bin,
     /// The surfaces that a rasterizer has drawn, in frames where [`Frame::is_drawn`] is 1. [`Pass::Peel`]
-    /// then traces the rays that the picture says nothing about.
+    /// then traces the rays whose pixels identify no surface.
     Pick,
     /// The closest surface on each ray, in frames without transparency.
     Visibility,
@@ -98,15 +98,15 @@ pub enum Pass {
     Peel,
     /// The geometry and material of a surface.
     Surface,
-    /// What normal maps and second texture coordinates add.
+    /// Normal maps and second texture coordinates.
     Detail,
     /// One bit a light.
     Occlusion,
-    /// What reaches a surface of a light, a color.
+    /// The share of a light that reaches a surface, a color.
     Transmittance,
     /// The same, with the radius of the penumbra.
     BlockerSearch,
-    /// What the penumbras of a block have in common.
+    /// A summary of the penumbras of a block.
     SummarizePenumbras,
     /// Whether the filter may change a block.
     SelectFilterBlocks,
@@ -124,7 +124,7 @@ pub enum Pass {
     Resolve,
 }
 
-/// What a step runs once for.
+/// The unit of a step: it runs once for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// An instance in a view.
@@ -142,8 +142,8 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// How many a frame has, or, of rays and pixels, the part of it that a dispatch works on; and
-    /// for how many lights.
+    /// The number of units of a frame (of rays and pixels, those of a dispatch), and the number of lights
+    /// for each.
     pub fn count(self, frame: &Frame) -> [u32; 2] {
         match self {
             Self::Bounds => [prepare::count(frame), 1],
@@ -159,9 +159,9 @@ impl Unit {
 /// A pass over one layer of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Step {
-    /// What runs.
+    /// Its work.
     pub pass: Pass,
-    /// How many layers of surfaces are in front: it takes [`Frame::of_layer`].
+    /// The number of layers in front; its frame is [`Frame::of_layer`].
     pub layer: u32,
 }
 
@@ -188,7 +188,7 @@ impl Step {
         }
     }
 
-    /// What it runs once for.
+    /// The unit that it runs once for.
     pub fn unit(self) -> Unit {
         match self.pass {
             Pass::Prepare => Unit::Bounds,
@@ -202,11 +202,10 @@ impl Step {
         }
     }
 
-    /// Whether it reads what other blocks have written, so that all of them must have done the
-    /// steps before.
+    /// Whether it reads results of other blocks, so that all blocks must have finished the steps before.
     ///
-    /// From one such step to the next, a block needs nothing of others, and may run alone. A backend
-    /// that does so lets its neighbors read a copy: blocks are not equally fast.
+    /// From one barrier to the next, blocks are independent. A backend that runs them one by one lets
+    /// neighbors read a copy, since some blocks are ahead of others.
     pub fn has_barrier(self) -> bool {
         match self.pass {
             Pass::Bin | Pass::Pick | Pass::Visibility => true,

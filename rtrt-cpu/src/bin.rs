@@ -11,7 +11,7 @@ use std::ops::Range;
 /// ScreenBounds that a worker takes at a time.
 const SHARE: usize = 8;
 
-/// The lists and what they are built with.
+/// The lists, and the memory they are built in.
 #[derive(Debug, Default)]
 pub struct Bins {
     /// See [`BlockLists`].
@@ -28,7 +28,7 @@ impl Bins {
         self.list_key.reusable(setup, scene) != ReusableLists::Nothing
     }
 
-    /// Rebuilds the lists, those of lights unless they are kept.
+    /// Rebuilds the lists; those of lights unless they are reused.
     pub fn fill(&mut self, context: &Binning<'_>, keeps_lights: bool) {
         let Self { lists, camera, lights, .. } = self;
         let Binning { frame, views, screen_bounds, .. } = context;

@@ -34,7 +34,7 @@ pub struct Block {
     pub cells: Vec<u32>,
     /// One a light.
     pub summaries: Vec<PenumbraSummary>,
-    /// Whether no ray looks for another layer.
+    /// Whether all rays are done.
     pub is_done: bool,
 }
 
@@ -162,7 +162,7 @@ impl PenumbraFilter<'_> {
     }
 }
 
-/// Finds what the penumbras of each light have in common in a block.
+/// Summarizes the penumbras of each light in a block.
 #[inline(always)]
 fn summarize_penumbras(grid: Grid, index: u32, cells: &[u32], summaries: &mut [PenumbraSummary]) {
     for ((transmittance, radii), summary) in cells::lights(cells).zip(summaries) {

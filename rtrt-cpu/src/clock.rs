@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 pub struct Clock([Duration; Stage::COUNT]);
 
 impl Clock {
-    /// Adds what has passed since `start`.
+    /// Adds the time since `start`.
     pub fn add(&mut self, stage: Stage, start: Instant) {
         self.0[stage as usize] += start.elapsed();
     }
-    /// Adds what has passed since `start`, and starts anew.
+    /// Adds the time since `start`, and restarts it.
     pub fn lap(&mut self, stage: Stage, start: &mut Instant) {
         let now = Instant::now();
         self.0[stage as usize] += now - *start;

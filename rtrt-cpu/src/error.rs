@@ -1,19 +1,19 @@
 //! Why the backend cannot run.
 
-/// Why the backend cannot run as asked.
+/// Why the backend cannot run with the given options.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Not a number of lanes that exists.
     #[error("{lanes} lanes; only 1, 8 and 16 are possible")]
     Lanes {
-        /// What was asked for.
+        /// The requested value.
         lanes: u32,
     },
     /// The processor lacks the instructions.
     #[error("this processor has no {needed}, which {lanes} lanes need")]
     Unsupported {
-        /// What was asked for.
+        /// The requested value.
         lanes: u32,
         /// The instruction set.
         needed: &'static str,
@@ -21,7 +21,7 @@ pub enum Error {
     /// Threads could not be started.
     #[error("{threads} threads could not be started")]
     Threads {
-        /// What was asked for.
+        /// The requested value.
         threads: usize,
         /// Why.
         source: rayon::ThreadPoolBuildError,

@@ -82,7 +82,7 @@ struct Memory {
 }
 
 impl Cpu {
-    /// A backend that runs as asked.
+    /// A backend with these options.
     ///
     /// # Errors
     /// The processor or the system cannot; see [`Error`].
@@ -103,7 +103,7 @@ impl Cpu {
 }
 
 impl Memory {
-    /// Fills the tiles of blocks, and the deferred buffers if asked to.
+    /// Fills the tiles of blocks, and the deferred buffers if requested.
     fn frame(
         &mut self,
         level: InstructionSet,

@@ -36,7 +36,7 @@ pub struct Rays<'a> {
     pub cells: &'a mut [u32],
 }
 
-/// A packet, and what its last steps have found.
+/// A packet, and the results of its last steps.
 pub struct Packet<'a, L: Wide, const G: usize> {
     token: L::Token,
     context: &'a FrameContext<'a>,
@@ -50,7 +50,7 @@ pub struct Packet<'a, L: Wide, const G: usize> {
     /// The first word of the shadow masks, where shadows are bits; and those of scenes with more lights.
     mask: [L::Bits; G],
     more_masks: Vec<[L::Bits; G]>,
-    /// Whether nothing behind the layers so far can be seen.
+    /// Whether the layers so far cover everything behind them.
     pub is_done: bool,
 }
 
@@ -268,7 +268,7 @@ impl<'a, L: Wide, const G: usize> Packet<'a, L, G> {
 
     #[inline(always)]
     fn transmittance(&self, context: &Context<'_>, transmittance: &mut [u32]) {
-        // Loops, not iterators: what is called back is not compiled for the instruction set.
+        // Loops, not iterators: a callback is not compiled for the instruction set.
         for light in 0..context.frame.lights {
             let (origins, active) = self.potentially_lit(context, light);
             let arrivals = L::outlined(

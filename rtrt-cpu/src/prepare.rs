@@ -5,7 +5,7 @@ use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::layout::{Frame, Instance, View};
 use rtrt_core::stage::prepare;
 
-/// Makes the covers of the camera, and, unless the lists of lights are kept, of lights.
+/// Computes the bounds on the screen for the camera and, unless their lists are reused, for lights.
 pub fn prepare(
     frame: &Frame,
     views: &[View],

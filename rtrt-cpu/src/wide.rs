@@ -36,7 +36,7 @@ impl Wide for f32 {
     }
 }
 
-/// Implements an operator by the same operator of what is inside.
+/// Implements an operator by the same operator of the inner type.
 macro_rules! pass {
     ($type:ident: $($operator:ident $name:ident $($right:ident)?;)*) => {$(
         pass!(@ $type $operator $name $($right)?);

@@ -30,7 +30,7 @@ pub struct Adapter {
     pub kind: Kind,
     /// The driver and its version.
     pub driver: String,
-    /// Whether it takes SPIR-V as it is, which is what keeps every rounding in place.
+    /// Whether it takes unchanged SPIR-V, which keeps every rounding in place.
     pub passthrough: bool,
 }
 

@@ -14,7 +14,7 @@ pub struct Band {
     /// The first ray that is kept. Those around are worked on because penumbras reach from them
     /// to it.
     pub first: u32,
-    /// How many are kept.
+    /// The number of kept rays.
     pub rays: u32,
 }
 

@@ -96,7 +96,7 @@ pub(crate) fn with_barriers(spirv: &[u32]) -> Vec<u32> {
         let is_float = matches!(opcode, op::F_NEGATE | op::F_ADD | op::F_SUB | op::F_MUL);
         out.extend(instruction);
         if let (true, Some(zero)) = (is_float && instruction[1] == float, zero) {
-            // The operation gets an id of its own; what is used is what passes the barrier.
+            // The operation gets a new id; its users read the value behind the barrier.
             let [plain, bits, barred] = [(); 3].map(|()| new());
             let at = out.len() - instruction.len() + 2;
             let result = std::mem::replace(&mut out[at], plain);

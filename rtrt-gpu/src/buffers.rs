@@ -25,7 +25,7 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
-    /// The buffer, if it was ever asked for.
+    /// The buffer, if it exists.
     pub fn get(&self, slot: Slot) -> Option<&wgpu::Buffer> {
         self.slots[slot as usize].as_ref()
     }
@@ -80,7 +80,7 @@ impl Buffers {
         if self.get(slot).is_none_or(|buffer| buffer.size() < bytes) {
             let bound = if slot == Slot::Frame { BufferUsages::UNIFORM } else { BufferUsages::STORAGE };
             let usage = bound | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-            // The old one goes first, and what holds on to it: there may not be memory for both.
+            // The old one is dropped first with its bind groups: memory may not hold both.
             self.groups.clear();
             self.copied[slot as usize].clear();
             self.slots[slot as usize] = None;
@@ -118,8 +118,8 @@ impl Buffers {
         Ok(true)
     }
 
-    /// Uploads what has changed in the scene since the last call, and its instances if other levels of
-    /// detail are seen.
+    /// Uploads the changes of the scene since the last call, and its instances if the levels of detail
+    /// changed.
     pub fn upload_scene(&mut self, device: &Device, scene: &Scene, setup: &Setup) -> Result<(), Error> {
         let versions = scene.versions();
         let known = self.resident.take().filter(|(id, ..)| *id == scene.id());

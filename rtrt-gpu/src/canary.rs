@@ -1,4 +1,4 @@
-//! Whether a device computes the CPU's numbers, asked before it is trusted.
+//! The canary: checks that a device computes the CPU's numbers before it is trusted.
 
 use crate::device::{Device, watched};
 use crate::entry::{Access, KERNELS, PROBE, groups};

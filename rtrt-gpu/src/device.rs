@@ -112,7 +112,7 @@ impl Device {
         Ok(buffer)
     }
 
-    /// Waits until the device has done what it was handed, and calls `read` with the first bytes
+    /// Waits until the device has finished its work, and calls `read` with the first bytes
     /// of `buffer`.
     pub fn read(&self, buffer: &wgpu::Buffer, bytes: u64, read: impl FnOnce(&[u8])) -> Result<(), Error> {
         // What fails here has no range either.

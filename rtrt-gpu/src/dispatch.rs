@@ -115,7 +115,7 @@ impl Encoder<'_> {
         }
     }
 
-    /// Appends the copy of what a layer has hit.
+    /// Appends the copy of the hits of a layer.
     fn keep_hits(&self, commands: &mut wgpu::CommandEncoder, layer: u32) {
         let bytes = u64::from(self.frame.rays) * size_of::<Hit>() as u64;
         if let (Some(hits), Some(layers)) = (self.buffers.get(Slot::Hits), self.buffers.get(Slot::Layers)) {

@@ -12,10 +12,10 @@ pub enum Error {
         /// Each adapter that was tried, and why it was not taken.
         tried: Vec<String>,
     },
-    /// No adapter has the name or number that was asked for.
+    /// No adapter has the requested name or number.
     #[error("no GPU adapter is called {wanted:?}; there is: {}", none_if_empty(names))]
     AdapterNotFound {
-        /// What was asked for.
+        /// The requested name or number.
         wanted: String,
         /// What there is.
         names: Vec<String>,
@@ -76,7 +76,7 @@ pub enum Error {
         /// What it should have.
         needed: String,
     },
-    /// The device refused a command, or has no memory left.
+    /// The device refused a command, or is out of memory.
     #[error(transparent)]
     Device(#[from] wgpu::Error),
     /// The device is gone.

@@ -1,4 +1,4 @@
-//! Renders on a GPU what [`rtrt_core`] describes, with the same bits as a CPU.
+//! The GPU backend of rtrt: renders with the kernels of [`rtrt_core`], and gives the same bits as a CPU.
 //!
 //! ```no_run
 //! use rtrt_core::backend::Backend;

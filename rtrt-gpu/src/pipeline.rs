@@ -1,4 +1,4 @@
-//! Compiled entry points, and what binds their buffers.
+//! Compiled entry points, and their bind groups.
 
 use crate::barriers::ZERO_GROUP;
 use crate::entry::Access;
@@ -43,7 +43,7 @@ impl Pipeline {
         bind_group(device, &self.layout, buffers.map(wgpu::Buffer::as_entire_binding))
     }
 
-    /// Dispatches it with what [`Pipeline::group`] has made.
+    /// Dispatches it with a bind group of [`Pipeline::group`].
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, [x, y, z]: [u32; 3]) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[]);

@@ -1,4 +1,4 @@
-//! Hybrid frames on a GPU: the draw calls, and the passes that read what they drew.
+//! Hybrid frames on a GPU: the draw calls, and the passes that read their picture.
 //!
 //! What is drawn and why is in [`rtrt_core::stage::raster`]. On this side:
 //!
@@ -42,13 +42,13 @@ pub(crate) struct Raster {
     uniforms: Option<wgpu::Buffer>,
     windows: Vec<ClipWindow>,
     target: Option<[wgpu::Texture; 2]>,
-    /// Vertices of each instance, and what it covers.
+    /// Vertices of each instance, and its bounds on the screen.
     instances: Vec<(u32, ScreenBounds)>,
     camera: Option<View>,
 }
 
 impl Raster {
-    /// Compiles what draws.
+    /// Compiles the render pipelines.
     pub fn new(device: &Device) -> Self {
         let layout = bind_group_layout(&device.device, VERTEX, ShaderStages::VERTEX, vertex_accesses());
         let draw = device.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -90,7 +90,7 @@ impl Raster {
         }
     }
 
-    /// Begins a frame: finds out what each instance covers.
+    /// Begins a frame: computes the bounds of each instance on the screen.
     pub fn begin(&mut self, scene: &Scene, setup: &Setup) {
         let instances = setup.instances(scene);
         let cover = |index: u32| stage::prepare::prepare(&setup.frame, &setup.views, instances, index);

@@ -110,7 +110,7 @@ pub(crate) const TABLE: [Row; Slot::COUNT] = {
 };
 
 impl Row {
-    /// How many elements a band of a frame needs; `None` of what is uploaded.
+    /// The number of elements that a band of a frame needs; `None` for uploaded buffers.
     pub fn elements(&self, frame: &Frame) -> Option<u64> {
         match self.count {
             Count::Uploaded => None,

@@ -96,7 +96,7 @@ mod tests {
                 projection: Projection::Perspective { fov_y: 1.0 },
             };
             let request = Request::new(&camera, size).samples(4).shadows(shadows).deferred(true);
-            // What is seen is the sky, a gradient.
+            // The picture is the sky, a gradient.
             let mut scene = Scene::new();
             let rgb = (0..64).map(|i| [i as f32 / 64.0, (i % 8) as f32 / 8.0, 0.5]).collect();
             scene.set_environment(&Panorama { width: 8, height: 8, rgb }).unwrap();

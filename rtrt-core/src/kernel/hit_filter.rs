@@ -1,4 +1,4 @@
-//! Which hits count, and what they do to a ray.
+//! Hit filters: which hits count, and whether they end a ray.
 
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::geometry::Geometry;
@@ -37,7 +37,7 @@ pub trait HitFilter<L: Lane>: Copy {
     ) -> bool;
 }
 
-/// The least hit, by `(t, instance, triangle)`, of what the camera sees.
+/// Accepts the least hit by `(t, instance, triangle)`, for camera rays.
 #[derive(Clone, Copy)]
 pub struct Closest;
 

@@ -1,4 +1,4 @@
-//! A packet: groups of rays that traverse together, and what they have found.
+//! A packet: groups of rays that traverse together, and their hits.
 
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::ray::Ray;

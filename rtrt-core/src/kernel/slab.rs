@@ -11,7 +11,7 @@ use core::ops::Mul;
 /// Stretching is monotone, so it keeps the order of nested intervals.
 pub const STRETCH: f32 = 1.0 + 1.0 / 524_288.0;
 
-/// A box, as seen from where rays start.
+/// A box relative to the origin of rays.
 #[derive(Clone, Copy)]
 pub struct RelativeBox<O> {
     /// From the start to the lower corner.
@@ -21,7 +21,7 @@ pub struct RelativeBox<O> {
 }
 
 impl<O: Lane> RelativeBox<O> {
-    /// The box between `low` and `high`, seen from `origin`.
+    /// The box between `low` and `high`, relative to `origin`.
     #[inline(always)]
     pub fn new(origin: V3<O>, low: &[f32; 3], high: &[f32; 3]) -> Self {
         let token = origin.x.token();

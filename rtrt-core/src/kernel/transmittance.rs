@@ -21,7 +21,7 @@ const UNIT: f32 = 1.0 / ONE as f32;
 /// What one in a channel stands for.
 const STEP: f32 = 1.0 / MOST;
 
-/// What lies between surfaces and a light: everything that is not opaque everywhere dims it, and what is
+/// The filter of shadow rays between surfaces and a light: everything that is not opaque everywhere dims it, and what is
 /// opaque ends the ray. With `BLOCKER`, also how near the nearest of it is.
 ///
 /// Alphas, and tints times alphas, are summed as whole numbers of 2⁻¹⁶, so that no order of traversal can

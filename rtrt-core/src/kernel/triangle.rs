@@ -82,8 +82,7 @@ pub struct RelativeTriangle<O> {
 }
 
 impl<O: Lane> RelativeTriangle<O> {
-    /// Whether it is the front of the triangle that is seen, from where its corners are
-    /// counterclockwise: `(o − a) · (ab × ac) > 0`. `like` is a value of the rays.
+    /// Whether the origin is in front of the triangle, where its corners are counterclockwise: `(o − a) · (ab × ac) > 0`. `like` is a value of the rays.
     ///
     /// The triangle and what it is seen from are in the space of its instance, so that the front
     /// of one that is placed mirrored is that of one that is not, as glTF 2.0 has it (section
@@ -108,7 +107,7 @@ pub struct Intersection<L: Lane> {
 }
 
 /// Where the ray meets the triangle, at some 2⁻⁹⁰ < `t` ≤ `limit`, from either side.
-/// `seen` is the triangle as seen from where the ray starts.
+/// `seen` is the triangle relative to the origin of the ray.
 ///
 /// ```text
 /// s = o − a,  det = d · (ac × ab)

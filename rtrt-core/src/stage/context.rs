@@ -5,7 +5,7 @@ use crate::kernel::lists::BlockLists;
 use crate::layout::{Attribute, Frame, View};
 use crate::stage::surface::Vertices;
 
-/// A frame's numbers, its viewpoints, the lists of their blocks, and what is in them.
+/// The data that stages read: a frame's numbers, its views, the lists of their blocks, and the geometry.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
     /// The frame, or a band or a layer of it.

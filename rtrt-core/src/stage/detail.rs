@@ -14,7 +14,7 @@ use crate::layout::{Instance, MaterialRecord, NONE};
 use crate::num::{FLOOR, flush, flush3, recip, sqrt};
 use crate::stage::surface::{Identity, OfInstance, Space, Surfaces, Vertices, triangles};
 
-/// The surfaces with what their materials ask for.
+/// The surfaces with normal maps and second texture coordinates applied.
 #[inline(always)]
 pub fn detail<L: Lane>(
     maps: &Maps<'_>,

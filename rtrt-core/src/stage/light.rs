@@ -1,4 +1,4 @@
-//! Light: what arrives at a surface from all lights that reach it.
+//! Light: the sum of all lights that reach a surface.
 
 use crate::grid::RayIndex;
 use crate::kernel::cone::cone;

@@ -24,8 +24,8 @@ use crate::stage::visibility::{rays, trace, unfound};
 /// would be visible.
 const MIN_SEPARATION: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// The least hit, by `(t, instance, triangle)`, behind a surface, of what is not cut out by a
-/// mask. Of the surface's own instance, what is not [`MIN_SEPARATION`] from it is left out.
+/// Accepts the least hit by `(t, instance, triangle)` behind a surface, outside the holes of masks. Hits on
+/// the surface's own instance must be [`MIN_SEPARATION`] behind it.
 #[derive(Clone, Copy)]
 struct BehindLast<L: Lane> {
     t: L,
@@ -101,7 +101,7 @@ pub fn peel<L: Lane, const G: usize>(
 /// ```
 ///
 /// which is the usual blending from back to front, summed in the order of the layers. The last
-/// layer that a ray may look at counts as opaque, but for [`Backdrop::Nothing`].
+/// layer of a ray counts as opaque, except with [`Backdrop::Nothing`].
 #[inline(always)]
 pub fn blend<L: Lane>(frame: &Frame, before: [L; 4], shaded: [L; 4]) -> [L; 4] {
     let one = before[3].broadcast(1.0);
@@ -124,7 +124,7 @@ pub fn blend<L: Lane>(frame: &Frame, before: [L; 4], shaded: [L; 4]) -> [L; 4] {
     ]
 }
 
-/// Whether nothing behind the layers so far can be seen.
+/// Whether the layers so far cover everything behind them.
 #[inline(always)]
 pub fn is_covered<L: Lane>(covered: L) -> L::Mask {
     covered.ge(covered.broadcast(1.0))

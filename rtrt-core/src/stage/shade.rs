@@ -8,7 +8,7 @@ use crate::num::{clamp, flush, flush3, normalize};
 use crate::stage::light::IncomingLight;
 use crate::stage::surface::Surfaces;
 
-/// Linear RGB and alpha of what a group of rays has found:
+/// Linear RGB and alpha of the surfaces of a group of rays:
 ///
 /// ```text
 /// diffuse · (ambient · occlusion + diffuse light) + highlight · specular light + emission
@@ -165,7 +165,7 @@ impl MaterialField<14> for Numbers {
         let (b, s, e) = (&material.base, &material.specular, &material.emission);
         let (metallic, roughness) = (material.metallic, material.roughness);
         let (occlusion, unlit) = (material.occlusion, material.unlit as f32);
-        // Negative for what is opaque.
+        // Negative for opaque surfaces.
         let alpha = if material.alpha_mode == AlphaKind::Blend as u32 { material.alpha } else { -1.0 };
         [b[0], b[1], b[2], s[0], s[1], s[2], e[0], e[1], e[2], metallic, roughness, occlusion, unlit, alpha]
     }

@@ -1,4 +1,4 @@
-//! Surface: what the lights and the material need to know about a hit.
+//! Surface: the geometry of a hit that lights and materials need.
 
 use crate::kernel::closest_hit::{ClosestHit, ClosestHitRows};
 use crate::kernel::geometry::Geometry;
