@@ -11,7 +11,7 @@ use bytemuck::Zeroable;
 pub struct Given<'a> {
     /// A frame, of which the kernels take grid and magnitude.
     pub frame: &'a Frame,
-    /// [`CAMERA`], [`SPOT`] and [`SUN`].
+    /// `CAMERA`, `SPOT` and `SUN`.
     pub views: &'a [View],
     /// One instance.
     pub instances: &'a [Instance],
