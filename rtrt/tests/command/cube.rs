@@ -109,11 +109,11 @@ fn pictures_that_are_no_cube_are_refused_by_name() {
     refused(&|cube| std::fs::remove_file(cube.join("ny.png")).unwrap(), "cube: it has no picture ny (.hdr");
     refused(
         &|cube| RgbImage::new(4, 3).save(cube.join("px.png")).unwrap(),
-        "px.png: a picture of a cube has to be square, and it has 4 x 3 pixels",
+        "px.png: pictures of a cube are square, and this one has 4 x 3 pixels",
     );
     refused(
         &|cube| RgbImage::new(4, 4).save(cube.join("nz.png")).unwrap(),
-        "nz.png: it has 4 columns, and cube/px.png 16",
+        "nz.png: it has 4 columns, but cube/px.png has 16",
     );
     refused(&|cube| std::fs::write(cube.join("pz.png"), "no picture").unwrap(), "pz.png: it is not in the");
 }

@@ -62,6 +62,7 @@ fn render_prints_the_documented_keys() {
         "adapter",
         "backend",
         "buffers",
+        "bvh_build_ms",
         "drawn_triangles",
         "frame_ms",
         "hash",
@@ -72,7 +73,6 @@ fn render_prints_the_documented_keys() {
         "size",
         "stages_ms",
         "threads",
-        "bvh_build_ms",
         "triangles",
     ];
     assert_eq!(keys(&report), expected);
@@ -91,6 +91,7 @@ fn bench_prints_the_documented_keys() {
     let expected = [
         "adapter",
         "backend",
+        "bvh_build_ms",
         "drawn_triangles",
         "frame_ms",
         "hash",
@@ -107,7 +108,6 @@ fn bench_prints_the_documented_keys() {
         "stages_ms",
         "threads",
         "traced_rays_per_second",
-        "bvh_build_ms",
         "triangles",
     ];
     assert_eq!(keys(&report), expected);
