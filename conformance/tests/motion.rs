@@ -167,7 +167,7 @@ fn lists_are_kept_only_while_they_would_be_the_same() {
         ("a light that is gone", &|scene| _ = scene.lights_mut().pop(), &aside),
         ("one list", &|scene| scene.structure = Structure::None, &aside),
         ("blocks again", &|scene| scene.structure = Structure::Blocks, &near),
-        ("shadows that are near", &|scene| scene.occluders = Occluders::Near(5.0), &near),
+        ("shadows that are near", &|scene| scene.occluders = Occluders::Near(1.5), &near),
         ("those that are near from elsewhere", &|_| (), &CAMERA),
         (
             "an instance that is another one far away",
