@@ -8,7 +8,7 @@
 
 #[cfg(test)]
 pub(crate) mod flushing;
-#[cfg(test)]
+#[cfg(any(test, feature = "alloc"))]
 pub(crate) mod plain;
 
 use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Shl, Shr, Sub};

@@ -64,6 +64,8 @@ pub mod lane;
 pub mod layout;
 pub mod num;
 #[cfg(feature = "alloc")]
+pub mod query;
+#[cfg(feature = "alloc")]
 mod request;
 #[cfg(feature = "alloc")]
 pub mod scene;

@@ -1,4 +1,5 @@
-//! Several lanes in arrays, for tests of what packets do: backends bring their own.
+//! Several lanes in arrays, which compilers turn into vectors of the target's: for single rays, and for tests of
+//! what packets do. Backends bring their own.
 
 use crate::lane::{Bits, Lane, Mask, Select};
 use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Shl, Shr, Sub};
@@ -14,6 +15,7 @@ pub(crate) struct PlainBits<const N: usize>(pub [u32; N]);
 pub(crate) struct PlainMask<const N: usize>(pub [bool; N]);
 
 /// `f` of each lane of two values.
+#[inline(always)]
 fn zip<A: Copy, B: Copy, R, const N: usize>(a: [A; N], b: [B; N], f: impl Fn(A, B) -> R) -> [R; N] {
     core::array::from_fn(|lane| f(a[lane], b[lane]))
 }
@@ -62,6 +64,7 @@ with_one! {
 
 impl<const N: usize> Neg for Plain<N> {
     type Output = Self;
+    #[inline(always)]
     fn neg(self) -> Self {
         Self(self.0.map(|x| -x))
     }
@@ -69,27 +72,32 @@ impl<const N: usize> Neg for Plain<N> {
 
 impl<const N: usize> Not for PlainMask<N> {
     type Output = Self;
+    #[inline(always)]
     fn not(self) -> Self {
         Self(self.0.map(|is_true| !is_true))
     }
 }
 
 impl<const N: usize> Mask for PlainMask<N> {
+    #[inline(always)]
     fn any(self) -> bool {
         self.0.contains(&true)
     }
+    #[inline(always)]
     fn bits(self) -> u32 {
         (0..N).map(|lane| u32::from(self.0[lane]) << lane).sum()
     }
 }
 
 impl<const N: usize> Select<Plain<N>> for PlainMask<N> {
+    #[inline(always)]
     fn select(self, a: Plain<N>, b: Plain<N>) -> Plain<N> {
         Plain(core::array::from_fn(|lane| if self.0[lane] { a.0[lane] } else { b.0[lane] }))
     }
 }
 
 impl<const N: usize> Select<PlainBits<N>> for PlainMask<N> {
+    #[inline(always)]
     fn select(self, a: PlainBits<N>, b: PlainBits<N>) -> PlainBits<N> {
         PlainBits(core::array::from_fn(|lane| if self.0[lane] { a.0[lane] } else { b.0[lane] }))
     }
@@ -98,19 +106,23 @@ impl<const N: usize> Select<PlainBits<N>> for PlainMask<N> {
 impl<const N: usize> Bits for PlainBits<N> {
     type Mask = PlainMask<N>;
     type Row = [u32; N];
-
+    #[inline(always)]
     fn broadcast(self, value: u32) -> Self {
         Self([value; N])
     }
+    #[inline(always)]
     fn xor(self, other: Self) -> Self {
         Self(zip(self.0, other.0, |a, b| a ^ b))
     }
+    #[inline(always)]
     fn eq(self, other: Self) -> PlainMask<N> {
         PlainMask(zip(self.0, other.0, |a, b| a == b))
     }
+    #[inline(always)]
     fn lt(self, other: Self) -> PlainMask<N> {
         PlainMask(zip(self.0, other.0, |a, b| a < b))
     }
+    #[inline(always)]
     fn row(self) -> [u32; N] {
         self.0
     }
@@ -123,35 +135,45 @@ impl<const N: usize> Lane for Plain<N> {
     type Row = [f32; N];
 
     const WIDTH: usize = N;
-
+    #[inline(always)]
     fn splat((): (), value: f32) -> Self {
         Self([value; N])
     }
+    #[inline(always)]
     fn gather<const M: usize>((): (), f: impl Fn(usize) -> [f32; M]) -> [Self; M] {
         core::array::from_fn(|number| Self(core::array::from_fn(|lane| f(lane)[number])))
     }
+    #[inline(always)]
     fn gather_fours<const M: usize>((): (), f: impl Fn(usize) -> [[f32; 4]; M]) -> [[Self; 4]; M] {
         core::array::from_fn(|four| Self::gather((), |lane| f(lane)[four]))
     }
+    #[inline(always)]
     fn bits_from_fn((): (), f: impl Fn(usize) -> u32) -> PlainBits<N> {
         PlainBits(core::array::from_fn(f))
     }
+    #[inline(always)]
     fn gather_bits((): (), f: impl Fn(usize) -> [u32; 4]) -> [PlainBits<N>; 4] {
         core::array::from_fn(|number| PlainBits(core::array::from_fn(|lane| f(lane)[number])))
     }
+    #[inline(always)]
     fn token(self) {}
+    #[inline(always)]
     fn row(self) -> [f32; N] {
         self.0
     }
+    #[inline(always)]
     fn lt(self, other: Self) -> PlainMask<N> {
         PlainMask(zip(self.0, other.0, |a, b| a < b))
     }
+    #[inline(always)]
     fn le(self, other: Self) -> PlainMask<N> {
         PlainMask(zip(self.0, other.0, |a, b| a <= b))
     }
+    #[inline(always)]
     fn to_bits(self) -> PlainBits<N> {
         PlainBits(self.0.map(f32::to_bits))
     }
+    #[inline(always)]
     fn from_bits(bits: PlainBits<N>) -> Self {
         Self(bits.0.map(f32::from_bits))
     }

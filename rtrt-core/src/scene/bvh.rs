@@ -45,7 +45,7 @@ const SPLIT_COST: f32 = 0.6;
 /// visibility of dragon_res2 a tenth faster, 2.5 and more make that of Sponza slower. (It does not change
 /// the order of triangles, whose numbers decide between equal hits.)
 const VISIT_COST: f32 = 1.75;
-/// The largest number of triangles in a leaf, unless their centers coincide.
+/// The largest number of triangles in a leaf.
 const LEAF: usize = 8;
 /// Below this depth nodes are split into halves, which bounds the depth of the tree.
 const DEEP: usize = 36;
@@ -62,11 +62,18 @@ impl Bvh {
     /// centers coincide, or below a fixed depth, a node is split into halves. Splits that do not pay are
     /// then merged, from the leaves up. A mesh without triangles has one empty leaf.
     pub fn build(mesh: &Mesh, join: &impl Join) -> Self {
-        let boxes: Vec<Bounds> = mesh
-            .indices()
-            .chunks_exact(3)
-            .map(|t| Bounds::of(t.iter().map(|&i| mesh.positions()[i as usize])))
-            .collect();
+        Self::of_triangles(mesh.positions(), mesh.indices(), join)
+    }
+
+    /// The BVH of triangles, three indices each, all of them valid.
+    pub(crate) fn of_triangles(positions: &[[f32; 3]], indices: &[u32], join: &impl Join) -> Self {
+        let boxes: Vec<Bounds> =
+            indices.chunks_exact(3).map(|t| Bounds::of(t.iter().map(|&i| positions[i as usize]))).collect();
+        Self::over(&boxes, LEAF, join)
+    }
+
+    /// The BVH over boxes, with at most `leaf` of them in a leaf.
+    pub(crate) fn over(boxes: &[Bounds], leaf: usize, join: &impl Join) -> Self {
         let mut references: Vec<u32> = (0..boxes.len() as u32).collect();
         if boxes.is_empty() {
             return Self { nodes: vec![Node { kind: 3, ..Node::zeroed() }], triangles: references };
@@ -74,7 +81,7 @@ impl Bvh {
         // A subtree of n triangles has at most 2n − 2 nodes below its root.
         let mut nodes = vec![Node::zeroed(); 2 * boxes.len() - 1];
         let (root, below) = nodes.split_at_mut(1);
-        let build = Build { boxes: &boxes, join };
+        let build = Build { boxes, leaf, join };
         let whole = BuildRange { nodes: below, first_node: 1, references: &mut references, first: 0 };
         (root[0], _) = build.node(whole, 0);
         Self { nodes: compact(&nodes), triangles: references }
@@ -87,6 +94,12 @@ impl Bvh {
 pub struct BvhError(&'static str);
 
 impl Bvh {
+    /// Whether this is a tree of the mesh: its links make a tree, and its boxes are those of the mesh.
+    pub(super) fn check(&self, mesh: &Mesh) -> Result<(), BvhError> {
+        let fitted = Self::from_links(mesh, &self.links(), self.triangles.clone())?;
+        if fitted.nodes == self.nodes { Ok(()) } else { Err(BvhError("its boxes are those of another mesh")) }
+    }
+
     /// `[first, kind]` of each node: the data that cannot be computed from the mesh again.
     pub fn links(&self) -> Vec<[u32; 2]> {
         self.nodes.iter().map(|node| [node.first, node.kind]).collect()
@@ -154,7 +167,7 @@ fn check(count: usize, links: &[[u32; 2]], triangles: &[u32]) -> Result<(), BvhE
 
 /// Computes the boxes of a BVH from its leaves up. `corner(3 · i + k)` is the position of corner `k` of
 /// triangle `i` in the order of the leaves. Nodes come before their children.
-pub(super) fn refit(nodes: &mut [Node], corner: impl Fn(usize) -> [f32; 3]) {
+pub(crate) fn refit(nodes: &mut [Node], corner: impl Fn(usize) -> [f32; 3]) {
     for index in (0..nodes.len()).rev() {
         let Node { first, .. } = nodes[index];
         let first = first as usize;
@@ -192,7 +205,7 @@ fn compact(sparse: &[Node]) -> Vec<Node> {
 
 /// A box that can be empty.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bounds {
+pub(crate) struct Bounds {
     pub low: [f32; 3],
     pub high: [f32; 3],
 }
@@ -220,7 +233,7 @@ impl Bounds {
         self.low[0] > self.high[0]
     }
     /// Half of the surface; 0 if empty.
-    fn area(&self) -> f32 {
+    pub fn area(&self) -> f32 {
         let size = |axis: usize| (self.high[axis] - self.low[axis]).max(0.0);
         size(0) * size(1) + size(1) * size(2) + size(2) * size(0)
     }
@@ -234,6 +247,8 @@ impl Bounds {
 /// The data that all nodes of one build share.
 struct Build<'a, J> {
     boxes: &'a [Bounds],
+    /// The most boxes in a leaf.
+    leaf: usize,
     join: &'a J,
 }
 
@@ -292,9 +307,9 @@ impl<J: Join> Build<'_, J> {
         }
         let split = if depth < DEEP { self.split(references, &bounds, &centers) } else { None };
         let (axis, middle) = match split {
-            Some(split) if split.cost >= tests && count <= LEAF => return (leaf, tests),
+            Some(split) if split.cost >= tests && count <= self.leaf => return (leaf, tests),
             Some(split) => (split.axis, self.partition(references, &split)),
-            None if count <= LEAF => return (leaf, tests),
+            None if count <= self.leaf => return (leaf, tests),
             None => (0, count / 2),
         };
         let (pair, below) = nodes.split_at_mut(2);
@@ -315,7 +330,7 @@ impl<J: Join> Build<'_, J> {
         };
         let share = |node: &Node| Bounds::around(node).area() / bounds.area().max(f32::MIN_POSITIVE);
         let cost = VISIT_COST + share(&left.0) * left.1 + share(&right.0) * right.1;
-        if cost >= tests && count <= LEAF {
+        if cost >= tests && count <= self.leaf {
             return (leaf, tests);
         }
         (pair[0], pair[1]) = (left.0, right.0);

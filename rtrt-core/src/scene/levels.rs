@@ -35,8 +35,8 @@ impl Scene {
         levels: &[(f32, MeshIndex)],
     ) -> Result<(), SceneError> {
         let (_, own) = self.instance(instance)?;
-        let levels: Vec<_> =
-            levels.iter().map(|&(from, mesh)| (from, mesh, MaterialIndex(own.material))).collect();
+        let material = MaterialIndex { number: own.material, scene: self.id() };
+        let levels: Vec<_> = levels.iter().map(|&(from, mesh)| (from, mesh, material)).collect();
         self.set_levels_with(instance, &levels)
     }
 
@@ -55,8 +55,9 @@ impl Scene {
             if !(from > 0.0 && from.is_finite()) {
                 return Err(SceneError::Distance { value: from });
             }
-            let mut placed = place(self.mesh(mesh.0)?, self.instance_material(material)?, matrix(&own))?;
-            placed.transparency = self.transparency(mesh.0, material.0)?;
+            let mut placed =
+                place(self.indexed_mesh(mesh)?, self.instance_material(material)?, matrix(&own))?;
+            placed.transparency = self.transparency(mesh.number, material.number)?;
             found.push(LodLevel { from, mesh, placed });
         }
         found.sort_by(|a, b| a.from.total_cmp(&b.from));
@@ -65,7 +66,7 @@ impl Scene {
         } else {
             self.levels.insert(index as u32, found);
         }
-        self.objects_changed();
+        self.moved([]);
         Ok(())
     }
 
@@ -73,7 +74,7 @@ impl Scene {
     pub(super) fn moved_levels(&self, instance: usize, to_world: Mat4) -> Result<Vec<LodLevel>, SceneError> {
         let levels = self.levels.get(&(instance as u32)).map_or(&[][..], |levels| levels);
         let moved = levels.iter().map(|level| {
-            let placed = place(self.mesh(level.mesh.0)?, InstanceMaterial::of(&level.placed), to_world)?;
+            let placed = place(self.mesh(level.mesh.number)?, InstanceMaterial::of(&level.placed), to_world)?;
             Ok(LodLevel { placed, ..*level })
         });
         moved.collect()

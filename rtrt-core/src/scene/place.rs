@@ -4,12 +4,12 @@ use crate::layout::{Instance, Kind, MaterialRecord, NONE};
 use crate::num::flush;
 use crate::scene::bvh::Bounds;
 use crate::scene::camera::single;
-use crate::scene::{COORDINATE_LIMIT, Mesh, SceneError};
+use crate::scene::{Bvh, COORDINATE_LIMIT, SceneError};
 use glam::{DMat4, DVec3, Mat4};
 
 /// The range of a mesh in the scene's arrays.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stored {
+pub(crate) struct Stored {
     pub root: u32,
     pub kind: Kind,
     pub first_vertex: u32,
@@ -23,9 +23,36 @@ pub(super) struct Stored {
     /// data; 0 if no instance needs them.
     pub transparencies: [u32; 2],
     pub triangles: u32,
+    /// Counts the shapes that the mesh has got.
+    pub shape_version: u32,
     pub bounds: Bounds,
     pub center: DVec3,
     pub radius: f64,
+}
+
+impl Stored {
+    /// A mesh of [`Shapes`](crate::query::Shapes), whose instances have its number for a root.
+    pub fn of_shape(number: u32, tree: &Bvh, positions: &[[f32; 3]]) -> Self {
+        let bounds = Bounds::around(&tree.nodes[0]);
+        let (center, radius) = sphere(positions, &bounds);
+        Self {
+            root: number,
+            kind: Kind::Mesh,
+            first_vertex: 0,
+            first_index: 0,
+            first_tangent: 0,
+            first_second_uv: 0,
+            first_source: 0,
+            nodes: tree.nodes.len() as u32,
+            vertices: positions.len() as u32,
+            transparencies: [0; 2],
+            triangles: tree.triangles.len() as u32,
+            shape_version: 0,
+            bounds,
+            center,
+            radius,
+        }
+    }
 }
 
 /// Rounding error of everything that culls with world bounds, relative to the largest
@@ -35,13 +62,16 @@ const SLACK: f64 = 1.0 / 65536.0;
 
 /// What an instance takes from its material.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct InstanceMaterial {
+pub(crate) struct InstanceMaterial {
     material: u32,
     transparency: u32,
     double_sided: u32,
 }
 
 impl InstanceMaterial {
+    /// That of an instance without a material.
+    pub const NONE: Self = Self { material: 0, transparency: 0, double_sided: 1 };
+
     /// The material with this number in the scene, without a transparency record.
     pub fn new(number: u32, material: &MaterialRecord) -> Self {
         Self { material: number, transparency: 0, double_sided: material.double_sided }
@@ -57,11 +87,11 @@ impl InstanceMaterial {
     }
 }
 
-/// Center and radius of the sphere around a mesh, in the middle of its bounds.
-pub(super) fn sphere(mesh: &Mesh, bounds: &Bounds) -> (DVec3, f64) {
+/// Center and radius of the sphere around positions, in the middle of their bounds.
+pub(super) fn sphere(positions: &[[f32; 3]], bounds: &Bounds) -> (DVec3, f64) {
     let [low, high] = [bounds.low, bounds.high].map(|corner| DVec3::from(corner.map(f64::from)));
     let center = (low + high) * 0.5;
-    let squared = mesh.positions().iter().map(|p| (DVec3::from(p.map(f64::from)) - center).length_squared());
+    let squared = positions.iter().map(|p| (DVec3::from(p.map(f64::from)) - center).length_squared());
     (center, libm::sqrt(squared.fold(0.0, f64::max)))
 }
 
@@ -72,7 +102,7 @@ pub(super) fn matrix(instance: &Instance) -> Mat4 {
 }
 
 /// The instance of a mesh placed in the world, computed in `f64`.
-pub(super) fn place(
+pub(crate) fn place(
     mesh: &Stored,
     instance_material: InstanceMaterial,
     to_world: Mat4,

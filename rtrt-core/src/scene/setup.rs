@@ -123,7 +123,7 @@ impl Setup {
         }
         self.lods.choose(scene, camera.eye);
         let has_bounds = self.lods.is_needed && !self.lods.bounds.is_empty();
-        let bounds = if has_bounds { self.lods.bounds } else { *scene.bounds() };
+        let bounds = if has_bounds { self.lods.bounds } else { scene.bounds() };
         let chosen = self.lod_revision();
         let [first_seen, seen] = self.cut.prepare(scene, self.lods.instances(scene), chosen)?;
         let is_one_list = scene.structure == Structure::None;

@@ -12,9 +12,10 @@ use crate::scene::bvh::Bounds;
 use crate::scene::image::decode_words;
 use crate::scene::levels::LodLevel;
 use crate::scene::place::{Stored, place};
+use crate::scene::places::{Places, Tag};
 use crate::scene::{
-    Bvh, CubeError, ImageError, Light, LightKind, Material, Mesh, Mip, Occluders, PanoramaError, Sequential,
-    Structure,
+    Bvh, BvhError, CubeError, ImageError, Light, LightKind, Material, Mesh, Mip, Occluders, PanoramaError,
+    Sequential, Structure,
 };
 use alloc::collections::BTreeMap;
 use alloc::vec;
@@ -23,21 +24,33 @@ use bytemuck::{Pod, Zeroable};
 use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{Mat4, Vec3};
 
-/// A mesh of a scene.
+/// A mesh of one scene; other scenes refuse it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MeshIndex(pub(super) u32);
-/// A material of a scene.
+pub struct MeshIndex {
+    pub(crate) number: u32,
+    /// [`Scene::id`].
+    pub(crate) scene: u32,
+}
+/// A material of one scene; other scenes refuse it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MaterialIndex(pub(super) u32);
-/// An instance of a scene. Equal hits are decided by it: the lower one wins.
+pub struct MaterialIndex {
+    pub(super) number: u32,
+    /// [`Scene::id`].
+    pub(super) scene: u32,
+}
+/// An instance of one scene; other scenes refuse it. Equal hits are decided by it: the lower one wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct InstanceIndex(pub(super) u32);
+pub struct InstanceIndex {
+    pub(crate) number: u32,
+    /// [`Scene::id`].
+    pub(crate) scene: u32,
+}
 
 impl InstanceIndex {
     /// The number of the instance, from 0 in the order in which instances were added: that of
     /// [`Hit::instance`](crate::layout::Hit::instance).
     pub fn number(self) -> u32 {
-        self.0
+        self.number
     }
 }
 
@@ -85,6 +98,17 @@ pub enum SceneError {
         low: f32,
         /// The most.
         high: f32,
+    },
+    /// The tree is not one of the mesh.
+    #[error(transparent)]
+    Tree(#[from] BvhError),
+    /// A shape has another number of triangles than the mesh that it is meant for.
+    #[error("the shape has {triangles} triangles, and the mesh has {expected}")]
+    Shape {
+        /// Those of the shape.
+        triangles: usize,
+        /// Those of the mesh.
+        expected: usize,
     },
     /// The texture was refused.
     #[error(transparent)]
@@ -143,7 +167,10 @@ pub struct Scene {
     light_changes: u32,
     sky: Sky,
     see_through: AlphaKind,
-    bounds: Bounds,
+    /// The bounds of the instances, and which of them have moved.
+    places: Places,
+    /// What rays ask of the instances.
+    tags: Vec<Tag>,
     /// The levels of detail of instances that have any.
     pub(super) levels: BTreeMap<u32, Vec<LodLevel>>,
     /// How mip levels are chosen.
@@ -161,6 +188,20 @@ pub struct Scene {
     pub backdrop: Backdrop,
 }
 
+/// A number that no other call in this process returns. On a processor without compare-and-swap, callers
+/// must not interrupt each other.
+pub(crate) fn unique_id() -> u32 {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    #[cfg(target_has_atomic = "32")]
+    return NEXT.fetch_add(1, Ordering::Relaxed);
+    #[cfg(not(target_has_atomic = "32"))]
+    {
+        let id = NEXT.load(Ordering::Relaxed);
+        NEXT.store(id.wrapping_add(1), Ordering::Relaxed);
+        id
+    }
+}
+
 impl Default for Scene {
     fn default() -> Self {
         Self::new()
@@ -170,9 +211,8 @@ impl Default for Scene {
 impl Scene {
     /// An empty scene: no instances, no lights, faint ambient light, a dark background.
     pub fn new() -> Self {
-        static NEXT: AtomicU32 = AtomicU32::new(0);
         Self {
-            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            id: unique_id(),
             versions: Versions::default(),
             nodes: vec![],
             mesh_data: vec![],
@@ -192,7 +232,8 @@ impl Scene {
             light_changes: 0,
             sky: Sky::default(),
             see_through: AlphaKind::Opaque,
-            bounds: Bounds::EMPTY,
+            places: Places::default(),
+            tags: vec![],
             levels: BTreeMap::new(),
             mip: Mip::default(),
             structure: Structure::default(),
@@ -214,14 +255,14 @@ impl Scene {
         material: MaterialIndex,
         to_world: Mat4,
     ) -> Result<InstanceIndex, SceneError> {
-        let mut instance = place(self.mesh(mesh.0)?, self.instance_material(material)?, to_world)?;
-        instance.transparency = self.transparency(mesh.0, material.0)?;
-        // The bounds only grow here: a pass over all instances for each one takes hours for a million.
-        self.bounds = self.bounds.union(&Bounds { low: instance.low, high: instance.high });
+        let mut instance = place(self.indexed_mesh(mesh)?, self.instance_material(material)?, to_world)?;
+        instance.transparency = self.transparency(mesh.number, material.number)?;
+        self.places.push(&Bounds { low: instance.low, high: instance.high });
         self.versions.instances += 1;
         self.instances.push(instance);
-        self.object_meshes.push(mesh.0);
-        Ok(InstanceIndex(self.instances.len() as u32 - 1))
+        self.object_meshes.push(mesh.number);
+        self.tags.push(Tag::default());
+        Ok(InstanceIndex { number: self.instances.len() as u32 - 1, scene: self.id })
     }
 
     /// Adds a sphere: that of radius 1 around the origin, placed in the world by a matrix, which
@@ -255,7 +296,7 @@ impl Scene {
             None => {
                 let shape = Mesh::around_sphere();
                 let mesh = self.add_mesh(&shape, &Bvh::build(&shape, &Sequential))?;
-                self.meshes[mesh.0 as usize].kind = Kind::Sphere;
+                self.meshes[mesh.number as usize].kind = Kind::Sphere;
                 *self.sphere.insert(mesh)
             }
         };
@@ -270,7 +311,7 @@ impl Scene {
     /// There is no such light, or it is out of range.
     pub fn show_light(&mut self, light: usize) -> Result<Option<InstanceIndex>, SceneError> {
         let number = light as u32;
-        let shown = self.shown.get(&number).copied().map(InstanceIndex);
+        let shown = self.shown.get(&number).map(|&number| InstanceIndex { number, scene: self.id });
         let missing = SceneError::Index { what: "light", index: number };
         let Light { kind, position, color, radius, .. } = *self.lights.get(light).ok_or(missing)?;
         if kind == LightKind::Sun || radius <= 0.0 {
@@ -286,32 +327,74 @@ impl Scene {
         let color = color.clamp(Vec3::splat(-COLOR_LIMIT), Vec3::splat(COLOR_LIMIT));
         let glow = self.add_material(Material::new(color).unlit(true))?;
         let sphere = self.add_sphere(glow, place)?;
-        self.shown.insert(number, sphere.0);
-        self.instances[sphere.0 as usize].kind = Kind::Light as u32 + number;
+        self.shown.insert(number, sphere.number);
+        self.instances[sphere.number as usize].kind = Kind::Light as u32 + number;
         Ok(Some(sphere))
     }
 
     /// The instance with a number, such as [`Hit::instance`](crate::layout::Hit::instance); `None`
     /// where there is none.
     pub fn instance_index(&self, number: u32) -> Option<InstanceIndex> {
-        ((number as usize) < self.instances.len()).then_some(InstanceIndex(number))
+        ((number as usize) < self.instances.len()).then_some(InstanceIndex { number, scene: self.id })
     }
 
     /// The index of an instance in the arrays, and its transform.
     pub(super) fn instance(&self, instance: InstanceIndex) -> Result<(usize, Instance), SceneError> {
-        let index = instance.0 as usize;
+        let index = instance.number as usize;
         let found = self.instances.get(index).map(|instance| (index, *instance));
-        found.ok_or(SceneError::Index { what: "instance", index: instance.0 })
+        let missing = SceneError::Index { what: "instance", index: instance.number };
+        found.filter(|_| instance.scene == self.id).ok_or(missing)
+    }
+
+    /// What rays ask of an instance.
+    fn tag(&mut self, instance: InstanceIndex) -> Result<&mut Tag, SceneError> {
+        let (index, _) = self.instance(instance)?;
+        Ok(&mut self.tags[index])
+    }
+
+    /// Sets the groups that an instance belongs to, one a bit: a [`Ray`](crate::query::Ray) meets it if their
+    /// masks have a bit in common. At first all bits are set. Pictures do not depend on it.
+    ///
+    /// # Errors
+    /// There is no such instance.
+    pub fn set_ray_mask(&mut self, instance: InstanceIndex, mask: u32) -> Result<(), SceneError> {
+        self.tag(instance)?.mask = mask;
+        Ok(())
+    }
+
+    /// Sets a number that means something to the caller, and that queries return; at first 0.
+    ///
+    /// # Errors
+    /// There is no such instance.
+    pub fn set_user_data(&mut self, instance: InstanceIndex, user: u32) -> Result<(), SceneError> {
+        self.tag(instance)?.user = user;
+        Ok(())
     }
 
     pub(super) fn mesh(&self, index: u32) -> Result<&Stored, SceneError> {
         self.meshes.get(index as usize).ok_or(SceneError::Index { what: "mesh", index })
     }
 
-    pub(super) fn objects_changed(&mut self) {
+    /// The mesh with this index.
+    pub(super) fn indexed_mesh(&self, mesh: MeshIndex) -> Result<&Stored, SceneError> {
+        let missing = SceneError::Index { what: "mesh", index: mesh.number };
+        self.mesh(mesh.number).ok().filter(|_| mesh.scene == self.id).ok_or(missing)
+    }
+
+    /// Takes the places of these instances over.
+    pub(super) fn moved(&mut self, instances: impl IntoIterator<Item = usize>) {
         self.versions.instances += 1;
-        let seen = self.instances.iter().enumerate().filter(|(index, _)| self.is_seen(*index));
-        self.bounds = seen.fold(Bounds::EMPTY, |all, (_, o)| all.union(&Bounds { low: o.low, high: o.high }));
+        for index in instances {
+            let bounds = self.seen_bounds(index);
+            self.places.set(index, &bounds);
+        }
+        self.places.update();
+    }
+
+    /// The world bounds of an instance; empty if it is hidden.
+    fn seen_bounds(&self, index: usize) -> Bounds {
+        let Instance { low, high, .. } = self.instances[index];
+        if self.is_seen(index) { Bounds { low, high } } else { Bounds::EMPTY }
     }
 
     /// Whether an instance is not hidden.
@@ -379,12 +462,33 @@ impl Scene {
     /// The world bounds of all instances but hidden ones: lower and upper corner, or none without
     /// instances.
     pub fn extent(&self) -> Option<(Vec3, Vec3)> {
-        (!self.bounds.is_empty()).then(|| (Vec3::from(self.bounds.low), Vec3::from(self.bounds.high)))
+        let bounds = self.places.all();
+        (!bounds.is_empty()).then(|| (Vec3::from(bounds.low), Vec3::from(bounds.high)))
     }
     /// The world bounds of all instances; a point without instances.
-    pub(super) fn bounds(&self) -> &Bounds {
-        const NOWHERE: Bounds = Bounds { low: [0.0; 3], high: [0.0; 3] };
-        if self.bounds.is_empty() { &NOWHERE } else { &self.bounds }
+    pub(super) fn bounds(&self) -> Bounds {
+        let bounds = self.places.all();
+        if bounds.is_empty() { Bounds { low: [0.0; 3], high: [0.0; 3] } } else { bounds }
+    }
+    /// The meshes.
+    pub(crate) fn stored_meshes(&self) -> &[Stored] {
+        &self.meshes
+    }
+    /// The mesh of each instance.
+    pub(crate) fn mesh_numbers(&self) -> &[u32] {
+        &self.object_meshes
+    }
+    /// Where the instances are.
+    pub(crate) fn places(&self) -> &Places {
+        &self.places
+    }
+    /// What rays ask of the instances.
+    pub(crate) fn tags(&self) -> &[Tag] {
+        &self.tags
+    }
+    /// The material with a number.
+    pub(crate) fn material_index(&self, number: u32) -> MaterialIndex {
+        MaterialIndex { number, scene: self.id }
     }
     /// The place of the environment in the texels.
     pub(super) fn sky(&self) -> Sky {
@@ -406,7 +510,8 @@ impl Scene {
     /// the BVH's leaves. `None` if there is no such triangle. For an instance with levels of detail, the
     /// triangle is one of its own mesh.
     pub fn source_triangle(&self, instance: InstanceIndex, triangle: u32) -> Option<u32> {
-        let mesh = &self.meshes[*self.object_meshes.get(instance.0 as usize)? as usize];
+        let (index, _) = self.instance(instance).ok()?;
+        let mesh = &self.meshes[self.object_meshes[index] as usize];
         let sources = &self.sources[mesh.first_source..][..mesh.triangles as usize];
         sources.get(triangle as usize).copied()
     }

@@ -17,7 +17,7 @@ impl Scene {
         self.set_transforms([(instance, to_world)])
     }
 
-    /// Moves many instances with one pass over all instances.
+    /// Moves many instances. The time does not depend on the others, but for their logarithm.
     ///
     /// # Errors
     /// As for [`Scene::add_instance`], for the first instance that cannot be moved; it and those
@@ -30,17 +30,19 @@ impl Scene {
             let (index, old) = self.instance(instance)?;
             let stored = self.mesh(self.object_meshes[index])?;
             let mut placed = place(stored, InstanceMaterial::of(&old), to_world)?;
-            if let Some((light, _)) = self.shown.iter().find(|(_, sphere)| **sphere == instance.0) {
+            if let Some((light, _)) = self.shown.iter().find(|(_, sphere)| **sphere == instance.number) {
                 placed.kind = Kind::Light as u32 + light;
             }
             let levels = self.moved_levels(index, to_world)?;
             self.instances[index] = placed;
             if !levels.is_empty() {
-                self.levels.insert(instance.0, levels);
+                self.levels.insert(instance.number, levels);
             }
+            let bounds = self.seen_bounds(index);
+            self.places.set(index, &bounds);
             Ok(())
         });
-        self.objects_changed();
+        self.moved([]);
         result
     }
 
@@ -62,7 +64,7 @@ impl Scene {
             ..*stored
         };
         self.instances[index] = place(&nothing, InstanceMaterial::of(&old), Mat4::IDENTITY)?;
-        self.objects_changed();
+        self.moved([index]);
         Ok(())
     }
 
@@ -75,18 +77,19 @@ impl Scene {
     /// There is no such mesh, `shape` has more or fewer triangles, or an instance would be out
     /// of range. The scene then stays as it was.
     pub fn reshape(&mut self, mesh: MeshIndex, shape: &Mesh) -> Result<(), SceneError> {
-        let mut stored = *self.mesh(mesh.0)?;
-        if shape.triangles() != stored.triangles as usize {
-            return Err(SceneError::Index { what: "triangle", index: shape.triangles() as u32 });
+        let mut stored = *self.indexed_mesh(mesh)?;
+        let (triangles, expected) = (shape.triangles(), stored.triangles as usize);
+        if triangles != expected {
+            return Err(SceneError::Shape { triangles, expected });
         }
         if stored.triangles == 0 {
             return Ok(());
         }
         stored.bounds = Bounds::of(shape.indices().iter().map(|&i| shape.positions()[i as usize]));
-        (stored.center, stored.radius) = sphere(shape, &stored.bounds);
+        (stored.center, stored.radius) = sphere(shape.positions(), &stored.bounds);
         let mut placed = vec![];
         for (index, instance) in self.instances.iter().enumerate() {
-            if self.object_meshes[index] == mesh.0 && instance.root == stored.root {
+            if self.object_meshes[index] == mesh.number && instance.root == stored.root {
                 placed.push((index, place(&stored, InstanceMaterial::of(instance), matrix(instance))?));
             }
         }
@@ -112,13 +115,14 @@ impl Scene {
         refit(nodes, |vertex| {
             positions[(stored.first_vertex + mesh_data[stored.first_index as usize + vertex]) as usize]
         });
-        self.meshes[mesh.0 as usize] = stored;
-        for (index, instance) in placed {
+        stored.shape_version += 1;
+        self.meshes[mesh.number as usize] = stored;
+        for &(index, instance) in &placed {
             self.instances[index] = instance;
         }
         self.replace_levels(levels);
         self.versions.geometry += 1;
-        self.objects_changed();
+        self.moved(placed.into_iter().map(|(index, _)| index));
         Ok(())
     }
 }

@@ -15,17 +15,18 @@ impl Scene {
         self.material_records.push(material.record()?);
         self.materials.push(material);
         self.versions.materials += 1;
-        Ok(MaterialIndex(self.materials.len() as u32 - 1))
+        Ok(MaterialIndex { number: self.materials.len() as u32 - 1, scene: self.id })
     }
 
     /// A material as it was added or last set; `None` for an index of another scene.
-    pub fn material(&self, MaterialIndex(index): MaterialIndex) -> Option<&Material> {
-        self.materials.get(index as usize)
+    pub fn material(&self, index: MaterialIndex) -> Option<&Material> {
+        self.materials.get(index.number as usize).filter(|_| index.scene == self.id)
     }
 
     /// The material of an instance; `None` for an index of another scene.
     pub fn material_of(&self, instance: InstanceIndex) -> Option<MaterialIndex> {
-        self.instances.get(instance.0 as usize).map(|instance| MaterialIndex(instance.material))
+        let (_, found) = self.instance(instance).ok()?;
+        Some(MaterialIndex { number: found.material, scene: self.id })
     }
 
     /// Changes a material, and so the look of all instances that have it.
@@ -46,9 +47,9 @@ impl Scene {
     /// There is no such material, a number is out of its range (see [`Material`]), or the scene is full;
     /// the material then stays as it was.
     pub fn set_material(&mut self, index: MaterialIndex, material: Material) -> Result<(), SceneError> {
-        let (number, record) = (index.0 as usize, material.record()?);
-        let missing = SceneError::Index { what: "material", index: index.0 };
-        let old = *self.material_records.get(number).ok_or(missing)?;
+        let (number, record) = (index.number as usize, material.record()?);
+        self.material(index).ok_or(SceneError::Index { what: "material", index: index.number })?;
+        let old = self.material_records[number];
         self.material_records[number] = record;
         if let Err(error) = self.repaint(index) {
             self.material_records[number] = old;
@@ -73,7 +74,7 @@ impl Scene {
     }
 
     /// Gives the instances with a material what they take from it.
-    fn repaint(&mut self, MaterialIndex(material): MaterialIndex) -> Result<(), SceneError> {
+    fn repaint(&mut self, MaterialIndex { number: material, .. }: MaterialIndex) -> Result<(), SceneError> {
         let double_sided = self.material_records[material as usize].double_sided;
         for number in 0..self.instances.len() {
             if self.instances[number].material == material {
@@ -86,7 +87,7 @@ impl Scene {
         let mut painted = levels.values_mut().flatten().filter(|level| level.placed.material == material);
         let result = painted.try_for_each(|level| {
             level.placed.double_sided = double_sided;
-            level.placed.transparency = self.transparency(level.mesh.0, material)?;
+            level.placed.transparency = self.transparency(level.mesh.number, material)?;
             Ok(())
         });
         self.levels = levels;
@@ -95,11 +96,11 @@ impl Scene {
 
     pub(in crate::scene) fn instance_material(
         &self,
-        MaterialIndex(index): MaterialIndex,
+        MaterialIndex { number, scene }: MaterialIndex,
     ) -> Result<InstanceMaterial, SceneError> {
-        let found = self.material_records.get(index as usize);
-        let found = found.map(|material| InstanceMaterial::new(index, material));
-        found.ok_or(SceneError::Index { what: "material", index })
+        let found = self.material_records.get(number as usize).filter(|_| scene == self.id);
+        let found = found.map(|material| InstanceMaterial::new(number, material));
+        found.ok_or(SceneError::Index { what: "material", index: number })
     }
 
     /// The materials as backends read them.

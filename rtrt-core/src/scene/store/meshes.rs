@@ -13,8 +13,9 @@ impl Scene {
     /// Adds a mesh with its BVH. Any number of instances share it.
     ///
     /// # Errors
-    /// The scene is full.
+    /// The tree is not one of the mesh, or the scene is full.
     pub fn add_mesh(&mut self, mesh: &Mesh, tree: &Bvh) -> Result<MeshIndex, SceneError> {
+        tree.check(mesh)?;
         let room = |have: usize, more: usize, what| {
             if have + more > u32::MAX as usize / 4 {
                 Err(SceneError::TooLarge { what })
@@ -34,9 +35,9 @@ impl Scene {
         let (tangents, second_uv) = (used(mesh.tangents().len()), used(mesh.second_uv().len()));
         let words = indices.len() + tangents + 2 * second_uv;
         let first_index = room(self.mesh_data.len(), words, "triangles")?;
-        let root = tree.nodes.first().copied().ok_or(SceneError::TooLarge { what: "empty trees" })?;
+        let root = tree.nodes[0];
         let bounds = Bounds::around(&root);
-        let (center, radius) = sphere(mesh, &bounds);
+        let (center, radius) = sphere(mesh.positions(), &bounds);
         // The start of `count` elements after `before` words; 0 for none.
         let after = |before: usize, count: usize| if count == 0 { 0 } else { first_index + before as u32 };
         let stored = Stored {
@@ -50,6 +51,7 @@ impl Scene {
             nodes: tree.nodes.len() as u32,
             vertices: order.vertices.len() as u32,
             transparencies: [0; 2],
+            shape_version: 0,
             triangles: mesh.triangles() as u32,
             bounds,
             center,
@@ -70,7 +72,7 @@ impl Scene {
         self.sources.extend_from_slice(&tree.triangles);
         self.versions.geometry += 1;
         self.meshes.push(stored);
-        Ok(MeshIndex(self.meshes.len() as u32 - 1))
+        Ok(MeshIndex { number: self.meshes.len() as u32 - 1, scene: self.id })
     }
 }
 

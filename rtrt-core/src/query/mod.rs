@@ -1,0 +1,52 @@
+//! Rays for programs of any kind: what is hit, who sees whom, what is near.
+//!
+//! ```
+//! use glam::{Mat4, Vec3};
+//! use rtrt_core::query::{Ray, Tree};
+//! use rtrt_core::scene::{Material, Scene};
+//!
+//! let mut scene = Scene::new();
+//! let white = scene.add_material(Material::default())?;
+//! let ball = scene.add_sphere(white, Mat4::from_translation(Vec3::new(0.0, 0.0, -5.0)))?;
+//!
+//! let mut tree = Tree::default();
+//! let world = tree.world(&scene);
+//! let hit = world.closest(&Ray::new([0.0; 3], [0.0, 0.0, -1.0]))?.ok_or("a miss")?;
+//! assert!(hit.instance == ball && (hit.t - 4.0).abs() < 1e-6);
+//! assert!(world.occluded(&Ray::between([0.0; 3], [0.0, 0.0, -9.0]))?);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | to | call |
+//! |---|---|
+//! | ask for a hit, or whether there is one | [`World::closest`], [`World::occluded`] |
+//! | ask for all of them, in order | [`World::all`] |
+//! | decide which hits count | [`World::closest_where`], [`World::occluded_where`], [`World::all_where`] |
+//! | know the surface at a hit | [`World::surface`] |
+//! | limit a ray, or what it meets | the setters of [`Ray`] |
+//! | keep meshes where they are, without a scene | [`Shapes`] |
+//! | move something | [`Scene::set_transform`](crate::scene::Scene::set_transform), then [`Tree::world`] |
+//!
+//! # Errors
+//!
+//! A ray without a direction (zero, NaN, infinite) or with a start that is NaN or beyond ±2³⁰ is a [`QueryError`]. A
+//! ray that ends before it starts hits nothing. Directions of other lengths are right, whatever the length: `t`
+//! counts in it. An index of another scene names nothing: a ray skips nothing by it, and what is asked of a hit
+//! is `None`.
+
+mod collect;
+mod ray;
+mod search;
+mod shapes;
+mod source;
+mod surface;
+mod tree;
+mod wide;
+mod world;
+
+pub use ray::{QueryError, Ray, Sides};
+pub use shapes::Shapes;
+pub use source::Source;
+pub use surface::Surface;
+pub use tree::Tree;
+pub use world::{Hit, World};

@@ -1,0 +1,166 @@
+//! The search: a ray through the tree over the instances, and on through those of meshes.
+
+use super::ray::{Ray, ScaledRay, Sides};
+use super::source::Parts;
+use super::tree::Tree;
+use super::wide::{Asked, Range, Visitor, traverse};
+use crate::kernel::ray::Ray as WorldRay;
+use crate::kernel::sphere::{Chord, ENTRY, EXIT};
+use crate::kernel::triangle::{Intersection, Triangle, intersect};
+use crate::lane::Lane;
+use crate::layout::Instance;
+
+/// What a search meets.
+#[derive(Clone, Copy)]
+pub(crate) struct Found {
+    /// Of the scaled ray.
+    pub t: f32,
+    pub instance: u32,
+    pub triangle: u32,
+    pub u: f32,
+    pub v: f32,
+}
+
+impl Found {
+    /// Whether this comes before another: by `t`, then instance, then triangle.
+    pub fn is_before(&self, other: &Self) -> bool {
+        let numbers = |found: &Self| (found.instance, found.triangle);
+        self.t < other.t || (self.t == other.t && numbers(self) < numbers(other))
+    }
+}
+
+/// What becomes of the hits that a search meets, in any order.
+pub(crate) trait Collect {
+    /// How far the ray is still traced; below 0 if it is done.
+    fn limit(&self) -> f32;
+    /// Takes a hit that is not beyond the limit.
+    fn take(&mut self, found: Found);
+}
+
+/// Shows `collect` every hit on the ray that can change the result.
+#[inline(always)]
+pub(crate) fn search<L: Lane, S: Parts>(
+    token: L::Token,
+    tree: &Tree,
+    source: &S,
+    asked: &Ray,
+    scaled: &ScaledRay,
+    magnitude: f32,
+    collect: &mut impl Collect,
+) {
+    let skip = asked.skip.filter(|skip| skip.scene == source.id()).map(|skip| skip.number);
+    let mut instances = Instances::<L, S, _> { token, tree, source, asked, scaled, skip, collect };
+    let range = Range { from: scaled.from, limit: instances.collect.limit() };
+    let wide = Asked::<L>::new(token, &scaled.ray, magnitude);
+    let top = &tree.instances;
+    traverse(&top.tree, Some(&top.slacks), &wide, range, &mut instances);
+}
+
+/// Looks at instances.
+struct Instances<'a, L: Lane, S, C> {
+    token: L::Token,
+    tree: &'a Tree,
+    source: &'a S,
+    asked: &'a Ray,
+    scaled: &'a ScaledRay,
+    skip: Option<u32>,
+    collect: &'a mut C,
+}
+
+impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
+    #[inline(always)]
+    fn leaf(&mut self, number: u32, count: u32) -> f32 {
+        let Self { source, scaled, .. } = *self;
+        let index = number as usize;
+        let is_asked = count > 0
+            && source.tags()[index].mask & self.asked.mask != 0
+            && self.skip != Some(number)
+            && !source.places().bounds(index).is_empty();
+        if !is_asked {
+            return self.collect.limit();
+        }
+        let instance = &source.instances()[index];
+        let ray = if instance.is_identity == 1 { scaled.ray } else { scaled.ray.to_object(instance) };
+        let mut triangles = Triangles {
+            source,
+            instance,
+            number,
+            ray,
+            from: scaled.from,
+            sides: match self.asked.sides {
+                Sides::Drawn if instance.double_sided == 1 => Sides::Both,
+                Sides::Drawn => Sides::Fronts,
+                sides => sides,
+            },
+            through_holes: self.asked.through_holes && instance.transparency != 0,
+            collect: &mut *self.collect,
+        };
+        if instance.is_sphere() {
+            triangles.sphere();
+        } else {
+            let tree = &self.tree.meshes[source.mesh_of(index)].tree;
+            let range = Range { from: scaled.from, limit: triangles.collect.limit() };
+            let asked = Asked::<L>::new(self.token, &ray, 0.0);
+            traverse(tree, None, &asked, range, &mut triangles);
+        }
+        self.collect.limit()
+    }
+}
+
+/// Looks at the triangles of one instance.
+struct Triangles<'a, S, C> {
+    source: &'a S,
+    instance: &'a Instance,
+    number: u32,
+    /// In the instance's space.
+    ray: WorldRay<f32>,
+    from: f32,
+    sides: Sides,
+    through_holes: bool,
+    collect: &'a mut C,
+}
+
+impl<S: Parts, C: Collect> Visitor for Triangles<'_, S, C> {
+    #[inline(always)]
+    fn leaf(&mut self, first: u32, count: u32) -> f32 {
+        for id in first..first + count {
+            let [a, b, c] = self.source.triangle(self.instance, id);
+            let triangle = Triangle::new(a, b, c);
+            let relative = triangle.relative_to(self.ray.origin);
+            let found = intersect(&self.ray, &triangle, &relative, self.collect.limit());
+            if found.mask {
+                self.offer(id, &found, relative.front(found.t));
+            }
+        }
+        self.collect.limit()
+    }
+}
+
+impl<S: Parts, C: Collect> Triangles<'_, S, C> {
+    /// Asks a sphere.
+    fn sphere(&mut self) {
+        let chord = Chord::new(&self.ray);
+        for side in [ENTRY, EXIT] {
+            let found = chord.side(self.ray.direction, side, self.collect.limit());
+            if found.mask {
+                self.offer(side, &found, side == ENTRY);
+            }
+        }
+    }
+
+    /// Passes a hit on if the ray asks for it.
+    fn offer(&mut self, triangle: u32, found: &Intersection<f32>, is_front: bool) {
+        let is_side = match self.sides {
+            Sides::Fronts => is_front,
+            Sides::Backs => !is_front,
+            Sides::Both | Sides::Drawn => true,
+        };
+        let counts = is_side
+            && found.t >= self.from
+            && !(self.through_holes && self.source.is_hole(self.number, triangle, found));
+        if counts {
+            let &Intersection { t, u, v, .. } = found;
+            self.collect.take(Found { t, instance: self.number, triangle, u, v });
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Meshes that stay where the caller has them.
+
+use super::source::{MeshNodes, Parts};
+use crate::kernel::triangle::Intersection;
+use crate::layout::{Attribute, Instance};
+use crate::scene::{
+    Bounds, Bvh, COORDINATE_LIMIT, InstanceIndex, InstanceMaterial, Join, MaterialIndex, Mesh, MeshError,
+    MeshIndex, Places, SceneError, Stored, Tag, place, unique_id,
+};
+use alloc::vec::Vec;
+use glam::Mat4;
+
+/// Meshes that rays can be asked of and that are not copied: positions and indices stay the caller's.
+///
+/// They have no materials. Both sides of a triangle are drawn. A [`Scene`](crate::scene::Scene) has those, and
+/// spheres.
+///
+/// ```
+/// use glam::Mat4;
+/// use rtrt_core::query::{Ray, Shapes, Tree};
+/// use rtrt_core::scene::Sequential;
+///
+/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mut shapes = Shapes::new();
+/// let mesh = shapes.add_mesh(&positions, &[0, 1, 2], &Sequential)?;
+/// shapes.add_instance(mesh, Mat4::from_translation([0.0, 0.0, -5.0].into()))?;
+/// let mut tree = Tree::default();
+/// let hit = tree.world(&shapes).closest(&Ray::new([0.25, 0.25, 0.0], [0.0, 0.0, -1.0]))?;
+/// assert!(hit.is_some_and(|hit| (hit.t - 5.0).abs() < 1e-5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Shapes<'a> {
+    id: u32,
+    meshes: Vec<Shape<'a>>,
+    instances: Vec<Instance>,
+    mesh_numbers: Vec<u32>,
+    places: Places,
+    tags: Vec<Tag>,
+}
+
+/// One mesh.
+#[derive(Debug)]
+struct Shape<'a> {
+    positions: &'a [[f32; 3]],
+    indices: &'a [u32],
+    tree: Bvh,
+    stored: Stored,
+}
+
+impl Default for Shapes<'_> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<'a> Shapes<'a> {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self {
+            id: unique_id(),
+            meshes: Vec::new(),
+            instances: Vec::new(),
+            mesh_numbers: Vec::new(),
+            places: Places::default(),
+            tags: Vec::new(),
+        }
+    }
+
+    /// Adds the triangles between these positions (object space), three indices each, and builds their tree.
+    ///
+    /// # Errors
+    /// A coordinate is NaN or beyond [`COORDINATE_LIMIT`], an index names no position, or the indices do not make
+    /// whole triangles.
+    pub fn add_mesh(
+        &mut self,
+        positions: &'a [[f32; 3]],
+        indices: &'a [u32],
+        join: &impl Join,
+    ) -> Result<MeshIndex, MeshError> {
+        if !indices.len().is_multiple_of(3) {
+            return Err(MeshError::Ragged { count: indices.len() });
+        }
+        if indices.len() / 3 > Mesh::MAX_TRIANGLES {
+            return Err(MeshError::TooLarge { triangles: indices.len() / 3 });
+        }
+        for (vertex, position) in positions.iter().enumerate() {
+            let is_wrong = |c: &&f32| c.is_nan() || c.abs() > COORDINATE_LIMIT;
+            if let Some(&value) = position.iter().find(is_wrong) {
+                return Err(MeshError::Coordinate { vertex, value });
+            }
+        }
+        let vertices = positions.len();
+        if let Some(index) = indices.iter().position(|&i| i as usize >= vertices) {
+            return Err(MeshError::Index { index, value: indices[index], vertices });
+        }
+        let tree = Bvh::of_triangles(positions, indices, join);
+        let number = self.meshes.len() as u32;
+        let stored = Stored::of_shape(number, &tree, positions);
+        self.meshes.push(Shape { positions, indices, tree, stored });
+        Ok(MeshIndex { number, scene: self.id })
+    }
+
+    /// Places a mesh in the world. `to_world` takes object to world space.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_instance`](crate::scene::Scene::add_instance).
+    pub fn add_instance(&mut self, mesh: MeshIndex, to_world: Mat4) -> Result<InstanceIndex, SceneError> {
+        let missing = SceneError::Index { what: "mesh", index: mesh.number };
+        let shape = self.meshes.get(mesh.number as usize).filter(|_| mesh.scene == self.id).ok_or(missing)?;
+        let instance = place(&shape.stored, InstanceMaterial::NONE, to_world)?;
+        let number = u32::try_from(self.instances.len())
+            .ok()
+            .filter(|&number| number < u32::MAX / 4)
+            .ok_or(SceneError::TooLarge { what: "instances" })?;
+        self.places.push(&Bounds { low: instance.low, high: instance.high });
+        self.instances.push(instance);
+        self.mesh_numbers.push(mesh.number);
+        self.tags.push(Tag::default());
+        Ok(InstanceIndex { number, scene: self.id })
+    }
+
+    /// Moves an instance.
+    ///
+    /// # Errors
+    /// As for [`Shapes::add_instance`]; the instance then stays where it was.
+    pub fn set_transform(&mut self, instance: InstanceIndex, to_world: Mat4) -> Result<(), SceneError> {
+        self.set_transforms([(instance, to_world)])
+    }
+
+    /// Moves many instances.
+    ///
+    /// # Errors
+    /// As for [`Shapes::add_instance`], for the first instance that cannot be moved; it and those after it
+    /// then stay where they were.
+    pub fn set_transforms(
+        &mut self,
+        moved: impl IntoIterator<Item = (InstanceIndex, Mat4)>,
+    ) -> Result<(), SceneError> {
+        let result = moved.into_iter().try_for_each(|(instance, to_world)| {
+            let index = self.index(instance)?;
+            let stored = &self.meshes[self.mesh_numbers[index] as usize].stored;
+            let placed = place(stored, InstanceMaterial::NONE, to_world)?;
+            self.places.set(index, &Bounds { low: placed.low, high: placed.high });
+            self.instances[index] = placed;
+            Ok(())
+        });
+        self.places.update();
+        result
+    }
+
+    /// See [`Scene::set_ray_mask`](crate::scene::Scene::set_ray_mask).
+    ///
+    /// # Errors
+    /// There is no such instance.
+    pub fn set_ray_mask(&mut self, instance: InstanceIndex, mask: u32) -> Result<(), SceneError> {
+        let index = self.index(instance)?;
+        self.tags[index].mask = mask;
+        Ok(())
+    }
+
+    /// See [`Scene::set_user_data`](crate::scene::Scene::set_user_data).
+    ///
+    /// # Errors
+    /// There is no such instance.
+    pub fn set_user_data(&mut self, instance: InstanceIndex, user: u32) -> Result<(), SceneError> {
+        let index = self.index(instance)?;
+        self.tags[index].user = user;
+        Ok(())
+    }
+
+    /// The instance with a number; `None` where there is none.
+    pub fn instance_index(&self, number: u32) -> Option<InstanceIndex> {
+        let index = InstanceIndex { number, scene: self.id };
+        self.index(index).ok().map(|_| index)
+    }
+
+    /// The place of an instance in the arrays.
+    fn index(&self, instance: InstanceIndex) -> Result<usize, SceneError> {
+        let index = instance.number as usize;
+        let missing = SceneError::Index { what: "instance", index: instance.number };
+        if instance.scene == self.id && index < self.instances.len() { Ok(index) } else { Err(missing) }
+    }
+}
+
+impl Parts for Shapes<'_> {
+    fn id(&self) -> u32 {
+        self.id
+    }
+    fn meshes(&self) -> usize {
+        self.meshes.len()
+    }
+    fn nodes(&self, mesh: usize) -> MeshNodes<'_> {
+        MeshNodes { nodes: &self.meshes[mesh].tree.nodes, version: 0 }
+    }
+    #[inline(always)]
+    fn instances(&self) -> &[Instance] {
+        &self.instances
+    }
+    #[inline(always)]
+    fn mesh_of(&self, instance: usize) -> usize {
+        self.mesh_numbers[instance] as usize
+    }
+    #[inline(always)]
+    fn places(&self) -> &Places {
+        &self.places
+    }
+    #[inline(always)]
+    fn tags(&self) -> &[Tag] {
+        &self.tags
+    }
+    #[inline(always)]
+    fn corners(&self, instance: &Instance, triangle: u32) -> [u32; 3] {
+        let shape = &self.meshes[instance.root as usize];
+        let first = 3 * shape.tree.triangles[triangle as usize] as usize;
+        [shape.indices[first], shape.indices[first + 1], shape.indices[first + 2]]
+    }
+    #[inline(always)]
+    fn position(&self, instance: &Instance, vertex: u32) -> [f32; 3] {
+        self.meshes[instance.root as usize].positions[vertex as usize]
+    }
+    fn attribute(&self, _: u32) -> Option<Attribute> {
+        None
+    }
+    fn is_hole(&self, _: u32, _: u32, _: &Intersection<f32>) -> bool {
+        false
+    }
+    fn material(&self, _: &Instance) -> Option<MaterialIndex> {
+        None
+    }
+    fn source_triangle(&self, instance: usize, triangle: u32) -> u32 {
+        let shape = &self.meshes[self.mesh_numbers[instance] as usize];
+        shape.tree.triangles.get(triangle as usize).copied().unwrap_or(triangle)
+    }
+}

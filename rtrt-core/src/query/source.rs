@@ -1,0 +1,120 @@
+//! What a world is made of: a scene, or shapes of the caller's.
+
+use crate::kernel::geometry::Geometry;
+use crate::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
+use crate::kernel::triangle::Intersection;
+use crate::layout::{AlphaKind, Attribute, Instance, Node};
+use crate::scene::{MaterialIndex, Places, Scene, Tag};
+
+/// What a [`Tree`](super::Tree) can be made of: a [`Scene`], or [`Shapes`](super::Shapes).
+pub trait Source: Parts {}
+
+impl<S: Parts> Source for S {}
+
+/// The nodes of a mesh, and a number that changes with them.
+#[derive(Debug, Clone, Copy)]
+pub struct MeshNodes<'a> {
+    pub nodes: &'a [Node],
+    pub version: u32,
+}
+
+/// What queries read.
+pub trait Parts {
+    /// A number that no other source has.
+    fn id(&self) -> u32;
+    /// The number of meshes.
+    fn meshes(&self) -> usize;
+    /// The nodes of one of them.
+    fn nodes(&self, mesh: usize) -> MeshNodes<'_>;
+    /// All instances.
+    fn instances(&self) -> &[Instance];
+    /// The mesh of one of them.
+    fn mesh_of(&self, instance: usize) -> usize;
+    /// Their bounds and moves.
+    fn places(&self) -> &Places;
+    /// Their tags.
+    fn tags(&self) -> &[Tag];
+    /// The vertices at the corners of a triangle of an instance.
+    fn corners(&self, instance: &Instance, triangle: u32) -> [u32; 3];
+    /// The position of a vertex, object space.
+    fn position(&self, instance: &Instance, vertex: u32) -> [f32; 3];
+    /// The attributes of a vertex, if it has any.
+    fn attribute(&self, vertex: u32) -> Option<Attribute>;
+    /// Whether the hit is in a hole that a mask cuts.
+    fn is_hole(&self, instance: u32, triangle: u32, intersection: &Intersection<f32>) -> bool;
+    /// The material of an instance, if it has any.
+    fn material(&self, instance: &Instance) -> Option<MaterialIndex>;
+    /// The number that the triangle had when its mesh was added.
+    fn source_triangle(&self, instance: usize, triangle: u32) -> u32;
+
+    /// The corners of a triangle of an instance, object space.
+    #[inline(always)]
+    fn triangle(&self, instance: &Instance, triangle: u32) -> [[f32; 3]; 3] {
+        self.corners(instance, triangle).map(|vertex| self.position(instance, vertex))
+    }
+}
+
+impl Parts for Scene {
+    fn id(&self) -> u32 {
+        self.id()
+    }
+    fn meshes(&self) -> usize {
+        self.stored_meshes().len()
+    }
+    fn nodes(&self, mesh: usize) -> MeshNodes<'_> {
+        let mesh = &self.stored_meshes()[mesh];
+        let nodes = &self.nodes()[mesh.root as usize..][..mesh.nodes as usize];
+        MeshNodes { nodes, version: mesh.shape_version }
+    }
+    #[inline(always)]
+    fn instances(&self) -> &[Instance] {
+        self.instances()
+    }
+    #[inline(always)]
+    fn mesh_of(&self, instance: usize) -> usize {
+        self.mesh_numbers()[instance] as usize
+    }
+    #[inline(always)]
+    fn places(&self) -> &Places {
+        self.places()
+    }
+    #[inline(always)]
+    fn tags(&self) -> &[Tag] {
+        self.tags()
+    }
+    #[inline(always)]
+    fn corners(&self, instance: &Instance, triangle: u32) -> [u32; 3] {
+        instance.corners(self.mesh_data(), triangle)
+    }
+    #[inline(always)]
+    fn position(&self, _: &Instance, vertex: u32) -> [f32; 3] {
+        self.positions()[vertex as usize]
+    }
+    fn attribute(&self, vertex: u32) -> Option<Attribute> {
+        self.attributes().get(vertex as usize).copied()
+    }
+    fn is_hole(&self, instance: u32, triangle: u32, intersection: &Intersection<f32>) -> bool {
+        let placed = &self.instances()[instance as usize];
+        if alpha_mode(placed, self.mesh_data()) != AlphaKind::Mask as u32 {
+            return false;
+        }
+        let geometry = Geometry {
+            instances: self.instances(),
+            nodes: self.nodes(),
+            mesh_data: self.mesh_data(),
+            positions: self.positions(),
+            texels: self.texels(),
+            magnitude: 0.0,
+        };
+        let [_, _, _, alpha] = tint_and_alpha(&geometry, instance, triangle, intersection);
+        !passes_mask(&geometry, instance, alpha)
+    }
+    fn material(&self, instance: &Instance) -> Option<MaterialIndex> {
+        Some(self.material_index(instance.material))
+    }
+    fn source_triangle(&self, instance: usize, triangle: u32) -> u32 {
+        self.instance_index(instance as u32)
+            .and_then(|instance| Scene::source_triangle(self, instance, triangle))
+            .unwrap_or(triangle)
+    }
+}

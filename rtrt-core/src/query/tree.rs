@@ -1,0 +1,210 @@
+//! Trees for rays: one over the instances, and one for each mesh.
+
+use super::source::{Parts, Source};
+use super::wide::{Child, WIDTH, WideTree, widened};
+use super::world::World;
+use crate::layout::NONE;
+use crate::scene::{Bounds, Bvh, Join, Sequential};
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// A tree with so many times the cost that it had when it was built is built again.
+const WORN: f64 = 2.0;
+
+/// Trees over the instances and meshes of a [`Scene`](crate::scene::Scene) or of [`Shapes`](super::Shapes), kept
+/// from one change to the next.
+///
+/// [`Tree::world`] brings them up to date: after a move the boxes above what moved are computed again, and
+/// after many moves the tree over the instances is built again if it has become twice as bad. What rays hit
+/// does not depend on it. Memory: about 25 bytes a triangle of each mesh, and 60 an instance.
+#[derive(Debug, Default)]
+pub struct Tree {
+    /// What it was made of.
+    source: Option<u32>,
+    pub(crate) instances: InstanceTree,
+    pub(crate) meshes: Vec<MeshTree>,
+}
+
+/// The tree of one mesh.
+#[derive(Debug)]
+pub(crate) struct MeshTree {
+    version: u32,
+    pub tree: WideTree,
+}
+
+/// The tree over the instances. Its leaves hold one instance each.
+#[derive(Debug)]
+pub(crate) struct InstanceTree {
+    pub tree: WideTree,
+    /// The largest slack in each child.
+    pub slacks: Vec<[f32; WIDTH]>,
+    /// Where each node is: in this child. The root is nowhere.
+    parents: Vec<u32>,
+    /// Where each instance is.
+    places: Vec<u32>,
+    /// So many moves of the source are in it.
+    moves: u64,
+    /// The surfaces of all boxes, summed; and the quotient of that by the surface of the whole, when built.
+    area: f64,
+    built_cost: f64,
+}
+
+impl Default for InstanceTree {
+    fn default() -> Self {
+        Self {
+            tree: WideTree::default(),
+            slacks: vec![[0.0; WIDTH]],
+            parents: vec![NONE],
+            places: vec![],
+            moves: 0,
+            area: 0.0,
+            built_cost: 0.0,
+        }
+    }
+}
+
+impl Tree {
+    /// The trees of a source; [`Tree::world`] makes them as well, but with one worker.
+    pub fn new<S: Source>(source: &S, join: &impl Join) -> Self {
+        let mut tree = Self::default();
+        tree.update(source, join);
+        tree
+    }
+
+    /// The world that rays are asked of, as the source has it now.
+    ///
+    /// The time depends on what has moved since the last call, and hardly on how much there is. No memory is
+    /// asked for unless instances or meshes were added or a mesh has another shape, or the tree over the
+    /// instances has become bad.
+    pub fn world<'a, S: Source>(&'a mut self, source: &'a S) -> World<'a, S> {
+        self.update(source, &Sequential);
+        World::new(self, source)
+    }
+
+    /// Brings the trees up to date; workers of `join` build what must be built.
+    pub fn update<S: Source>(&mut self, source: &S, join: &impl Join) {
+        if self.source != Some(source.id()) {
+            *self = Self { source: Some(source.id()), ..Self::default() };
+        }
+        for (mesh, tree) in self.meshes.iter_mut().enumerate() {
+            let given = source.nodes(mesh);
+            if tree.version != given.version {
+                *tree = MeshTree { version: given.version, tree: widened(given.nodes) };
+            }
+        }
+        for mesh in self.meshes.len()..source.meshes() {
+            let given = source.nodes(mesh);
+            self.meshes.push(MeshTree { version: given.version, tree: widened(given.nodes) });
+        }
+        self.instances.update(source, join);
+    }
+
+    /// Bytes of all trees.
+    pub fn bytes(&self) -> usize {
+        let InstanceTree { tree, slacks, parents, places, .. } = &self.instances;
+        let meshes: usize = self.meshes.iter().map(|mesh| size_of_val(&mesh.tree.nodes[..])).sum();
+        let lists = size_of_val(&slacks[..]) + size_of_val(&parents[..]) + size_of_val(&places[..]);
+        meshes + size_of_val(&tree.nodes[..]) + lists
+    }
+}
+
+impl InstanceTree {
+    fn update(&mut self, source: &impl Parts, join: &impl Join) {
+        let moves = source.places().moves();
+        if self.places.len() != source.instances().len() {
+            self.build(source, join);
+        } else if moves != self.moves {
+            match source.places().moved_since(self.moves) {
+                Some(moved) => moved.iter().for_each(|&instance| self.refit(source, instance as usize)),
+                None => self.refit_all(source),
+            }
+            if self.cost() > WORN * self.built_cost {
+                self.build(source, join);
+            }
+        }
+        self.moves = moves;
+    }
+
+    /// Builds the tree of all instances.
+    fn build(&mut self, source: &impl Parts, join: &impl Join) {
+        let instances = source.instances();
+        let boxes: Vec<_> = instances.iter().map(|i| Bounds { low: i.low, high: i.high }).collect();
+        let narrow = Bvh::over(&boxes, 1, join);
+        self.tree = widened(&narrow.nodes);
+        let count = self.tree.nodes.len();
+        self.slacks = vec![[0.0; WIDTH]; count];
+        self.parents = vec![NONE; count];
+        self.places = vec![NONE; instances.len()];
+        for index in 0..count {
+            for slot in 0..WIDTH {
+                let place = (index * WIDTH + slot) as u32;
+                match self.tree.nodes[index].child(slot) {
+                    Child::Node(node) => self.parents[node as usize] = place,
+                    Child::Leaf(_, 0) => {}
+                    Child::Leaf(first, _) => {
+                        let instance = narrow.triangles[first as usize];
+                        self.tree.nodes[index].set_leaf(slot, instance);
+                        self.places[instance as usize] = place;
+                    }
+                }
+            }
+        }
+        self.refit_all(source);
+        self.built_cost = self.cost();
+    }
+
+    /// How often a ray that hits the whole may be expected to hit a box.
+    fn cost(&self) -> f64 {
+        let whole = f64::from(self.tree.nodes[0].all_bounds().area());
+        if whole > 0.0 { self.area / whole } else { 0.0 }
+    }
+
+    /// Takes over where all instances are.
+    fn refit_all(&mut self, source: &impl Parts) {
+        for instance in 0..self.places.len() {
+            let (node, slot) = split(self.places[instance]);
+            self.tree.nodes[node].set_bounds(slot, source.places().bounds(instance));
+            self.slacks[node][slot] = source.instances()[instance].slack;
+        }
+        self.area = 0.0;
+        for index in (0..self.tree.nodes.len()).rev() {
+            let node = &self.tree.nodes[index];
+            self.area += (0..WIDTH).map(|slot| f64::from(node.bounds(slot).area())).sum::<f64>();
+            if self.parents[index] != NONE {
+                let (bounds, slack) = (node.all_bounds(), largest(&self.slacks[index]));
+                let (above, slot) = split(self.parents[index]);
+                self.tree.nodes[above].set_bounds(slot, &bounds);
+                self.slacks[above][slot] = slack;
+            }
+        }
+    }
+
+    /// Takes over where one instance is.
+    fn refit(&mut self, source: &impl Parts, instance: usize) {
+        let mut place = self.places[instance];
+        let (mut bounds, mut slack) = (*source.places().bounds(instance), source.instances()[instance].slack);
+        while place != NONE {
+            let (index, slot) = split(place);
+            let node = &mut self.tree.nodes[index];
+            let old = node.bounds(slot);
+            if (old.low, old.high, self.slacks[index][slot]) == (bounds.low, bounds.high, slack) {
+                return;
+            }
+            node.set_bounds(slot, &bounds);
+            self.slacks[index][slot] = slack;
+            self.area += f64::from(bounds.area()) - f64::from(old.area());
+            (bounds, slack) = (node.all_bounds(), largest(&self.slacks[index]));
+            place = self.parents[index];
+        }
+    }
+}
+
+/// The node and the slot of a place.
+fn split(place: u32) -> (usize, usize) {
+    (place as usize / WIDTH, place as usize % WIDTH)
+}
+
+/// The largest of some slacks.
+fn largest(slacks: &[f32; WIDTH]) -> f32 {
+    slacks.iter().fold(0.0, |most, slack| most.max(*slack))
+}

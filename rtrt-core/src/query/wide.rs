@@ -1,0 +1,322 @@
+//! Trees of nodes with eight children, which a ray asks all at once.
+//!
+//! They are made of trees with two children by opening the largest nodes. A child's interval is computed
+//! as [`slab`](crate::kernel::slab::slab) does, so nothing that a tree of any shape finds is lost.
+
+use crate::kernel::ray::Ray;
+use crate::kernel::slab::STRETCH;
+use crate::kernel::traverse::STACK;
+use crate::lane::{Lane, Mask, Row};
+use crate::layout::Node;
+use crate::scene::Bounds;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Children of a node.
+pub(crate) const WIDTH: usize = 8;
+/// The bits of a slot.
+const SLOT: u32 = WIDTH as u32 - 1;
+/// The levels that most trees have at most.
+const SHALLOW: usize = 20;
+/// The count of a child that is a node.
+const INNER: u32 = u32::MAX;
+/// Where children are that are not there: no ray comes so far.
+const NOWHERE: f32 = f32::MAX;
+
+/// A node: the boxes of its children, and what they are.
+#[repr(C, align(64))]
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct WideNode {
+    /// Lower planes along x, y, z; then the upper ones.
+    planes: [[f32; WIDTH]; 6],
+    /// A node, or the first of the things that a leaf holds.
+    first: [u32; WIDTH],
+    /// How many a leaf holds; [`INNER`] for a node.
+    count: [u32; WIDTH],
+}
+const _: () = assert!(size_of::<WideNode>() == 256);
+
+/// What a child is.
+pub(crate) enum Child {
+    /// Another node.
+    Node(u32),
+    /// The first of a leaf's things, and how many there are.
+    Leaf(u32, u32),
+}
+
+impl WideNode {
+    /// Without children.
+    pub const EMPTY: Self = Self { planes: [[NOWHERE; WIDTH]; 6], first: [0; WIDTH], count: [0; WIDTH] };
+
+    /// What a child is; a leaf of nothing if there is none.
+    #[inline(always)]
+    pub fn child(&self, slot: usize) -> Child {
+        match self.count[slot] {
+            INNER => Child::Node(self.first[slot]),
+            count => Child::Leaf(self.first[slot], count),
+        }
+    }
+
+    /// Makes a leaf hold one thing.
+    pub fn set_leaf(&mut self, slot: usize, thing: u32) {
+        (self.first[slot], self.count[slot]) = (thing, 1);
+    }
+
+    /// The box of a child; empty if nothing is in it.
+    pub fn bounds(&self, slot: usize) -> Bounds {
+        let at = |plane: usize| self.planes[plane][slot];
+        if at(0) == NOWHERE {
+            return Bounds::EMPTY;
+        }
+        Bounds { low: [at(0), at(1), at(2)], high: [at(3), at(4), at(5)] }
+    }
+
+    /// Changes the box of a child.
+    pub fn set_bounds(&mut self, slot: usize, bounds: &Bounds) {
+        for axis in 0..3 {
+            let is_empty = bounds.is_empty();
+            self.planes[axis][slot] = if is_empty { NOWHERE } else { bounds.low[axis] };
+            self.planes[3 + axis][slot] = if is_empty { NOWHERE } else { bounds.high[axis] };
+        }
+    }
+
+    /// The box of all children.
+    pub fn all_bounds(&self) -> Bounds {
+        (0..WIDTH).fold(Bounds::EMPTY, |all, slot| all.union(&self.bounds(slot)))
+    }
+}
+
+/// The range of `t` that is left of a ray's, in lanes of eight.
+#[derive(Clone, Copy)]
+pub(crate) struct Range {
+    pub from: f32,
+    pub limit: f32,
+}
+
+/// A ray, ready to ask the eight children of a node.
+pub(crate) struct Asked<L> {
+    origin: [L; 3],
+    inverse: [L; 3],
+    /// For each axis, the planes where the ray enters and leaves.
+    entry: [usize; 3],
+    exit: [usize; 3],
+    /// How much wider boxes are than in the nodes, per unit of their slack.
+    magnitude: L,
+}
+
+/// The children that a ray may hit, and where it enters each.
+struct Entered<L: Lane> {
+    mask: u32,
+    near: L::Row,
+}
+
+impl<L: Lane> Asked<L> {
+    /// `magnitude` widens the boxes by that much of their slack; 0 for nodes that have none.
+    #[inline(always)]
+    pub fn new(token: L::Token, ray: &Ray<f32>, magnitude: f32) -> Self {
+        let each = |v: [f32; 3]| v.map(|c| L::splat(token, c));
+        let inverse = ray.inverse.lane(0);
+        let is_up = inverse.map(|c| c > 0.0);
+        Self {
+            origin: each(ray.origin.lane(0)),
+            inverse: each(inverse),
+            entry: [0, 1, 2].map(|axis| if is_up[axis] { axis } else { 3 + axis }),
+            exit: [0, 1, 2].map(|axis| if is_up[axis] { 3 + axis } else { axis }),
+            magnitude: L::splat(token, magnitude),
+        }
+    }
+
+    /// The children that the ray may hit within its range.
+    ///
+    /// Along each axis the plane at which the ray enters has the smaller `t`: products with a number of
+    /// one sign are ordered as their other factors.
+    #[inline(always)]
+    fn enter(&self, node: &WideNode, slack: Option<&[f32; WIDTH]>, range: Range) -> Entered<L> {
+        let like = self.magnitude;
+        let token = like.token();
+        let load = |row: &[f32; WIDTH]| {
+            L::from_fn(
+                token,
+                #[inline(always)]
+                |lane| row[lane],
+            )
+        };
+        let pad = slack.map(|slack| load(slack) * self.magnitude);
+        let at = |plane: usize, axis: usize| {
+            let bound = load(&node.planes[plane]);
+            let bound = match pad {
+                Some(pad) => {
+                    if plane < 3 {
+                        bound - pad
+                    } else {
+                        bound + pad
+                    }
+                }
+                None => bound,
+            };
+            (bound - self.origin[axis]) * self.inverse[axis]
+        };
+        let near = at(self.entry[0], 0).max(at(self.entry[1], 1)).max(at(self.entry[2], 2));
+        let far = at(self.exit[0], 0).min(at(self.exit[1], 1)).min(at(self.exit[2], 2)) * STRETCH;
+        let near = near.max(like.broadcast(range.from));
+        let mask = near.le(far.min(like.broadcast(range.limit))).bits();
+        Entered { mask, near: near.row() }
+    }
+}
+
+/// The children of a node that wait, farthest first. A key is where the ray enters, its last three bits
+/// replaced by the slot.
+#[derive(Clone, Copy)]
+struct Waiting {
+    node: u32,
+    count: u32,
+    keys: [u32; WIDTH],
+}
+
+/// Something that looks at the leaves which a ray comes through.
+pub(crate) trait Visitor {
+    /// Looks at a leaf; returns how far the ray is still traced. Below 0, the search ends.
+    fn leaf(&mut self, first: u32, count: u32) -> f32;
+}
+
+/// Shows a visitor the leaves that a ray may hit within its range, roughly from near to far. `slacks` are
+/// those of the nodes' children, if they have any.
+#[inline(always)]
+pub(crate) fn traverse<L: Lane>(
+    tree: &WideTree,
+    slacks: Option<&[[f32; WIDTH]]>,
+    asked: &Asked<L>,
+    range: Range,
+    visitor: &mut impl Visitor,
+) {
+    // A stack is cleared for each search: most trees need a short one.
+    if tree.depth <= SHALLOW {
+        traverse_with::<L, SHALLOW>(&tree.nodes, slacks, asked, range, visitor);
+    } else {
+        traverse_with::<L, STACK>(&tree.nodes, slacks, asked, range, visitor);
+    }
+}
+
+/// [`traverse`] with a stack for `D` levels.
+#[inline(always)]
+fn traverse_with<L: Lane, const D: usize>(
+    nodes: &[WideNode],
+    slacks: Option<&[[f32; WIDTH]]>,
+    asked: &Asked<L>,
+    mut range: Range,
+    visitor: &mut impl Visitor,
+) {
+    let mut stack = [Waiting { node: 0, count: 0, keys: [0; WIDTH] }; D];
+    let mut depth = 0;
+    let mut index = 0_u32;
+    loop {
+        let node = &nodes[index as usize];
+        let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);
+        if entered.mask != 0 {
+            order::<L>(&entered, &mut stack[depth]);
+            stack[depth].node = index;
+            depth += 1;
+        }
+        // The next node: leaves on the way are looked at.
+        index = loop {
+            if depth == 0 {
+                return;
+            }
+            let top = &mut stack[depth - 1];
+            top.count -= 1;
+            let key = top.keys[top.count as usize & (WIDTH - 1)];
+            if key & !SLOT > range.limit.to_bits() {
+                // It is too far by now, and so are the others.
+                depth -= 1;
+                continue;
+            }
+            let (parent, slot) = (&nodes[top.node as usize], (key & SLOT) as usize);
+            depth -= usize::from(top.count == 0);
+            match parent.child(slot) {
+                Child::Node(child) => break child,
+                Child::Leaf(first, count) => {
+                    range.limit = visitor.leaf(first, count);
+                    if range.limit < range.from {
+                        return;
+                    }
+                }
+            }
+        };
+    }
+}
+
+/// Puts the children that are entered in order.
+#[inline(always)]
+fn order<L: Lane>(entered: &Entered<L>, waiting: &mut Waiting) {
+    let keys = &mut waiting.keys;
+    let mut count = 0;
+    let mut remaining = entered.mask;
+    while remaining != 0 {
+        let slot = remaining.trailing_zeros();
+        remaining &= remaining - 1;
+        // Numbers that are not negative are ordered as their bits.
+        let key = entered.near.at(slot as usize).to_bits() & !SLOT | slot;
+        let mut at = count;
+        while at > 0 && keys[at - 1] < key {
+            keys[at] = keys[at - 1];
+            at -= 1;
+        }
+        keys[at] = key;
+        count += 1;
+    }
+    waiting.count = count as u32;
+}
+
+/// A tree with eight children a node.
+#[derive(Debug)]
+pub(crate) struct WideTree {
+    /// The root first, and nodes before their children.
+    pub nodes: Vec<WideNode>,
+    /// The number of levels.
+    depth: usize,
+}
+
+impl Default for WideTree {
+    fn default() -> Self {
+        Self { nodes: vec![WideNode::EMPTY], depth: 1 }
+    }
+}
+
+/// The tree that is made of one with two children a node, by opening the nodes with the largest surfaces.
+pub(crate) fn widened(nodes: &[Node]) -> WideTree {
+    let WideTree { nodes: mut wide, mut depth } = WideTree::default();
+    // A node of two, the wide one that it becomes, and that one's level.
+    let mut todo = vec![(0, 0, 1)];
+    while let Some((narrow, index, level)) = todo.pop() {
+        depth = depth.max(level);
+        let mut open = [narrow; WIDTH];
+        let mut count = 1;
+        if nodes[narrow].is_leaf() && nodes[narrow].triangles() == 0 {
+            continue;
+        }
+        while count < WIDTH {
+            let area = |&at: &usize| Bounds::around(&nodes[open[at]]).area();
+            let inner = (0..count).filter(|&at| !nodes[open[at]].is_leaf());
+            let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
+            let first = nodes[open[largest]].first as usize;
+            (open[largest], open[count]) = (first, first + 1);
+            count += 1;
+        }
+        let start = todo.len();
+        for (slot, &child) in open[..count].iter().enumerate() {
+            let node = &nodes[child];
+            let (first, held) = if node.is_leaf() {
+                (node.first, node.triangles())
+            } else {
+                wide.push(WideNode::EMPTY);
+                todo.push((child, wide.len() - 1, level + 1));
+                (wide.len() as u32 - 1, INNER)
+            };
+            (wide[index].first[slot], wide[index].count[slot]) = (first, held);
+            wide[index].set_bounds(slot, &Bounds::around(node));
+        }
+        // The first child's subtree follows first.
+        todo[start..].reverse();
+    }
+    WideTree { nodes: wide, depth }
+}

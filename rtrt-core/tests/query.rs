@@ -1,0 +1,473 @@
+//! Rays against random worlds: every answer is that of a search without any tree.
+
+use glam::{Mat4, Quat, Vec3};
+use rtrt_core::kernel::ray::Ray as KernelRay;
+use rtrt_core::kernel::sphere::Chord;
+use rtrt_core::kernel::triangle::{Triangle, intersect};
+use rtrt_core::lane::V3;
+use rtrt_core::query::{Hit, Ray, Shapes, Sides, Source, Tree, World};
+use rtrt_core::scene::{
+    Attribute, Bvh, InstanceIndex, Material, MaterialIndex, Mesh, MeshIndex, Scene, Sequential,
+};
+
+/// Numbers that look random.
+struct Random(u32);
+
+impl Random {
+    fn word(&mut self) -> u32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        self.0 >> 8
+    }
+    fn below(&mut self, end: u32) -> u32 {
+        self.word() % end
+    }
+    /// Within −1 .. 1.
+    fn signed(&mut self) -> f32 {
+        self.word() as f32 / (1 << 23) as f32 - 1.0
+    }
+    fn vector(&mut self, size: f32) -> Vec3 {
+        Vec3::new(self.signed(), self.signed(), self.signed()) * size
+    }
+    /// A place in a world of this size: moved, turned, scaled, some of them mirrored or flat.
+    fn place(&mut self, size: f32) -> Mat4 {
+        let scale = match self.below(5) {
+            0 => Vec3::ONE,
+            1 => Vec3::new(0.3, 2.0, -1.0),
+            2 => Vec3::new(1.0, 1e-3, 3.0),
+            _ => Vec3::splat((self.signed() * 1.5).exp()),
+        };
+        let turn = Quat::from_scaled_axis(self.vector(3.0));
+        Mat4::from_scale_rotation_translation(scale, turn, self.vector(size))
+    }
+}
+
+/// Triangles strewn over a cube, some of them in a row with shared corners.
+fn heap(random: &mut Random, triangles: u32) -> Mesh {
+    let mut positions: Vec<[f32; 3]> = vec![];
+    for _ in 0..triangles {
+        let center = random.vector(1.0);
+        positions.extend([0; 3].map(|_| (center + random.vector(0.4)).to_array()));
+    }
+    let count = positions.len() as u32;
+    let mut indices: Vec<u32> = (0..count).collect();
+    indices.extend((0..count / 2).flat_map(|i| [i, i + 1, (i + 7) % count]));
+    let attribute = |i: usize| Attribute {
+        normal: [0.0, 1.0, i as f32 * 0.01],
+        uv: [i as f32 * 0.1, 0.5],
+        color: if i.is_multiple_of(3) { 0x20ff_ffff } else { u32::MAX },
+    };
+    Mesh::new(positions, (0..count as usize).map(attribute).collect(), indices).expect("a mesh")
+}
+
+/// A scene of meshes and spheres, with indices of what is in it.
+struct Made {
+    scene: Scene,
+    meshes: Vec<MeshIndex>,
+    materials: Vec<MaterialIndex>,
+    instances: Vec<InstanceIndex>,
+}
+
+fn made(random: &mut Random, instances: u32) -> Made {
+    let mut scene = Scene::new();
+    let looks = [
+        Material::default(),
+        Material::default().double_sided(false),
+        Material::default().mask(0.5),
+        Material::default().blend(0.3),
+    ];
+    let materials: Vec<_> = looks.into_iter().map(|look| scene.add_material(look).expect("a look")).collect();
+    let mut meshes = vec![];
+    for triangles in [1, 5, 60, 300] {
+        let mesh = heap(random, triangles);
+        meshes.push(scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).expect("room"));
+    }
+    let mut placed = vec![];
+    for number in 0..instances {
+        let material = materials[random.below(4) as usize];
+        let place = if number == 0 { Mat4::IDENTITY } else { random.place(8.0) };
+        let instance = if random.below(4) == 0 {
+            scene.add_sphere(material, place)
+        } else {
+            scene.add_instance(meshes[random.below(4) as usize], material, place)
+        };
+        let instance = instance.expect("a place");
+        scene.set_ray_mask(instance, 1 << random.below(4) | 1 << random.below(4)).expect("it is there");
+        placed.push(instance);
+    }
+    Made { scene, meshes, materials, instances: placed }
+}
+
+/// All hits on a ray, found by asking each triangle of each instance; holes aside.
+fn every(scene: &Scene, masks: &[u32], ray: &Ray) -> Vec<(f32, u32, u32, f32, f32)> {
+    let world = KernelRay::<f32>::new(V3::splat((), ray.origin), V3::splat((), ray.direction));
+    let mut hits = vec![];
+    for (number, instance) in scene.instances().iter().enumerate() {
+        let skipped = ray.skip.is_some_and(|skip| skip.number() as usize == number);
+        if instance.triangles == 0 || masks[number] & ray.mask == 0 || skipped {
+            continue;
+        }
+        let local = if instance.is_identity == 1 { world } else { world.to_object(instance) };
+        let limit = ray.to.min(f32::MAX);
+        for id in 0..instance.triangles {
+            let (found, front) = if instance.is_sphere() {
+                (Chord::new(&local).side(local.direction, id, limit), id == 0)
+            } else {
+                let [a, b, c] =
+                    instance.corners(scene.mesh_data(), id).map(|v| scene.positions()[v as usize]);
+                let triangle = Triangle::new(a, b, c);
+                let relative = triangle.relative_to(local.origin);
+                (intersect(&local, &triangle, &relative, limit), relative.front(1.0_f32))
+            };
+            let is_side = match ray.sides {
+                Sides::Both => true,
+                Sides::Fronts => front,
+                Sides::Backs => !front,
+                Sides::Drawn => front || instance.double_sided == 1,
+            };
+            if found.mask && is_side && found.t >= ray.from {
+                hits.push((found.t, number as u32, id, found.u, found.v));
+            }
+        }
+    }
+    hits.sort_by(|a, b| a.partial_cmp(b).expect("no NaN"));
+    hits
+}
+
+fn row(hit: &Hit) -> (f32, u32, u32, f32, f32) {
+    (hit.t, hit.instance.number(), hit.triangle, hit.u, hit.v)
+}
+
+/// A ray among what is in a world of this size.
+fn ray(random: &mut Random, size: f32, scene: &Scene, instances: &[InstanceIndex]) -> Ray {
+    let from = if random.below(3) == 0 { 3.0 } else { 1.0 };
+    let origin = random.vector(size * from);
+    // To where something is, near that, or anywhere.
+    let target = &scene.instances()[random.below(instances.len() as u32) as usize];
+    let mut ray = if random.below(2) == 0 {
+        Ray::between(origin, Vec3::from(target.center) + random.vector(target.radius)).until(f32::INFINITY)
+    } else if random.below(2) == 0 {
+        Ray::between(origin, random.vector(size))
+    } else {
+        Ray::new(origin, if random.below(5) == 0 { Vec3::X } else { random.vector(2.0) })
+    };
+    if random.below(3) == 0 {
+        ray = ray.starting(random.signed() * 3.0);
+    }
+    if random.below(3) == 0 {
+        ray = ray.until(random.signed() * 3.0 + 3.0);
+    }
+    if random.below(2) == 0 {
+        ray = ray.mask(random.below(16));
+    }
+    if random.below(3) == 0 {
+        ray = ray.skip(instances[random.below(instances.len() as u32) as usize]);
+    }
+    ray.sides([Sides::Both, Sides::Fronts, Sides::Backs, Sides::Drawn][random.below(4) as usize])
+}
+
+/// Compares every kind of query with all hits; returns how many rays hit anything.
+fn compare(world: &World<'_>, scene: &Scene, masks: &[u32], ray: &Ray) -> usize {
+    let every = every(scene, masks, ray);
+    let closest = world.closest(ray).expect("a ray");
+    assert_eq!(closest.as_ref().map(row), every.first().copied(), "{ray:?}");
+    assert_eq!(world.occluded(ray), Ok(!every.is_empty()), "{ray:?}");
+    let mut hits = [Hit::NONE; 9];
+    for size in [0, 1, 9] {
+        let count = world.all(ray, &mut hits[..size]).expect("a ray");
+        let found: Vec<_> = hits[..count].iter().map(row).collect();
+        assert_eq!(found, every[..every.len().min(size)], "{ray:?}");
+    }
+    // A rule of the caller's: odd triangles only.
+    let odd = |hit: &Hit| hit.triangle % 2 == 1;
+    let every_odd: Vec<_> = every.iter().copied().filter(|hit| hit.2 % 2 == 1).collect();
+    let closest = world.closest_where(ray, odd).expect("a ray");
+    assert_eq!(closest.as_ref().map(row), every_odd.first().copied(), "{ray:?}");
+    assert_eq!(world.occluded_where(ray, odd), Ok(!every_odd.is_empty()));
+    let count = world.all_where(ray, &mut hits, odd).expect("a ray");
+    let found: Vec<_> = hits[..count].iter().map(row).collect();
+    assert_eq!(found, every_odd[..every_odd.len().min(9)]);
+    usize::from(!every.is_empty())
+}
+
+#[test]
+fn answers_are_those_of_a_search_without_a_tree_while_things_move() {
+    let mut random = Random(1);
+    for instances in [1, 2, 9, 70, 400] {
+        let Made { mut scene, meshes, materials, instances: mut all } = made(&mut random, instances);
+        let mut tree = Tree::default();
+        let mut hit = 0;
+        for step in 0..12 {
+            // A few move, or most of them; some hide, a mesh bends, and there is one more.
+            let moved = if step % 4 == 3 { instances } else { random.below(4) };
+            let places: Vec<_> = (0..moved)
+                .map(|_| (all[random.below(all.len() as u32) as usize], random.place(8.0 + step as f32)))
+                .collect();
+            scene.set_transforms(places).expect("places");
+            if step % 3 == 1 {
+                scene.hide(all[random.below(all.len() as u32) as usize]).expect("it is there");
+            }
+            if step == 5 {
+                scene.reshape(meshes[2], &heap(&mut random, 60)).expect("the same triangles");
+            }
+            if step == 7 {
+                all.push(scene.add_sphere(materials[0], random.place(3.0)).expect("a place"));
+            }
+            let masks: Vec<_> = (0..all.len()).map(|_| 1 << random.below(4)).collect();
+            for (instance, mask) in all.iter().zip(&masks) {
+                scene.set_ray_mask(*instance, *mask).expect("it is there");
+            }
+            let world = tree.world(&scene);
+            for _ in 0..25 {
+                let ray = ray(&mut random, 8.0, &scene, &all);
+                hit += compare(&world, &scene, &masks, &ray);
+            }
+        }
+        assert!(hit > instances.min(60) as usize, "{instances}: {hit}");
+    }
+}
+
+#[test]
+fn a_direction_of_any_length_hits_the_same() {
+    let mut random = Random(4);
+    let Made { scene, instances, .. } = made(&mut random, 40);
+    let mut tree = Tree::default();
+    let world = tree.world(&scene);
+    let mut hits = 0;
+    for _ in 0..500 {
+        let plain = ray(&mut random, 8.0, &scene, &instances).sides(Sides::Both);
+        let expected = world.closest(&plain).expect("a ray");
+        hits += usize::from(expected.is_some());
+        for power in [-100, -60, 60, 100] {
+            let length = f32::from_bits((127 + power as u32 as i32) as u32 * (1 << 23));
+            let by = |c: f32| c * length;
+            let scaled = Ray {
+                direction: plain.direction.map(by),
+                from: plain.from / length,
+                to: plain.to / length,
+                ..plain
+            };
+            let found = world.closest(&scaled).expect("a ray");
+            let expected = expected.map(|hit| Hit { t: hit.t / length, ..hit });
+            assert_eq!(found, expected, "{plain:?} times 2^{power}");
+        }
+    }
+    assert!(hits > 100, "{hits}");
+}
+
+#[test]
+fn holes_are_looked_through_only_if_asked() {
+    let mut random = Random(9);
+    let Made { mut scene, instances, materials, .. } = made(&mut random, 60);
+    // What the mask leaves in place is decided by vertex colors: compared with a scene in which it cuts nothing.
+    let mut tree = Tree::default();
+    let rays: Vec<_> = (0..600).map(|_| ray(&mut random, 8.0, &scene, &instances).through_holes()).collect();
+    let ask = |world: &World<'_>, ray: &Ray| world.closest(ray).expect("a ray").map(|hit| row(&hit));
+    let world = tree.world(&scene);
+    let through: Vec<_> = rays.iter().map(|ray| ask(&world, ray)).collect();
+    let solid: Vec<_> = rays.iter().map(|ray| ask(&world, &Ray { through_holes: false, ..*ray })).collect();
+    assert_ne!(through, solid);
+    scene.set_material(materials[2], Material::default().mask(0.0)).expect("a look");
+    let world = tree.world(&scene);
+    let uncut: Vec<_> = rays.iter().map(|ray| ask(&world, ray)).collect();
+    assert_eq!(uncut, solid);
+}
+
+#[test]
+fn shapes_of_the_callers_answer_as_a_scene_does() {
+    let mut random = Random(2);
+    let meshes: Vec<_> = [1, 40, 300].into_iter().map(|n| heap(&mut random, n)).collect();
+    let (mut scene, mut shapes) = (Scene::new(), Shapes::new());
+    let material = scene.add_material(Material::default()).expect("a look");
+    let mut in_scene = vec![];
+    let mut in_shapes = vec![];
+    for mesh in &meshes {
+        in_scene.push(scene.add_mesh(mesh, &Bvh::build(mesh, &Sequential)).expect("room"));
+        in_shapes.push(shapes.add_mesh(mesh.positions(), mesh.indices(), &Sequential).expect("a mesh"));
+    }
+    let mut both = vec![];
+    for _ in 0..80 {
+        let (mesh, place) = (random.below(3) as usize, random.place(8.0));
+        both.push((
+            scene.add_instance(in_scene[mesh], material, place).expect("a place"),
+            shapes.add_instance(in_shapes[mesh], place).expect("a place"),
+        ));
+    }
+    let (mut tree, mut other) = (Tree::default(), Tree::new(&shapes, &Sequential));
+    let mut hits = 0;
+    for step in 0..4 {
+        for _ in 0..step * 20 {
+            let ((a, b), place) = (both[random.below(80) as usize], random.place(8.0));
+            scene.set_transform(a, place).expect("a place");
+            shapes.set_transform(b, place).expect("a place");
+        }
+        let (world, shape_world) = (tree.world(&scene), other.world(&shapes));
+        for _ in 0..200 {
+            let ray = Ray { skip: None, ..ray(&mut random, 8.0, &scene, &[both[0].0]) };
+            let (a, b) = (world.closest(&ray).expect("a ray"), shape_world.closest(&ray).expect("a ray"));
+            assert_eq!(a.as_ref().map(row), b.as_ref().map(row));
+            if let (Some(a), Some(b)) = (a, b) {
+                hits += 1;
+                assert_eq!(world.source_triangle(&a), shape_world.source_triangle(&b));
+                let surfaces = (world.surface(&a).expect("a hit"), shape_world.surface(&b).expect("a hit"));
+                assert_eq!(surfaces.0.position, surfaces.1.position);
+                assert_eq!(surfaces.0.normal, surfaces.1.normal);
+                // A hit of another world is none of this one.
+                assert_eq!((world.surface(&b), world.source_triangle(&b)), (None, None));
+            }
+        }
+    }
+    assert!(hits > 100, "{hits}");
+}
+
+#[test]
+fn rays_that_leave_a_surface_do_not_hit_it_and_the_point_is_on_it() {
+    let mut random = Random(7);
+    let Made { scene, instances, .. } = made(&mut random, 60);
+    let mut tree = Tree::default();
+    let world = tree.world(&scene);
+    let mut hits = 0;
+    for _ in 0..2000 {
+        let ray = Ray { skip: None, ..ray(&mut random, 8.0, &scene, &instances) };
+        let Some(hit) = world.closest(&ray).expect("a ray") else { continue };
+        hits += 1;
+        let surface = world.surface(&hit).expect("a hit");
+        let [x, y, z] = surface.normal.map(f64::from);
+        assert!((x * x + y * y + z * z - 1.0).abs() < 1e-6);
+        assert_eq!(surface.material, scene.material_of(hit.instance));
+        assert_eq!(Some(surface.source_triangle), world.source_triangle(&hit));
+        // The front is where the ray comes from, if it hits the front.
+        let along = Vec3::from(ray.direction).dot(surface.normal.into());
+        let fronts = world.closest(&Ray { sides: Sides::Fronts, to: hit.t, from: hit.t, ..ray });
+        if along.abs() > 1e-3 * Vec3::from(ray.direction).length() {
+            assert_eq!(fronts.expect("a ray").map(|front| front.triangle) == Some(hit.triangle), along < 0.0);
+        }
+        for side in [1.0, -1.0] {
+            let away = Vec3::from(surface.normal) * side + random.vector(0.5);
+            let leaving = Ray::new(surface.start(away), away);
+            let own = |other: &Hit| (other.instance, other.triangle) == (hit.instance, hit.triangle);
+            let again = world.closest_where(&leaving, own).expect("a ray");
+            // A sphere is left through its other side.
+            let is_sphere = scene.instances()[hit.instance.number() as usize].is_sphere();
+            assert!(again.is_none() || is_sphere, "{hit:?} {again:?}");
+        }
+        let instance = &scene.instances()[hit.instance.number() as usize];
+        if !instance.is_sphere() {
+            let corners = instance.corners(scene.mesh_data(), hit.triangle).map(|vertex| {
+                let p = scene.positions()[vertex as usize].map(f64::from);
+                glam::DVec3::from(instance.to_world.map(|r| {
+                    f64::from(r[0]) * p[0] + f64::from(r[1]) * p[1] + f64::from(r[2]) * p[2] + f64::from(r[3])
+                }))
+            });
+            let [a, b, c] = corners;
+            let normal = (b - a).cross(c - a).normalize();
+            let off = (glam::DVec3::from(surface.position.map(f64::from)) - a).dot(normal).abs();
+            assert!(off <= f64::from(surface.error) * 1.8, "{off} {surface:?}");
+        }
+    }
+    assert!(hits > 500, "{hits}");
+}
+
+/// Answers of any source, to be called with anything.
+fn ask_everything<S: Source>(world: &World<'_, S>, ray: &Ray, hit: &Hit) {
+    let mut hits = [*hit; 3];
+    let _ = world.closest(ray);
+    let _ = world.occluded(ray);
+    let _ = world.all(ray, &mut hits);
+    let _ = world.closest_where(ray, |hit| hit.u > 0.3);
+    let _ = (world.surface(hit), world.source_triangle(hit), world.user_data(hit.instance));
+}
+
+#[test]
+fn nothing_panics_whatever_is_asked() {
+    let mut random = Random(3);
+    let Made { scene, instances, .. } = made(&mut random, 30);
+    let other = made(&mut random, 3);
+    let odd = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        1e-45,
+        -1e-45,
+        1e-38,
+        1e-30,
+        1e30,
+        -1e30,
+        f32::MAX,
+        f32::MIN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+        1_073_741_824.0,
+        -1_073_741_900.0,
+        3.5,
+    ];
+    let number = |random: &mut Random| match random.below(3) {
+        0 => f32::from_bits(random.word() << 16 ^ random.word()),
+        _ => odd[random.below(odd.len() as u32) as usize],
+    };
+    let (mut tree, mut shape_tree) = (Tree::default(), Tree::default());
+    let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut shapes = Shapes::new();
+    let mesh = shapes.add_mesh(&positions, &[0, 1, 2, 1, 1, 1], &Sequential).expect("a mesh");
+    shapes.add_instance(mesh, Mat4::IDENTITY).expect("a place");
+    let shape_world = shape_tree.world(&shapes);
+    let world = tree.world(&scene);
+    for _ in 0..100_000 {
+        let mut point = || [0; 3].map(|_| number(&mut random));
+        let mut ray = Ray::new(point(), point());
+        if random.below(2) == 0 {
+            (ray.from, ray.to) = (number(&mut random), number(&mut random));
+        }
+        let from = if random.below(4) == 0 { &other.instances } else { &instances };
+        let instance = from[random.below(from.len() as u32) as usize];
+        ray.skip = (random.below(2) == 0).then_some(instance);
+        let hit = Hit {
+            t: number(&mut random),
+            instance,
+            triangle: if random.below(2) == 0 { random.below(3) } else { random.word() << 8 },
+            u: number(&mut random),
+            v: number(&mut random),
+        };
+        ask_everything(&world, &ray, &hit);
+        ask_everything(&shape_world, &ray, &hit);
+    }
+    // Nothing at all.
+    let mut tree = Tree::default();
+    let nothing = Scene::new();
+    assert_eq!(tree.world(&nothing).closest(&Ray::new([0.0; 3], [1.0; 3])), Ok(None));
+}
+
+#[test]
+fn what_belongs_to_another_scene_is_refused() {
+    let mut random = Random(5);
+    let (mut one, other) = (made(&mut random, 3), made(&mut random, 3));
+    let scene = &mut one.scene;
+    let place = Mat4::IDENTITY;
+    assert!(scene.add_instance(other.meshes[0], one.materials[0], place).is_err());
+    assert!(scene.add_instance(one.meshes[0], other.materials[0], place).is_err());
+    assert!(scene.add_sphere(other.materials[0], place).is_err());
+    assert!(scene.set_transform(other.instances[0], place).is_err());
+    assert!(scene.hide(other.instances[0]).is_err());
+    assert!(scene.set_ray_mask(other.instances[0], 1).is_err());
+    assert!(scene.set_levels(one.instances[0], &[(1.0, other.meshes[0])]).is_err());
+    assert!(scene.set_material(other.materials[0], Material::default()).is_err());
+    assert!(scene.reshape(other.meshes[0], &heap(&mut random, 1)).is_err());
+    assert_eq!((scene.material(other.materials[0]), scene.material_of(other.instances[0])), (None, None));
+    assert_eq!(scene.source_triangle(other.instances[0], 0), None);
+    // A shape of another size says what it should be.
+    let error = scene.reshape(one.meshes[1], &heap(&mut random, 2)).expect_err("too few").to_string();
+    assert_eq!(
+        error,
+        "the shape has 3 + 2 triangles".replace("3 + 2", &heap(&mut random, 2).triangles().to_string())
+            + ", and the mesh has 12"
+    );
+    // A tree of another mesh, with as many triangles, with fewer, with more; and none.
+    let mesh = heap(&mut random, 20);
+    for triangles in [20, 19, 21, 0] {
+        let tree = Bvh::build(&heap(&mut random, triangles), &Sequential);
+        assert!(scene.add_mesh(&mesh, &tree).is_err(), "{triangles}");
+    }
+    assert!(scene.add_mesh(&mesh, &Bvh { nodes: vec![], triangles: vec![] }).is_err());
+    assert!(scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).is_ok());
+}
