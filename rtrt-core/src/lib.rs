@@ -1,27 +1,35 @@
-//! Every algorithm of the rtrt ray tracer, written once: pure functions over SIMD lanes that
-//! return the same bits on every machine.
+//! Every algorithm of the rtrt ray tracer, written once: rays, frames and what they are made of, with the
+//! same bits on every machine.
+//!
+//! The first ray:
 //!
 //! ```
-//! use rtrt_core::kernel::ray::Ray;
-//! use rtrt_core::kernel::triangle::{Triangle, intersect};
-//! use rtrt_core::lane::V3;
+//! # #[cfg(feature = "alloc")] {
+//! use rtrt_core::query::{Ray, Shapes, Tree};
+//! use rtrt_core::scene::Sequential;
 //!
-//! // A lane of width 1, as a GPU invocation runs it.
-//! let at = |v| V3::<f32>::splat((), v);
-//! let ray = Ray::new(at([0.25, 0.25, 3.0]), at([0.0, 0.0, -1.0]));
-//! let triangle = Triangle::new([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-//! let met = intersect(&ray, &triangle, &triangle.relative_to(ray.origin), f32::MAX);
-//! assert!(met.mask && (met.t - 3.0).abs() < 1e-6);
+//! let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let mut shapes = Shapes::new();
+//! let mesh = shapes.add_mesh(&positions, &[0, 1, 2], &Sequential)?;
+//! shapes.add_instance(mesh, glam::Mat4::IDENTITY)?;
+//! let mut tree = Tree::default();
+//! let hit = tree.world(&shapes).closest(&Ray::new([0.25, 0.25, 3.0], [0.0, 0.0, -1.0]))?;
+//! assert!(hit.is_some_and(|hit| (hit.t - 3.0).abs() < 1e-6));
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! What it can be asked and which errors it has: [`query`]. A scene with materials, lights and spheres:
+//! [`scene`]. What is below is for those who need more than that.
 //!
 //! # Who needs what
 //!
-//! **Programs that render** import two modules, which need the feature `alloc` (the default), and
-//! perhaps a third. A version that breaks them has a new major number (before 1.0, a new minor one).
+//! **Programs that render or ask rays** import these modules, which need the feature `alloc` (the default). A version that breaks them has a new major number (before 1.0, a new minor one).
 //!
 //! | module | what it holds |
 //! |---|---|
 //! | `scene` | what there is to render: meshes, instances, [`Material`](scene::Material), [`Light`](scene::Light), textures, [`Camera`](scene::Camera) |
+//! | `query` | single rays: what is hit, who sees whom ([`Tree`](query::Tree), [`World`](query::World), [`Ray`](query::Ray)) |
 //! | `backend` | what is rendered and what comes back: [`Backend`](backend::Backend), [`Request`](backend::Request), [`Picture`](backend::Picture) |
 //! | `compare` | the first difference between two pictures |
 //!

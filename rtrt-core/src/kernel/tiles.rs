@@ -161,12 +161,13 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
         hit_mask & active
     }
 
-    /// The largest limit of a tile's rays, in the order of the tiles.
+    /// The largest limit of a tile's rays, in the order of the tiles; −1 for a tile that is not whole, and for
+    /// those beyond the packet.
     #[inline(always)]
     pub fn limits(best: &[ClosestHit<L>; G]) -> [f32; TILES] {
         let mut limits = [-1.0; TILES];
         let mut tile = 0;
-        while tile * Self::GROUPS < G {
+        while (tile + 1) * Self::GROUPS <= G && tile < TILES {
             limits[tile] = Self::limit(best, tile);
             tile += 1;
         }
@@ -399,6 +400,8 @@ mod tests {
         assert_eq!((limits[3], limits[9], limits[0]), (7.0, -1.0, 1.0));
         assert_eq!(Tiles::<Plain<16>, 16>::widest((), &limits), 7.0);
         assert_eq!(Tiles::<Plain<16>, 16>::active((), &limits), 0xffff & !(1 << 9));
+        // A group of eight is half a tile.
+        assert_eq!(Tiles::<Plain<8>, 1>::limits(&[ClosestHit::none(Plain([1.0; 8]))]), [-1.0; TILES]);
         assert_eq!((Tiles::<Plain<8>, 32>::tile(7), Tiles::<Plain<8>, 32>::groups(3)), (3, (6, 8)));
     }
 }
