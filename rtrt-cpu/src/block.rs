@@ -5,7 +5,7 @@ use crate::cells::{self, RAYS};
 use crate::clock::Clock;
 use crate::context::FrameContext;
 use crate::instruction_set::LaneTask;
-use crate::packet::{HIT, Packet, Rays};
+use crate::packet::{HIT, PacketState, Rays};
 use crate::planes::{Planes, Rows};
 use crate::records::Records;
 use crate::wide::Wide;
@@ -113,7 +113,7 @@ impl LaneTask for RunBlock<'_, '_> {
                 _ => {
                     *is_done = true;
                     for first in (0..RAYS).step_by(L::WIDTH * G) {
-                        let mut packet = Packet::<L, G>::new(token, context, index, first);
+                        let mut packet = PacketState::<L, G>::new(token, context, index, first);
                         packet.run_all(steps, &mut rays, records.as_deref_mut(), &mut clock, &mut start);
                         *is_done &= packet.is_done;
                     }

@@ -37,7 +37,7 @@ pub struct Rays<'a> {
 }
 
 /// A packet, and the results of its last steps.
-pub struct Packet<'a, L: Wide, const G: usize> {
+pub struct PacketState<'a, L: Wide, const G: usize> {
     token: L::Token,
     context: &'a FrameContext<'a>,
     /// Its first ray, and the number of that ray in the block.
@@ -54,7 +54,7 @@ pub struct Packet<'a, L: Wide, const G: usize> {
     pub is_done: bool,
 }
 
-impl<'a, L: Wide, const G: usize> Packet<'a, L, G> {
+impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     /// The packet from the ray numbered `first` of a block on, which has not looked for anything yet.
     #[inline(always)]
     pub fn new(token: L::Token, context: &'a FrameContext<'a>, block: u32, first: usize) -> Self {

@@ -10,30 +10,10 @@
 //!
 //! with `zero` read from a uniform buffer in a bind group of its own.
 
+use crate::spirv::{BOUND, HEADER, instructions, op};
+
 /// The bind group of the zero; its binding is 0.
 pub(crate) const ZERO_GROUP: u32 = 1;
-
-mod op {
-    pub const TYPE_INT: u32 = 21;
-    pub const TYPE_FLOAT: u32 = 22;
-    pub const TYPE_STRUCT: u32 = 30;
-    pub const TYPE_POINTER: u32 = 32;
-    pub const CONSTANT: u32 = 43;
-    pub const FUNCTION: u32 = 54;
-    pub const FUNCTION_END: u32 = 56;
-    pub const VARIABLE: u32 = 59;
-    pub const LOAD: u32 = 61;
-    pub const ACCESS_CHAIN: u32 = 65;
-    pub const DECORATE: u32 = 71;
-    pub const MEMBER_DECORATE: u32 = 72;
-    pub const BITCAST: u32 = 124;
-    pub const F_NEGATE: u32 = 127;
-    pub const F_ADD: u32 = 129;
-    pub const F_SUB: u32 = 131;
-    pub const F_MUL: u32 = 133;
-    pub const BITWISE_OR: u32 = 197;
-    pub const LABEL: u32 = 248;
-}
 
 /// Storage class of uniform buffers.
 const UNIFORM: u32 = 2;
@@ -42,10 +22,6 @@ const BLOCK: u32 = 2;
 const BINDING: u32 = 33;
 const DESCRIPTOR_SET: u32 = 34;
 const OFFSET: u32 = 35;
-/// Words before the first instruction; the fourth is one more than the largest id.
-const HEADER: usize = 5;
-const BOUND: usize = 3;
-
 /// The module `spirv` with a barrier behind every float operation; `spirv` itself if it has no 32-bit numbers.
 pub(crate) fn with_barriers(spirv: &[u32]) -> Vec<u32> {
     let find = |wanted: &[u32]| {
@@ -107,17 +83,6 @@ pub(crate) fn with_barriers(spirv: &[u32]) -> Vec<u32> {
     }
     out[BOUND] = new();
     out
-}
-
-/// The instructions of a module, each with its first word.
-fn instructions(spirv: &[u32]) -> impl Iterator<Item = &[u32]> {
-    let mut rest = &spirv[HEADER..];
-    std::iter::from_fn(move || {
-        let length = (*rest.first()? >> 16) as usize;
-        let (instruction, after) = rest.split_at_checked(length).filter(|_| length > 0)?;
-        rest = after;
-        Some(instruction)
-    })
 }
 
 #[cfg(test)]

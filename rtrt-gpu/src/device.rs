@@ -1,10 +1,11 @@
-//! An opened device with the compiled module, and how its failures become errors.
+//! An opened device, and how its failures become errors.
 
 use crate::barriers::with_barriers;
-use crate::entry::{Access, most_storage_buffers, names};
+use crate::entry::{Access, most_storage_buffers};
 use crate::error::Error;
 use crate::info::{Kind, Route, has_passthrough, label};
 use crate::pipeline::{Pipeline, Zero};
+use crate::spirv::entry_point;
 use rtrt_core::layout::{MaterialRecord, View};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -22,8 +23,7 @@ pub(crate) struct Device {
     pub queue: wgpu::Queue,
     /// The most bytes a storage buffer may have.
     pub limit: u64,
-    pub module: wgpu::ShaderModule,
-    /// What the module's barriers read, if it has any.
+    /// What barriers in modules read, if they have any.
     pub zero: Option<Zero>,
     /// Why the device is gone, where it tells.
     lost: Arc<Mutex<Option<String>>>,
@@ -35,7 +35,7 @@ const _: () =
     assert!(size_of::<MaterialRecord>() <= LARGEST as usize && size_of::<View>() <= LARGEST as usize);
 
 impl Device {
-    /// Opens the adapter with all it allows, and hands it the module.
+    /// Opens the adapter with all it allows.
     pub fn open(adapter: &wgpu::Adapter, route: Route) -> Result<Self, Error> {
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: None,
@@ -54,7 +54,7 @@ impl Device {
         Ok(Self { lost, ..Self::new(device, queue, route)? })
     }
 
-    /// Hands the module to a device that is open.
+    /// Takes over a device that is open.
     pub fn new(device: wgpu::Device, queue: wgpu::Queue, route: Route) -> Result<Self, Error> {
         let info = device.adapter_info();
         let name = label(&info);
@@ -73,10 +73,8 @@ impl Device {
         }
         let kind = Kind::new(info.device_type);
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let (module, zero) = watched(&device, || {
-            Ok((module(&device, route), (route == Route::Naga).then(|| Zero::new(&device))))
-        })?;
-        Ok(Self { name, kind, route, device, queue, limit, module, zero, lost: Arc::default() })
+        let zero = watched(&device, || Ok((route == Route::Naga).then(|| Zero::new(&device))))?;
+        Ok(Self { name, kind, route, device, queue, limit, zero, lost: Arc::default() })
     }
 
     /// Whether the device is still there.
@@ -87,7 +85,32 @@ impl Device {
 
     /// A pipeline of the entry point, whose buffers are bound from 0 on.
     pub fn pipeline(&self, entry: &str, accesses: impl Iterator<Item = Access>) -> Pipeline {
-        Pipeline::new(&self.device, &self.module, entry, accesses, self.zero.as_ref())
+        Pipeline::new(&self.device, &self.module(entry), entry, accesses, self.zero.as_ref())
+    }
+
+    /// A module of this entry point alone, as the route wants it.
+    pub fn module(&self, entry: &str) -> wgpu::ShaderModule {
+        let words = bytemuck::pod_collect_to_vec::<u8, u32>(rtrt_shaders::SPIRV);
+        let words = entry_point(&words, entry).unwrap_or(words);
+        if self.route == Route::Naga {
+            return self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(entry),
+                source: wgpu::ShaderSource::SpirV(Cow::Owned(with_barriers(&words))),
+            });
+        }
+        let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
+            label: Some(entry),
+            entry_points: Cow::Owned(vec![wgpu::PassthroughShaderEntryPoint {
+                name: Cow::Borrowed(entry),
+                workgroup_size: (rtrt_shaders::GROUP, 1, 1),
+            }]),
+            spirv: Some(Cow::Owned(words)),
+            ..Default::default()
+        };
+        // SAFETY: the device gets these words unchecked. They are of the committed module, which the builder
+        // passes through spirv-val and whose bindings a test compares with the pipelines' layouts; rust-gpu
+        // checks every index; loops end because trees, lists and counts are finite.
+        unsafe { self.device.create_shader_module_passthrough(descriptor) }
     }
 
     /// A buffer of at least `bytes`, for anything.
@@ -153,30 +176,4 @@ pub(crate) fn watched<T>(device: &wgpu::Device, work: impl FnOnce() -> Result<T,
         caught = pollster::block_on(scope.pop()).or(caught);
     }
     caught.map_or(result, |error| Err(Error::Device(error)))
-}
-
-/// The compiled module, as the route wants it.
-fn module(device: &wgpu::Device, route: Route) -> wgpu::ShaderModule {
-    let words = bytemuck::pod_collect_to_vec::<u8, u32>(rtrt_shaders::SPIRV);
-    if route == Route::Passthrough {
-        let entry = |name: &'static str| wgpu::PassthroughShaderEntryPoint {
-            name: Cow::Borrowed(name),
-            workgroup_size: (rtrt_shaders::GROUP, 1, 1),
-        };
-        let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
-            label: None,
-            entry_points: names().map(entry).collect(),
-            spirv: Some(Cow::Borrowed(&words)),
-            ..Default::default()
-        };
-        // SAFETY: the device gets these bytes unchecked. They are the committed module, which the builder
-        // passes through spirv-val and whose bindings a test compares with the pipelines' layouts; rust-gpu
-        // checks every index; loops end because trees, lists and counts are finite.
-        unsafe { device.create_shader_module_passthrough(descriptor) }
-    } else {
-        device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: None,
-            source: wgpu::ShaderSource::SpirV(Cow::Owned(with_barriers(&words))),
-        })
-    }
 }

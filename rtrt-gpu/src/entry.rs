@@ -173,11 +173,6 @@ pub(crate) const PROBE: (&str, &[Access]) = (
     ],
 );
 
-/// The names of all entry points of the module; one that serves two passes is there twice.
-pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    ENTRIES.iter().map(|entry| entry.name).chain([KERNELS.0, PROBE.0, VERTEX, FRAGMENT])
-}
-
 /// The most storage buffers that an entry point binds.
 pub(crate) fn most_storage_buffers() -> u32 {
     let storage = |entry: &Entry| entry.accesses().filter(|access| *access != Access::Uniform).count();

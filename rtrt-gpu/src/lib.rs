@@ -29,6 +29,7 @@ mod info;
 mod pipeline;
 mod raster;
 mod slot;
+mod spirv;
 mod texture;
 mod timer;
 

@@ -55,7 +55,7 @@ impl Raster {
             label: Some(VERTEX),
             layout: Some(&pipeline_layout(&device.device, VERTEX, &layout, device.zero.as_ref())),
             vertex: wgpu::VertexState {
-                module: &device.module,
+                module: &device.module(VERTEX),
                 entry_point: Some(VERTEX),
                 compilation_options: Default::default(),
                 buffers: &[],
@@ -71,7 +71,7 @@ impl Raster {
             }),
             multisample: Default::default(),
             fragment: Some(wgpu::FragmentState {
-                module: &device.module,
+                module: &device.module(FRAGMENT),
                 entry_point: Some(FRAGMENT),
                 compilation_options: Default::default(),
                 targets: &[Some(NUMBERS.into())],
