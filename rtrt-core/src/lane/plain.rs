@@ -1,4 +1,4 @@
-//! Several lanes in arrays, which compilers turn into vectors of the target's: for single rays, and for tests of
+//! Several lanes in arrays, which compilers turn into the target's vectors: for single rays, and for tests of
 //! what packets do. Backends bring their own.
 
 use crate::lane::{Bits, Lane, Mask, Select};
@@ -106,6 +106,7 @@ impl<const N: usize> Select<PlainBits<N>> for PlainMask<N> {
 impl<const N: usize> Bits for PlainBits<N> {
     type Mask = PlainMask<N>;
     type Row = [u32; N];
+
     #[inline(always)]
     fn broadcast(self, value: u32) -> Self {
         Self([value; N])
@@ -135,6 +136,7 @@ impl<const N: usize> Lane for Plain<N> {
     type Row = [f32; N];
 
     const WIDTH: usize = N;
+
     #[inline(always)]
     fn splat((): (), value: f32) -> Self {
         Self([value; N])

@@ -34,6 +34,7 @@
 //! counts in it. An index of another scene names nothing: a ray skips nothing by it, and what is asked of a hit
 //! is `None`.
 
+mod block;
 mod collect;
 mod ray;
 mod search;

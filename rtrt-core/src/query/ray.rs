@@ -109,18 +109,19 @@ impl Ray {
         if from.is_nan() || to.is_nan() {
             return Err(QueryError::Range { from, to });
         }
-        let mut factor = 1.0;
-        if !(1.0 / LONG..=LONG).contains(&largest) {
-            // The reciprocal of the largest component's power of two.
-            let exponent = f64::from(largest).to_bits() >> 52;
-            factor = f64::from_bits((2 * 1023 - exponent) << 52);
+        let start = V3::splat((), origin);
+        if (1.0 / LONG..=LONG).contains(&largest) {
+            let ray = WorldRay::new(start, V3::splat((), direction));
+            return Ok(ScaledRay { ray, from: from.max(0.0), to: to.min(f32::MAX), unit: 1.0 });
         }
+        // The reciprocal of the largest component's power of two.
+        let exponent = f64::from(largest).to_bits() >> 52;
+        let factor = f64::from_bits((2 * 1023 - exponent) << 52);
         let direction = direction.map(|c| (f64::from(c) * factor) as f32);
         // Beyond the numbers there is nothing to meet.
         let limit = |t: f32| (f64::from(t) / factor).min(f64::from(f32::MAX)) as f32;
-        let (origin, direction) = (V3::splat((), origin), V3::splat((), direction));
         Ok(ScaledRay {
-            ray: WorldRay::new(origin, direction),
+            ray: WorldRay::new(start, V3::splat((), direction)),
             from: limit(from.max(0.0)),
             to: limit(to),
             unit: factor,

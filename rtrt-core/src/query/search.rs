@@ -1,14 +1,14 @@
 //! The search: a ray through the tree over the instances, and on through those of meshes.
 
+use super::block::{AskedBlock, Block};
 use super::ray::{Ray, ScaledRay, Sides};
 use super::source::Parts;
 use super::tree::Tree;
-use super::wide::{Asked, Range, Visitor, traverse};
+use super::wide::{Asked, Range, Visitor, WIDTH, traverse};
 use crate::kernel::ray::Ray as WorldRay;
 use crate::kernel::sphere::{Chord, ENTRY, EXIT};
 use crate::kernel::triangle::{Intersection, Triangle, intersect};
 use crate::lane::Lane;
-use crate::layout::Instance;
 
 /// What a search meets.
 #[derive(Clone, Copy)]
@@ -81,9 +81,11 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
         }
         let instance = &source.instances()[index];
         let ray = if instance.is_identity == 1 { scaled.ray } else { scaled.ray.to_object(instance) };
-        let mut triangles = Triangles {
+        let tree = &self.tree.meshes[source.mesh_of(index)];
+        let mut triangles = Triangles::<L, S, _> {
+            blocks: &tree.blocks,
+            asked: AskedBlock::new(self.token, &ray),
             source,
-            instance,
             number,
             ray,
             from: scaled.from,
@@ -98,19 +100,19 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
         if instance.is_sphere() {
             triangles.sphere();
         } else {
-            let tree = &self.tree.meshes[source.mesh_of(index)].tree;
             let range = Range { from: scaled.from, limit: triangles.collect.limit() };
             let asked = Asked::<L>::new(self.token, &ray, 0.0);
-            traverse(tree, None, &asked, range, &mut triangles);
+            traverse(&tree.tree, None, &asked, range, &mut triangles);
         }
         self.collect.limit()
     }
 }
 
 /// Looks at the triangles of one instance.
-struct Triangles<'a, S, C> {
+struct Triangles<'a, L, S, C> {
+    blocks: &'a [Block],
+    asked: AskedBlock<L>,
     source: &'a S,
-    instance: &'a Instance,
     number: u32,
     /// In the instance's space.
     ray: WorldRay<f32>,
@@ -120,23 +122,29 @@ struct Triangles<'a, S, C> {
     collect: &'a mut C,
 }
 
-impl<S: Parts, C: Collect> Visitor for Triangles<'_, S, C> {
+impl<L: Lane, S: Parts, C: Collect> Visitor for Triangles<'_, L, S, C> {
     #[inline(always)]
     fn leaf(&mut self, first: u32, count: u32) -> f32 {
-        for id in first..first + count {
-            let [a, b, c] = self.source.triangle(self.instance, id);
-            let triangle = Triangle::new(a, b, c);
-            let relative = triangle.relative_to(self.ray.origin);
-            let found = intersect(&self.ray, &triangle, &relative, self.collect.limit());
-            if found.mask {
-                self.offer(id, &found, relative.front(found.t));
+        let blocks = self.blocks;
+        for block in &blocks[first as usize..][..count.div_ceil(WIDTH as u32) as usize] {
+            let mut remaining = self.asked.may_hit(block);
+            while remaining != 0 {
+                let lane = remaining.trailing_zeros();
+                remaining &= remaining - 1;
+                let [a, b, c] = block.triangle(lane as usize);
+                let triangle = Triangle::new(a, b, c);
+                let relative = triangle.relative_to(self.ray.origin);
+                let found = intersect(&self.ray, &triangle, &relative, self.collect.limit());
+                if found.mask {
+                    self.offer(block.first + lane, &found, relative.front(found.t));
+                }
             }
         }
         self.collect.limit()
     }
 }
 
-impl<S: Parts, C: Collect> Triangles<'_, S, C> {
+impl<L, S: Parts, C: Collect> Triangles<'_, L, S, C> {
     /// Asks a sphere.
     fn sphere(&mut self) {
         let chord = Chord::new(&self.ray);

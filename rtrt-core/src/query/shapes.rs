@@ -10,7 +10,8 @@ use crate::scene::{
 use alloc::vec::Vec;
 use glam::Mat4;
 
-/// Meshes that rays can be asked of and that are not copied: positions and indices stay the caller's.
+/// Meshes that rays can be asked of and that stay where the caller has them. (The leaves of a
+/// [`Tree`](super::Tree) have the corners of their triangles as well.)
 ///
 /// They have no materials. Both sides of a triangle are drawn. A [`Scene`](crate::scene::Scene) has those, and
 /// spheres.
@@ -209,13 +210,16 @@ impl Parts for Shapes<'_> {
     fn tags(&self) -> &[Tag] {
         &self.tags
     }
-    #[inline(always)]
+    fn mesh_triangle(&self, mesh: usize, triangle: u32) -> [[f32; 3]; 3] {
+        let shape = &self.meshes[mesh];
+        let first = 3 * shape.tree.triangles[triangle as usize] as usize;
+        [0, 1, 2].map(|corner| shape.positions[shape.indices[first + corner] as usize])
+    }
     fn corners(&self, instance: &Instance, triangle: u32) -> [u32; 3] {
         let shape = &self.meshes[instance.root as usize];
         let first = 3 * shape.tree.triangles[triangle as usize] as usize;
         [shape.indices[first], shape.indices[first + 1], shape.indices[first + 2]]
     }
-    #[inline(always)]
     fn position(&self, instance: &Instance, vertex: u32) -> [f32; 3] {
         self.meshes[instance.root as usize].positions[vertex as usize]
     }

@@ -34,6 +34,8 @@ pub trait Parts {
     fn places(&self) -> &Places;
     /// Their tags.
     fn tags(&self) -> &[Tag];
+    /// The corners of a triangle of a mesh, object space.
+    fn mesh_triangle(&self, mesh: usize, triangle: u32) -> [[f32; 3]; 3];
     /// The vertices at the corners of a triangle of an instance.
     fn corners(&self, instance: &Instance, triangle: u32) -> [u32; 3];
     /// The position of a vertex, object space.
@@ -46,12 +48,6 @@ pub trait Parts {
     fn material(&self, instance: &Instance) -> Option<MaterialIndex>;
     /// The number that the triangle had when its mesh was added.
     fn source_triangle(&self, instance: usize, triangle: u32) -> u32;
-
-    /// The corners of a triangle of an instance, object space.
-    #[inline(always)]
-    fn triangle(&self, instance: &Instance, triangle: u32) -> [[f32; 3]; 3] {
-        self.corners(instance, triangle).map(|vertex| self.position(instance, vertex))
-    }
 }
 
 impl Parts for Scene {
@@ -82,11 +78,14 @@ impl Parts for Scene {
     fn tags(&self) -> &[Tag] {
         self.tags()
     }
-    #[inline(always)]
+    fn mesh_triangle(&self, mesh: usize, triangle: u32) -> [[f32; 3]; 3] {
+        let mesh = &self.stored_meshes()[mesh];
+        let vertices = &self.mesh_data()[(mesh.first_index + 3 * triangle) as usize..][..3];
+        [0, 1, 2].map(|corner| self.positions()[(mesh.first_vertex + vertices[corner]) as usize])
+    }
     fn corners(&self, instance: &Instance, triangle: u32) -> [u32; 3] {
         instance.corners(self.mesh_data(), triangle)
     }
-    #[inline(always)]
     fn position(&self, _: &Instance, vertex: u32) -> [f32; 3] {
         self.positions()[vertex as usize]
     }

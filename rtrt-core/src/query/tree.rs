@@ -1,6 +1,7 @@
 //! Trees for rays: one over the instances, and one for each mesh.
 
-use super::source::{Parts, Source};
+use super::block::Block;
+use super::source::{MeshNodes, Parts, Source};
 use super::wide::{Child, WIDTH, WideTree, widened};
 use super::world::World;
 use crate::layout::NONE;
@@ -16,7 +17,7 @@ const WORN: f64 = 2.0;
 ///
 /// [`Tree::world`] brings them up to date: after a move the boxes above what moved are computed again, and
 /// after many moves the tree over the instances is built again if it has become twice as bad. What rays hit
-/// does not depend on it. Memory: about 25 bytes a triangle of each mesh, and 60 an instance.
+/// does not depend on it. Memory: about 70 bytes a triangle of each mesh, and 70 an instance.
 #[derive(Debug, Default)]
 pub struct Tree {
     /// What it was made of.
@@ -29,7 +30,29 @@ pub struct Tree {
 #[derive(Debug)]
 pub(crate) struct MeshTree {
     version: u32,
+    /// Its leaves hold blocks.
     pub tree: WideTree,
+    pub blocks: Vec<Block>,
+}
+
+impl MeshTree {
+    fn new(source: &impl Parts, mesh: usize) -> Self {
+        let MeshNodes { nodes, version } = source.nodes(mesh);
+        let mut tree = widened(nodes, WIDTH as u32);
+        let mut blocks = Vec::new();
+        for node in &mut tree.nodes {
+            for slot in 0..WIDTH {
+                let Child::Leaf(first, count) = node.child(slot) else { continue };
+                node.set_first(slot, blocks.len() as u32);
+                let starts = (first..first + count).step_by(WIDTH);
+                blocks.extend(starts.map(|start| {
+                    let held = (first + count - start).min(WIDTH as u32);
+                    Block::new(start, held, |triangle| source.mesh_triangle(mesh, triangle))
+                }));
+            }
+        }
+        Self { version, tree, blocks }
+    }
 }
 
 /// The tree over the instances. Its leaves hold one instance each.
@@ -87,14 +110,12 @@ impl Tree {
             *self = Self { source: Some(source.id()), ..Self::default() };
         }
         for (mesh, tree) in self.meshes.iter_mut().enumerate() {
-            let given = source.nodes(mesh);
-            if tree.version != given.version {
-                *tree = MeshTree { version: given.version, tree: widened(given.nodes) };
+            if tree.version != source.nodes(mesh).version {
+                *tree = MeshTree::new(source, mesh);
             }
         }
         for mesh in self.meshes.len()..source.meshes() {
-            let given = source.nodes(mesh);
-            self.meshes.push(MeshTree { version: given.version, tree: widened(given.nodes) });
+            self.meshes.push(MeshTree::new(source, mesh));
         }
         self.instances.update(source, join);
     }
@@ -102,7 +123,11 @@ impl Tree {
     /// Bytes of all trees.
     pub fn bytes(&self) -> usize {
         let InstanceTree { tree, slacks, parents, places, .. } = &self.instances;
-        let meshes: usize = self.meshes.iter().map(|mesh| size_of_val(&mesh.tree.nodes[..])).sum();
+        let meshes: usize = self
+            .meshes
+            .iter()
+            .map(|mesh| size_of_val(&mesh.tree.nodes[..]) + size_of_val(&mesh.blocks[..]))
+            .sum();
         let lists = size_of_val(&slacks[..]) + size_of_val(&parents[..]) + size_of_val(&places[..]);
         meshes + size_of_val(&tree.nodes[..]) + lists
     }
@@ -130,7 +155,7 @@ impl InstanceTree {
         let instances = source.instances();
         let boxes: Vec<_> = instances.iter().map(|i| Bounds { low: i.low, high: i.high }).collect();
         let narrow = Bvh::over(&boxes, 1, join);
-        self.tree = widened(&narrow.nodes);
+        self.tree = widened(&narrow.nodes, 1);
         let count = self.tree.nodes.len();
         self.slacks = vec![[0.0; WIDTH]; count];
         self.parents = vec![NONE; count];
@@ -143,7 +168,7 @@ impl InstanceTree {
                     Child::Leaf(_, 0) => {}
                     Child::Leaf(first, _) => {
                         let instance = narrow.triangles[first as usize];
-                        self.tree.nodes[index].set_leaf(slot, instance);
+                        self.tree.nodes[index].set_first(slot, instance);
                         self.places[instance as usize] = place;
                     }
                 }

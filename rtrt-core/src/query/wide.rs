@@ -17,7 +17,7 @@ pub(crate) const WIDTH: usize = 8;
 /// The bits of a slot.
 const SLOT: u32 = WIDTH as u32 - 1;
 /// The levels that most trees have at most.
-const SHALLOW: usize = 20;
+const SHALLOW: usize = 12;
 /// The count of a child that is a node.
 const INNER: u32 = u32::MAX;
 /// Where children are that are not there: no ray comes so far.
@@ -57,9 +57,9 @@ impl WideNode {
         }
     }
 
-    /// Makes a leaf hold one thing.
-    pub fn set_leaf(&mut self, slot: usize, thing: u32) {
-        (self.first[slot], self.count[slot]) = (thing, 1);
+    /// Changes the first of the things that a leaf holds.
+    pub fn set_first(&mut self, slot: usize, first: u32) {
+        self.first[slot] = first;
     }
 
     /// The box of a child; empty if nothing is in it.
@@ -93,7 +93,7 @@ pub(crate) struct Range {
     pub limit: f32,
 }
 
-/// A ray, ready to ask the eight children of a node.
+/// A ray, ready to ask the eight children of a node, as many at a time as there are lanes.
 pub(crate) struct Asked<L> {
     origin: [L; 3],
     inverse: [L; 3],
@@ -105,9 +105,9 @@ pub(crate) struct Asked<L> {
 }
 
 /// The children that a ray may hit, and where it enters each.
-struct Entered<L: Lane> {
+struct Entered {
     mask: u32,
-    near: L::Row,
+    near: [f32; WIDTH],
 }
 
 impl<L: Lane> Asked<L> {
@@ -131,36 +131,56 @@ impl<L: Lane> Asked<L> {
     /// Along each axis the plane at which the ray enters has the smaller `t`: products with a number of
     /// one sign are ordered as their other factors.
     #[inline(always)]
-    fn enter(&self, node: &WideNode, slack: Option<&[f32; WIDTH]>, range: Range) -> Entered<L> {
+    fn enter(&self, node: &WideNode, slack: Option<&[f32; WIDTH]>, range: Range) -> Entered {
         let like = self.magnitude;
-        let token = like.token();
-        let load = |row: &[f32; WIDTH]| {
-            L::from_fn(
-                token,
-                #[inline(always)]
-                |lane| row[lane],
-            )
-        };
-        let pad = slack.map(|slack| load(slack) * self.magnitude);
-        let at = |plane: usize, axis: usize| {
-            let bound = load(&node.planes[plane]);
-            let bound = match pad {
-                Some(pad) => {
-                    if plane < 3 {
-                        bound - pad
-                    } else {
-                        bound + pad
-                    }
-                }
-                None => bound,
-            };
-            (bound - self.origin[axis]) * self.inverse[axis]
-        };
-        let near = at(self.entry[0], 0).max(at(self.entry[1], 1)).max(at(self.entry[2], 2));
-        let far = at(self.exit[0], 0).min(at(self.exit[1], 1)).min(at(self.exit[2], 2)) * STRETCH;
-        let near = near.max(like.broadcast(range.from));
-        let mask = near.le(far.min(like.broadcast(range.limit))).bits();
-        Entered { mask, near: near.row() }
+        let (from, limit) = (like.broadcast(range.from), like.broadcast(range.limit));
+        let mut entered = Entered { mask: 0, near: [0.0; WIDTH] };
+        let mut first = 0;
+        while first < WIDTH {
+            let near = self.cross(node, slack, first, self.entry[0], 0);
+            let near = near.max(self.cross(node, slack, first, self.entry[1], 1));
+            let near = near.max(self.cross(node, slack, first, self.entry[2], 2)).max(from);
+            let far = self.cross(node, slack, first, self.exit[0], 0);
+            let far = far.min(self.cross(node, slack, first, self.exit[1], 1));
+            let far = far.min(self.cross(node, slack, first, self.exit[2], 2)) * STRETCH;
+            entered.mask |= near.le(far.min(limit)).bits() << first;
+            let row = near.row();
+            let mut lane = 0;
+            while lane < L::WIDTH {
+                entered.near[first + lane] = row.at(lane);
+                lane += 1;
+            }
+            first += L::WIDTH;
+        }
+        entered
+    }
+
+    /// Where the ray crosses a plane of the children from `first` on.
+    #[inline(always)]
+    fn cross(
+        &self,
+        node: &WideNode,
+        slack: Option<&[f32; WIDTH]>,
+        first: usize,
+        plane: usize,
+        axis: usize,
+    ) -> L {
+        let mut bound = self.load(&node.planes[plane], first);
+        if let Some(slack) = slack {
+            let pad = self.load(slack, first) * self.magnitude;
+            bound = if plane < 3 { bound - pad } else { bound + pad };
+        }
+        (bound - self.origin[axis]) * self.inverse[axis]
+    }
+
+    /// The numbers of the children from `first` on.
+    #[inline(always)]
+    fn load(&self, row: &[f32; WIDTH], first: usize) -> L {
+        L::from_fn(
+            self.magnitude.token(),
+            #[inline(always)]
+            |lane| row[first + lane],
+        )
     }
 }
 
@@ -213,7 +233,7 @@ fn traverse_with<L: Lane, const D: usize>(
         let node = &nodes[index as usize];
         let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);
         if entered.mask != 0 {
-            order::<L>(&entered, &mut stack[depth]);
+            order(&entered, &mut stack[depth]);
             stack[depth].node = index;
             depth += 1;
         }
@@ -247,7 +267,7 @@ fn traverse_with<L: Lane, const D: usize>(
 
 /// Puts the children that are entered in order.
 #[inline(always)]
-fn order<L: Lane>(entered: &Entered<L>, waiting: &mut Waiting) {
+fn order(entered: &Entered, waiting: &mut Waiting) {
     let keys = &mut waiting.keys;
     let mut count = 0;
     let mut remaining = entered.mask;
@@ -255,7 +275,7 @@ fn order<L: Lane>(entered: &Entered<L>, waiting: &mut Waiting) {
         let slot = remaining.trailing_zeros();
         remaining &= remaining - 1;
         // Numbers that are not negative are ordered as their bits.
-        let key = entered.near.at(slot as usize).to_bits() & !SLOT | slot;
+        let key = entered.near[slot as usize].to_bits() & !SLOT | slot;
         let mut at = count;
         while at > 0 && keys[at - 1] < key {
             keys[at] = keys[at - 1];
@@ -282,8 +302,36 @@ impl Default for WideTree {
     }
 }
 
+/// The things below a node of two.
+#[derive(Clone, Copy)]
+struct Held {
+    first: u32,
+    count: u32,
+    /// Whether their numbers follow one another.
+    is_range: bool,
+}
+
+/// What each node holds.
+fn held(nodes: &[Node]) -> Vec<Held> {
+    let mut held = vec![Held { first: 0, count: 0, is_range: true }; nodes.len()];
+    for (index, node) in nodes.iter().enumerate().rev() {
+        held[index] = if node.is_leaf() {
+            Held { first: node.first, count: node.triangles(), is_range: true }
+        } else {
+            let (a, b) = (held[node.first as usize], held[node.first as usize + 1]);
+            let (a, b) = if a.first < b.first { (a, b) } else { (b, a) };
+            let is_range = a.is_range && b.is_range && a.first + a.count == b.first;
+            Held { first: a.first, count: a.count + b.count, is_range }
+        };
+    }
+    held
+}
+
 /// The tree that is made of one with two children a node, by opening the nodes with the largest surfaces.
-pub(crate) fn widened(nodes: &[Node]) -> WideTree {
+/// Nodes that hold no more than `leaf` things become leaves.
+pub(crate) fn widened(nodes: &[Node], leaf: u32) -> WideTree {
+    let held = held(nodes);
+    let is_leaf = |node: usize| nodes[node].is_leaf() || (held[node].is_range && held[node].count <= leaf);
     let WideTree { nodes: mut wide, mut depth } = WideTree::default();
     // A node of two, the wide one that it becomes, and that one's level.
     let mut todo = vec![(0, 0, 1)];
@@ -291,12 +339,12 @@ pub(crate) fn widened(nodes: &[Node]) -> WideTree {
         depth = depth.max(level);
         let mut open = [narrow; WIDTH];
         let mut count = 1;
-        if nodes[narrow].is_leaf() && nodes[narrow].triangles() == 0 {
+        if held[narrow].count == 0 {
             continue;
         }
         while count < WIDTH {
             let area = |&at: &usize| Bounds::around(&nodes[open[at]]).area();
-            let inner = (0..count).filter(|&at| !nodes[open[at]].is_leaf());
+            let inner = (0..count).filter(|&at| !is_leaf(open[at]));
             let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
             let first = nodes[open[largest]].first as usize;
             (open[largest], open[count]) = (first, first + 1);
@@ -305,14 +353,14 @@ pub(crate) fn widened(nodes: &[Node]) -> WideTree {
         let start = todo.len();
         for (slot, &child) in open[..count].iter().enumerate() {
             let node = &nodes[child];
-            let (first, held) = if node.is_leaf() {
-                (node.first, node.triangles())
+            let (first, count) = if is_leaf(child) {
+                (held[child].first, held[child].count)
             } else {
                 wide.push(WideNode::EMPTY);
                 todo.push((child, wide.len() - 1, level + 1));
                 (wide.len() as u32 - 1, INNER)
             };
-            (wide[index].first[slot], wide[index].count[slot]) = (first, held);
+            (wide[index].first[slot], wide[index].count[slot]) = (first, count);
             wide[index].set_bounds(slot, &Bounds::around(node));
         }
         // The first child's subtree follows first.

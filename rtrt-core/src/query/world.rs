@@ -77,8 +77,7 @@ impl<'a, S: Source> World<'a, S> {
         self.closest_with::<Plain<8>>((), ray)
     }
 
-    /// [`World::closest`] with lanes of eight, whose token proves that the processor has their instructions.
-    /// The hit is the same.
+    /// [`World::closest`] with wider lanes: as many boxes are tested at a time, up to eight. The hit is the same.
     ///
     /// # Errors
     /// As for [`World::closest`].
@@ -98,7 +97,7 @@ impl<'a, S: Source> World<'a, S> {
         self.occluded_with::<Plain<8>>((), ray)
     }
 
-    /// [`World::occluded`] with lanes of eight, as [`World::closest_with`].
+    /// [`World::occluded`] with wider lanes, as [`World::closest_with`].
     ///
     /// # Errors
     /// As for [`World::closest`].
@@ -197,7 +196,7 @@ impl<'a, S: Source> World<'a, S> {
 
     #[inline(always)]
     fn search<L: Lane>(&self, token: L::Token, ray: &Ray, scaled: &ScaledRay, collect: &mut impl Collect) {
-        const { assert!(L::WIDTH == 8) };
+        const { assert!(L::WIDTH <= 8) };
         let magnitude = self.magnitude_from(ray.origin);
         search::<L, S>(token, self.tree, self.source, ray, scaled, magnitude, collect);
     }

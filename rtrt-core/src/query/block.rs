@@ -1,0 +1,140 @@
+//! The triangles of a leaf, side by side: a ray asks eight at once which of them it may hit.
+
+use super::wide::WIDTH;
+use crate::kernel::ray::Ray;
+use crate::kernel::triangle::DETERMINANT_FLOOR;
+use crate::lane::{Lane, Mask, V3};
+use crate::num::FLOOR;
+
+/// Up to eight triangles.
+#[repr(C, align(64))]
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Block {
+    /// The coordinates of the first corners, of the second ones and of the third ones. Triangles that are not there are points.
+    corners: [[[f32; WIDTH]; 3]; 3],
+    /// The number of the first triangle. The others follow.
+    pub first: u32,
+    /// How many there are.
+    pub count: u32,
+}
+
+impl Block {
+    /// The block of the triangles with these corners.
+    pub fn new(first: u32, count: u32, corners: impl Fn(u32) -> [[f32; 3]; 3]) -> Self {
+        let mut block = Self { corners: [[[0.0; WIDTH]; 3]; 3], first, count };
+        for lane in 0..count {
+            for (rows, corner) in block.corners.iter_mut().zip(corners(first + lane)) {
+                for (row, coordinate) in rows.iter_mut().zip(corner) {
+                    row[lane as usize] = coordinate;
+                }
+            }
+        }
+        block
+    }
+
+    /// The corners of one triangle.
+    #[inline(always)]
+    pub fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {
+        let lane = lane & (WIDTH - 1);
+        self.corners.map(|[x, y, z]| [x[lane], y[lane], z[lane]])
+    }
+
+    /// A corner of the triangles from `first` on.
+    #[inline(always)]
+    fn corner<L: Lane>(&self, token: L::Token, corner: usize, first: usize) -> V3<L> {
+        let row = |axis: usize| {
+            let row = &self.corners[corner][axis];
+            L::from_fn(
+                token,
+                #[inline(always)]
+                |lane| row[first + lane],
+            )
+        };
+        V3 { x: row(0), y: row(1), z: row(2) }
+    }
+}
+
+/// A ray, ready to ask the triangles of blocks, as many at a time as there are lanes.
+pub(crate) struct AskedBlock<L> {
+    origin: V3<L>,
+    direction: V3<L>,
+}
+
+impl<L: Lane> AskedBlock<L> {
+    #[inline(always)]
+    pub fn new(token: L::Token, ray: &Ray<f32>) -> Self {
+        let each = |v: V3<f32>| V3::splat(token, v.lane(0));
+        Self { origin: each(ray.origin), direction: each(ray.direction) }
+    }
+
+    /// The triangles that pass the first test of [`intersect`](crate::kernel::triangle::intersect): all that
+    /// the ray hits, and few more. The operations are those of that function, in the same order.
+    #[inline(always)]
+    pub fn may_hit(&self, block: &Block) -> u32 {
+        let (o, d) = (self.origin, self.direction);
+        let token = o.x.token();
+        let mut hit = 0;
+        let mut first = 0;
+        while first < WIDTH {
+            let a: V3<L> = block.corner(token, 0, first);
+            let ab = block.corner(token, 1, first) - a;
+            let ac = block.corner(token, 2, first) - a;
+            let s = o - a;
+            let determinant = d.dot(ac.cross(ab));
+            let sign = determinant.sign_bit();
+            let size = determinant.abs();
+            let u = d.dot(ac.cross(s)).flip_sign(sign);
+            let v = d.dot(s.cross(ab)).flip_sign(sign);
+            let below = size.broadcast(-2.0 * FLOOR);
+            let mask = u.gt(below)
+                & v.gt(below)
+                & size.ge(size.broadcast(DETERMINANT_FLOOR))
+                & ((u + v) * 0.999).le(size);
+            hit |= mask.bits() << first;
+            first += L::WIDTH;
+        }
+        hit
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::triangle::{Triangle, intersect};
+    use crate::lane::plain::Plain;
+
+    /// Numbers within −1 .. 1 that look random.
+    fn random(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 8) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    #[test]
+    fn what_is_hit_may_be_hit_and_little_else() {
+        let (mut seed, mut hits, mut candidates) = (1, 0, 0);
+        for round in 0..20_000 {
+            // From flat and tiny to far beyond what meshes have.
+            let size = f32::from_bits(((127 + round % 90 - 60) as u32) << 23);
+            let flat = if round % 3 == 0 { 1e-6 } else { 1.0 };
+            let mut point =
+                |by: f32| [random(&mut seed) * by, random(&mut seed) * by, random(&mut seed) * by * flat];
+            let corners: [[[f32; 3]; 3]; 5] = [0; 5].map(|_| [0; 3].map(|_| point(size)));
+            let (origin, to) = (point(size * 2.0), point(size * 0.5));
+            let direction = [0, 1, 2].map(|axis| to[axis] - origin[axis]);
+            let ray = Ray::<f32>::new(V3::splat((), origin), V3::splat((), direction));
+            let block = Block::new(100, 5, |id| corners[id as usize - 100]);
+            let may = AskedBlock::<Plain<8>>::new((), &ray).may_hit(&block);
+            assert_eq!(AskedBlock::<f32>::new((), &ray).may_hit(&block), may);
+            assert_eq!(may >> 5, 0);
+            for (lane, [a, b, c]) in corners.into_iter().enumerate() {
+                let triangle = Triangle::new(a, b, c);
+                let hit = intersect(&ray, &triangle, &triangle.relative_to(ray.origin), f32::MAX).mask;
+                assert!(!hit || may >> lane & 1 == 1);
+                assert_eq!(block.triangle(lane), [a, b, c]);
+                hits += u32::from(hit);
+            }
+            candidates += may.count_ones();
+        }
+        assert!(hits > 5000 && candidates < 3 * hits, "{hits} of {candidates}");
+    }
+}
