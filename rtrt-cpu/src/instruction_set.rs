@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::wide::{Float8, Float16, Wide};
 use fearless_simd::Simd;
+use rtrt_core::lane::Lane;
 
 /// Lane groups in a packet. A packet is a block, but for single lanes, whose packets are
 /// smaller: a mask of groups has 32 bits.
@@ -135,6 +136,43 @@ impl InstructionSet {
             }
         }
     }
+}
+
+impl InstructionSet {
+    /// Runs work that has no use for more than eight lanes.
+    pub fn run_eight<W: EightTask>(self, work: W) -> W::Output {
+        match self {
+            Self::Scalar => work.run::<f32>(()),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_) => work.run::<f32>(()),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(token) => token.vectorize(
+                #[inline(always)]
+                || work.run::<Float8<_>>(token),
+            ),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon(token) => token.vectorize(
+                #[inline(always)]
+                || work.run::<Float8<_>>(token),
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse2(token) => token.vectorize(
+                #[inline(always)]
+                || work.run::<Float8<_>>(token),
+            ),
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+            Self::Baseline(level) => fearless_simd::dispatch!(level, token => work.run::<Float8<_>>(token)),
+        }
+    }
+}
+
+/// What runs with up to eight lanes. Implementations are `#[inline(always)]`, as those of [`LaneTask`].
+pub trait EightTask {
+    /// What comes of it.
+    type Output;
+
+    /// Runs it.
+    fn run<L: Lane>(self, token: L::Token) -> Self::Output;
 }
 
 /// What runs at any level. Implementations are `#[inline(always)]`, or they would be compiled

@@ -34,11 +34,13 @@ mod instruction_set;
 mod packet;
 mod planes;
 mod prepare;
+mod rays;
 mod records;
 mod wide;
 
 pub use canary::kernels;
 pub use error::Error;
+pub use rays::Caster;
 
 use crate::bin::Binning;
 use crate::blocks::Blocks;
