@@ -22,6 +22,7 @@
 //! | ask for a hit, or whether there is one | [`World::closest`], [`World::occluded`] |
 //! | ask for all of them, in order | [`World::all`] |
 //! | decide which hits count | [`World::closest_where`], [`World::occluded_where`], [`World::all_where`] |
+//! | ask what is near, or what a box or a ball overlaps | [`World::nearest`], [`World::overlaps`], [`World::overlapped_instances`] |
 //! | know the surface at a hit | [`World::surface`] |
 //! | limit a ray, or what it meets | the setters of [`Ray`] |
 //! | keep meshes where they are, without a scene | [`Shapes`] |
@@ -36,8 +37,10 @@
 
 mod block;
 mod collect;
+mod near;
 mod ray;
 mod search;
+mod shape;
 mod shapes;
 mod source;
 mod surface;
@@ -45,6 +48,7 @@ mod tree;
 mod wide;
 mod world;
 
+pub use near::{Overlap, Volume};
 pub use ray::{QueryError, Ray, Sides};
 pub use shapes::Shapes;
 pub use source::Source;

@@ -1,10 +1,10 @@
 //! The search: a ray through the tree over the instances, and on through those of meshes.
 
-use super::block::{AskedBlock, Block};
+use super::block::AskedBlock;
 use super::ray::{Ray, ScaledRay, Sides};
 use super::source::Parts;
-use super::tree::Tree;
-use super::wide::{Asked, Range, Visitor, WIDTH, traverse};
+use super::tree::{MeshTree, Tree};
+use super::wide::{Asked, Range, Visitor, traverse};
 use crate::kernel::ray::Ray as WorldRay;
 use crate::kernel::sphere::{Chord, ENTRY, EXIT};
 use crate::kernel::triangle::{Intersection, Triangle, intersect};
@@ -83,7 +83,7 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
         let ray = if instance.is_identity == 1 { scaled.ray } else { scaled.ray.to_object(instance) };
         let tree = &self.tree.meshes[source.mesh_of(index)];
         let mut triangles = Triangles::<L, S, _> {
-            blocks: &tree.blocks,
+            mesh: tree,
             asked: AskedBlock::new(self.token, &ray),
             source,
             number,
@@ -110,7 +110,7 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
 
 /// Looks at the triangles of one instance.
 struct Triangles<'a, L, S, C> {
-    blocks: &'a [Block],
+    mesh: &'a MeshTree,
     asked: AskedBlock<L>,
     source: &'a S,
     number: u32,
@@ -125,8 +125,8 @@ struct Triangles<'a, L, S, C> {
 impl<L: Lane, S: Parts, C: Collect> Visitor for Triangles<'_, L, S, C> {
     #[inline(always)]
     fn leaf(&mut self, first: u32, count: u32) -> f32 {
-        let blocks = self.blocks;
-        for block in &blocks[first as usize..][..count.div_ceil(WIDTH as u32) as usize] {
+        let mesh = self.mesh;
+        for block in mesh.blocks(first, count) {
             let mut remaining = self.asked.may_hit(block);
             while remaining != 0 {
                 let lane = remaining.trailing_zeros();

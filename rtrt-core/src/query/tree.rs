@@ -53,6 +53,12 @@ impl MeshTree {
         }
         Self { version, tree, blocks }
     }
+
+    /// The blocks of a leaf that starts at the block `first` and holds so many triangles.
+    #[inline(always)]
+    pub fn blocks(&self, first: u32, triangles: u32) -> &[Block] {
+        &self.blocks[first as usize..][..triangles.div_ceil(WIDTH as u32) as usize]
+    }
 }
 
 /// The tree over the instances. Its leaves hold one instance each.
