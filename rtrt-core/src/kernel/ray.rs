@@ -27,11 +27,16 @@ impl<L: Lane, O: Lane> Ray<L, O> {
         Self { origin, direction, inverse }
     }
 
+    /// The same points, `t` for `t`, in the space that a matrix leads to.
+    #[inline(always)]
+    pub(crate) fn transformed(&self, m: &[[f32; 4]; 3]) -> Self {
+        Self::new(point(m, self.origin), vector(m, self.direction))
+    }
+
     /// The same points, `t` for `t`, in the object's space.
     #[inline(always)]
     pub fn to_object(&self, instance: &Instance) -> Self {
-        let m = &instance.to_object;
-        Self::new(point(m, self.origin), vector(m, self.direction))
+        self.transformed(&instance.to_object)
     }
 }
 

@@ -71,17 +71,16 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
     #[inline(always)]
     fn leaf(&mut self, number: u32, count: u32) -> f32 {
         let Self { source, scaled, .. } = *self;
-        let index = number as usize;
-        let is_asked = count > 0
-            && source.tags()[index].mask & self.asked.mask != 0
-            && self.skip != Some(number)
-            && !source.places().bounds(index).is_empty();
-        if !is_asked {
+        // A hidden instance is not in its leaf.
+        if count == 0 || self.skip == Some(number) {
             return self.collect.limit();
         }
-        let instance = &source.instances()[index];
-        let ray = if instance.is_identity == 1 { scaled.ray } else { scaled.ray.to_object(instance) };
-        let tree = &self.tree.meshes[source.mesh_of(index)];
+        let entry = &self.tree.instances.entries[number as usize];
+        if entry.mask & self.asked.mask == 0 {
+            return self.collect.limit();
+        }
+        let ray = if entry.is_identity { scaled.ray } else { scaled.ray.transformed(&entry.to_object) };
+        let tree = &self.tree.meshes[entry.mesh as usize];
         let mut triangles = Triangles::<L, S, _> {
             mesh: tree,
             asked: AskedBlock::new(self.token, &ray),
@@ -89,15 +88,11 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
             number,
             ray,
             from: scaled.from,
-            sides: match self.asked.sides {
-                Sides::Drawn if instance.double_sided == 1 => Sides::Both,
-                Sides::Drawn => Sides::Fronts,
-                sides => sides,
-            },
-            through_holes: self.asked.through_holes && instance.transparency != 0,
+            sides: self.asked.sides,
+            through_holes: self.asked.through_holes,
             collect: &mut *self.collect,
         };
-        if instance.is_sphere() {
+        if entry.is_sphere {
             triangles.sphere();
         } else {
             let range = Range { from: scaled.from, limit: triangles.collect.limit() };
@@ -161,7 +156,8 @@ impl<L, S: Parts, C: Collect> Triangles<'_, L, S, C> {
         let is_side = match self.sides {
             Sides::Fronts => is_front,
             Sides::Backs => !is_front,
-            Sides::Both | Sides::Drawn => true,
+            Sides::Both => true,
+            Sides::Drawn => is_front || self.source.instances()[self.number as usize].double_sided == 1,
         };
         let counts = is_side
             && found.t >= self.from

@@ -157,6 +157,9 @@ impl<'a> Shapes<'a> {
     pub fn set_ray_mask(&mut self, instance: InstanceIndex, mask: u32) -> Result<(), SceneError> {
         let index = self.index(instance)?;
         self.tags[index].mask = mask;
+        let bounds = *self.places.bounds(index);
+        self.places.set(index, &bounds);
+        self.places.update();
         Ok(())
     }
 

@@ -17,7 +17,7 @@ const WORN: f64 = 2.0;
 ///
 /// [`Tree::world`] brings them up to date: after a move the boxes above what moved are computed again, and
 /// after many moves the tree over the instances is built again if it has become twice as bad. What rays hit
-/// does not depend on it. Memory: about 70 bytes a triangle of each mesh, and 70 an instance.
+/// does not depend on it. Memory: about 70 bytes a triangle of each mesh, and 140 an instance.
 #[derive(Debug, Default)]
 pub struct Tree {
     /// What it was made of.
@@ -71,11 +71,43 @@ pub(crate) struct InstanceTree {
     parents: Vec<u32>,
     /// Where each instance is.
     places: Vec<u32>,
+    /// What a search needs of each instance, in one cache line.
+    pub entries: Vec<Entry>,
     /// So many moves of the source are in it.
     moves: u64,
     /// The surfaces of all boxes, summed; and the quotient of that by the surface of the whole, when built.
     area: f64,
     built_cost: f64,
+}
+
+/// What a search needs of an instance.
+#[repr(C, align(64))]
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Entry {
+    /// World to object space, three rows.
+    pub to_object: [[f32; 4]; 3],
+    /// Its groups.
+    pub mask: u32,
+    /// Its mesh.
+    pub mesh: u32,
+    /// Whether the two spaces are the same.
+    pub is_identity: bool,
+    /// Whether it is a sphere.
+    pub is_sphere: bool,
+}
+const _: () = assert!(size_of::<Entry>() == 64);
+
+impl Entry {
+    fn new(source: &impl Parts, number: usize) -> Self {
+        let instance = &source.instances()[number];
+        Self {
+            to_object: instance.to_object,
+            mask: source.tags()[number].mask,
+            mesh: source.mesh_of(number) as u32,
+            is_identity: instance.is_identity == 1,
+            is_sphere: instance.is_sphere(),
+        }
+    }
 }
 
 impl Default for InstanceTree {
@@ -85,6 +117,7 @@ impl Default for InstanceTree {
             slacks: vec![[0.0; WIDTH]],
             parents: vec![NONE],
             places: vec![],
+            entries: vec![],
             moves: 0,
             area: 0.0,
             built_cost: 0.0,
@@ -128,13 +161,16 @@ impl Tree {
 
     /// Bytes of all trees.
     pub fn bytes(&self) -> usize {
-        let InstanceTree { tree, slacks, parents, places, .. } = &self.instances;
+        let InstanceTree { tree, slacks, parents, places, entries, .. } = &self.instances;
         let meshes: usize = self
             .meshes
             .iter()
             .map(|mesh| size_of_val(&mesh.tree.nodes[..]) + size_of_val(&mesh.blocks[..]))
             .sum();
-        let lists = size_of_val(&slacks[..]) + size_of_val(&parents[..]) + size_of_val(&places[..]);
+        let lists = size_of_val(&slacks[..])
+            + size_of_val(&parents[..])
+            + size_of_val(&places[..])
+            + size_of_val(&entries[..]);
         meshes + size_of_val(&tree.nodes[..]) + lists
     }
 }
@@ -166,6 +202,7 @@ impl InstanceTree {
         self.slacks = vec![[0.0; WIDTH]; count];
         self.parents = vec![NONE; count];
         self.places = vec![NONE; instances.len()];
+        self.entries = (0..instances.len()).map(|instance| Entry::new(source, instance)).collect();
         for index in 0..count {
             for slot in 0..WIDTH {
                 let place = (index * WIDTH + slot) as u32;
@@ -194,8 +231,9 @@ impl InstanceTree {
     fn refit_all(&mut self, source: &impl Parts) {
         for instance in 0..self.places.len() {
             let (node, slot) = split(self.places[instance]);
-            self.tree.nodes[node].set_bounds(slot, source.places().bounds(instance));
+            self.tree.nodes[node].set_leaf(slot, source.places().bounds(instance));
             self.slacks[node][slot] = source.instances()[instance].slack;
+            self.entries[instance] = Entry::new(source, instance);
         }
         self.area = 0.0;
         for index in (0..self.tree.nodes.len()).rev() {
@@ -212,7 +250,10 @@ impl InstanceTree {
 
     /// Takes over where one instance is.
     fn refit(&mut self, source: &impl Parts, instance: usize) {
+        self.entries[instance] = Entry::new(source, instance);
         let mut place = self.places[instance];
+        let (node, slot) = split(place);
+        self.tree.nodes[node].set_count(slot, source.places().bounds(instance));
         let (mut bounds, mut slack) = (*source.places().bounds(instance), source.instances()[instance].slack);
         while place != NONE {
             let (index, slot) = split(place);

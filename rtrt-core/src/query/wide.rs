@@ -57,6 +57,17 @@ impl WideNode {
         }
     }
 
+    /// Makes a leaf hold its thing, in this box; or nothing, if the box is empty.
+    pub fn set_leaf(&mut self, slot: usize, bounds: &Bounds) {
+        self.set_count(slot, bounds);
+        self.set_bounds(slot, bounds);
+    }
+
+    /// Makes a leaf hold its thing, or nothing if the box is empty.
+    pub fn set_count(&mut self, slot: usize, bounds: &Bounds) {
+        self.count[slot] = u32::from(!bounds.is_empty());
+    }
+
     /// Changes the first of the things that a leaf holds.
     pub fn set_first(&mut self, slot: usize, first: u32) {
         self.first[slot] = first;

@@ -346,19 +346,18 @@ impl Scene {
         found.filter(|_| instance.scene == self.id).ok_or(missing)
     }
 
-    /// What rays ask of an instance.
-    fn tag(&mut self, instance: InstanceIndex) -> Result<&mut Tag, SceneError> {
-        let (index, _) = self.instance(instance)?;
-        Ok(&mut self.tags[index])
-    }
-
     /// Sets the groups that an instance belongs to, one a bit: a [`Ray`](crate::query::Ray) meets it if their
     /// masks have a bit in common. At first all bits are set. Pictures do not depend on it.
     ///
     /// # Errors
     /// There is no such instance.
     pub fn set_ray_mask(&mut self, instance: InstanceIndex, mask: u32) -> Result<(), SceneError> {
-        self.tag(instance)?.mask = mask;
+        let (index, _) = self.instance(instance)?;
+        self.tags[index].mask = mask;
+        // Trees keep it.
+        let bounds = *self.places.bounds(index);
+        self.places.set(index, &bounds);
+        self.places.update();
         Ok(())
     }
 
@@ -367,7 +366,8 @@ impl Scene {
     /// # Errors
     /// There is no such instance.
     pub fn set_user_data(&mut self, instance: InstanceIndex, user: u32) -> Result<(), SceneError> {
-        self.tag(instance)?.user = user;
+        let (index, _) = self.instance(instance)?;
+        self.tags[index].user = user;
         Ok(())
     }
 
