@@ -25,6 +25,7 @@ pub mod sphere;
 pub(crate) mod tangent;
 pub mod texture;
 pub mod tiles;
+pub mod tone_map;
 pub mod transmittance;
 pub mod transparency;
 pub mod traverse;
