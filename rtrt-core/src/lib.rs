@@ -66,6 +66,8 @@ extern crate std;
 pub mod backend;
 #[cfg(feature = "alloc")]
 pub mod compare;
+#[cfg(feature = "alloc")]
+pub mod exposure;
 pub mod grid;
 pub mod kernel;
 pub mod lane;
