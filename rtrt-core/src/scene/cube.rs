@@ -90,7 +90,7 @@ fn face(d: DVec3) -> (usize, [f64; 2]) {
 }
 
 /// A direction through a place of a face, which may lie beside it.
-fn direction(face: usize, place: [f64; 2]) -> DVec3 {
+pub(super) fn direction(face: usize, place: [f64; 2]) -> DVec3 {
     let [right, down] = place.map(|c| 2.0 * c - 1.0);
     match face {
         0 => DVec3::new(1.0, -down, right),

@@ -42,6 +42,8 @@ mod places;
 mod setup;
 mod setup_error;
 mod store;
+mod studio;
+mod sun;
 mod tangent;
 mod views;
 
@@ -64,3 +66,4 @@ pub use setup::Setup;
 pub use setup_error::SetupError;
 pub(crate) use store::unique_id;
 pub use store::{InstanceIndex, MaterialIndex, MeshIndex, Scene, SceneError, Versions};
+pub use studio::studio;
