@@ -190,7 +190,7 @@ fn run(
         Pass::Resolve => {
             let grid = frame.grid();
             let color = |ray: RayIndex| colors[ray.0 as usize];
-            pixels[at] = resolve::resolve::<f32>((), grid, |_| grid.pixel(unit), color).0;
+            pixels[at] = resolve::resolve::<f32>((), frame, |_| grid.pixel(unit), color).0;
         }
         // It filters every block, and draws nothing.
         _ => {}

@@ -1,5 +1,6 @@
 //! What every backend does: render a frame of a scene.
 
+use crate::exposure;
 use crate::layout::{Frame, ShadowKind};
 use crate::scene::{Scene, SetupError};
 use crate::schedule::Stage;
@@ -8,6 +9,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
 
+pub use crate::kernel::tone_map::ToneMap;
 pub use crate::layout::{Hit, Lit, NONE, Surface};
 pub use crate::request::{LAYERS, Request, Shadows};
 
@@ -166,4 +168,16 @@ pub trait Backend: Send {
         request: &Request<'_>,
         picture: &mut Picture,
     ) -> Result<(), RenderError>;
+
+    /// The stops by which the request's picture wants to be exposed, whatever the request says of it:
+    /// those of a small picture of it (see [`exposure`](crate::exposure)). The same on every backend.
+    /// An animation is metered once, so that it does not flicker.
+    ///
+    /// # Errors
+    /// As for [`Backend::render`].
+    fn meter(&mut self, scene: &Scene, request: &Request<'_>) -> Result<f32, RenderError> {
+        let mut picture = Picture::default();
+        self.render(scene, &exposure::metering(request), &mut picture)?;
+        Ok(exposure::stops(&picture))
+    }
 }

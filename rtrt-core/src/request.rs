@@ -1,5 +1,6 @@
 //! What is asked of a backend: plain data, read by scenes and by backends.
 
+use crate::kernel::tone_map::ToneMap;
 use glam::Vec3;
 
 /// How the camera projects.
@@ -84,14 +85,30 @@ pub struct Request<'a> {
     /// The most layers of surfaces that a ray looks at, 1 ..= [`crate::scene::Setup::MAX_LAYERS`].
     /// The last of them counts as opaque. [`LAYERS`] unless set.
     pub layers: u32,
+    /// Stops by which light is raised before it is tone mapped, within ±64: one more is twice as bright.
+    /// 0 unless set; [`Backend::meter`](crate::backend::Backend::meter) finds what suits a scene. The
+    /// deferred buffers are as they are without it.
+    pub exposure: f32,
+    /// How linear light becomes a color of the picture. [`ToneMap::None`] unless set: pixels are then
+    /// the encoded light, which can be computed with, and light beyond 1 is cut off.
+    pub tone_map: ToneMap,
     /// Whether the picture comes with the deferred buffers. It does not unless set.
     pub deferred: bool,
 }
 
 impl<'a> Request<'a> {
-    /// One sample a pixel, soft shadows, [`LAYERS`] layers, no deferred buffers.
+    /// One sample a pixel, soft shadows, [`LAYERS`] layers, light as it is, no deferred buffers.
     pub const fn new(camera: &'a Camera, size: [u32; 2]) -> Self {
-        Self { camera, size, samples: 1, shadows: Shadows::Soft, layers: LAYERS, deferred: false }
+        Self {
+            camera,
+            size,
+            samples: 1,
+            shadows: Shadows::Soft,
+            layers: LAYERS,
+            exposure: 0.0,
+            tone_map: ToneMap::None,
+            deferred: false,
+        }
     }
 
     /// The request from another camera.
@@ -122,6 +139,18 @@ impl<'a> Request<'a> {
     #[must_use]
     pub const fn layers(self, layers: u32) -> Self {
         Self { layers, ..self }
+    }
+
+    /// The request exposed by so many stops.
+    #[must_use]
+    pub const fn exposure(self, exposure: f32) -> Self {
+        Self { exposure, ..self }
+    }
+
+    /// The request whose light becomes colors so.
+    #[must_use]
+    pub const fn tone_map(self, tone_map: ToneMap) -> Self {
+        Self { tone_map, ..self }
     }
 
     /// The request with or without the deferred buffers.

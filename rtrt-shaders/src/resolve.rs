@@ -21,6 +21,6 @@ pub fn resolve(
     if index < count {
         let pixel = |_: usize| grid.pixel(first + index);
         let color = |ray: RayIndex| colors[(ray.0 - frame.first_ray) as usize];
-        pixels[index as usize] = stage::resolve::resolve::<f32>((), grid, pixel, color).0;
+        pixels[index as usize] = stage::resolve::resolve::<f32>((), frame, pixel, color).0;
     }
 }

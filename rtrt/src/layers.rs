@@ -1,14 +1,14 @@
 //! The deferred buffers of a frame as layers of pixels, for compositing and inspection.
 
-use rtrt_core::backend::{Deferred, Picture};
+use rtrt_core::backend::{Deferred, Picture, Request};
 use rtrt_core::grid::Grid;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::transmittance::color;
 use rtrt_core::lane::{V3, Word};
 use rtrt_core::layout::{NONE, Surface};
-use rtrt_core::num::srgb_encode;
+use rtrt_core::num::{exp2, srgb_encode};
 use rtrt_core::scene::Scene;
-use rtrt_core::stage::resolve::average;
+use rtrt_core::stage::resolve::{average, displayed};
 use rtrt_core::stage::shade::base;
 use rtrt_core::stage::surface::Surfaces;
 
@@ -77,14 +77,19 @@ impl Layers {
         Some(layers)
     }
 
-    /// The color with 16 bits per channel: sRGB, and straight (not premultiplied) alpha.
-    pub fn encoded16(&self) -> Vec<[u16; 4]> {
+    /// The color with 16 bits per channel: exposed and tone mapped as the request says, sRGB, and straight
+    /// (not premultiplied) alpha.
+    pub fn encoded16(&self, request: &Request<'_>) -> Vec<[u16; 4]> {
         let round = |value: f32| (value * 65535.0 + 0.5) as u16;
         let encode = |value: f32| round(srgb_encode(value));
+        let (exposure, operator) = (exp2(request.exposure), request.tone_map as u32);
         self.color
             .iter()
             .map(|&color| straight(color))
-            .map(|[r, g, b, a]| [encode(r), encode(g), encode(b), round(a)])
+            .map(|[r, g, b, a]| {
+                let V3 { x, y, z } = displayed::<f32>(exposure, operator, V3::splat((), [r, g, b]));
+                [encode(x), encode(y), encode(z), round(a)]
+            })
             .collect()
     }
 }

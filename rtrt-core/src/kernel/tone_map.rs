@@ -79,7 +79,8 @@ const KD: f32 = 0.15;
 fn neutral<L: Lane>(light: V3<L>) -> V3<L> {
     let least = light.x.min(light.y).min(light.z);
     let one = least.broadcast(1.0);
-    let toe = least - least * least * (0.25 / F90);
+    const BEND: f32 = 0.25 / F90;
+    let toe = least - least * least * BEND;
     let offset = least.le(one.broadcast(2.0 * F90)).select(toe, one.broadcast(F90));
     let light = V3 { x: light.x - offset, y: light.y - offset, z: light.z - offset };
     let peak = light.x.max(light.y).max(light.z);
@@ -128,8 +129,9 @@ const SCALES: [f32; 2] = [-0.565_675_6, 0.715_198_3];
 /// `s` is a number for the toe, and one for the shoulder, such that the curve ends at 0 and at 1.
 #[inline(always)]
 fn agx<L: Lane>(light: V3<L>) -> V3<L> {
-    // Black, seen as 2⁻³²: the logarithm is of what is not 0.
-    let floor = light.x.broadcast(1.0 / BRIGHTEST);
+    // The logarithm is of what is not 0.
+    const DARKEST: f32 = 1.0 / BRIGHTEST;
+    let floor = light.x.broadcast(DARKEST);
     let light = V3 { x: light.x.max(floor), y: light.y.max(floor), z: light.z.max(floor) };
     let light = transformed(&INSET, light);
     let shown = V3 { x: curve(light.x), y: curve(light.y), z: curve(light.z) };
@@ -140,12 +142,13 @@ fn agx<L: Lane>(light: V3<L>) -> V3<L> {
 #[inline(always)]
 fn curve<L: Lane>(light: L) -> L {
     const WIDTH: f32 = 1.0 / (STOPS[1] - STOPS[0]);
+    const BEND: f32 = -2.0 / 3.0;
     let x = clamp((log2(light) - (GRAY + STOPS[0])) * WIDTH, 0.0, 1.0);
     let off = x - PIVOT[0];
     let is_toe = off.lt(off.broadcast(0.0));
     let scale = is_toe.select(off.broadcast(SCALES[0]), off.broadcast(SCALES[1]));
     let t = off * SLOPE * recip(scale);
-    let bend = exp2(log2(t * sqrt(t) + 1.0) * (-2.0 / 3.0));
+    let bend = exp2(log2(t * sqrt(t) + 1.0) * BEND);
     pow(scale * t * bend + PIVOT[1], t.broadcast(SLOPE))
 }
 

@@ -208,10 +208,10 @@ pub struct Frame {
     pub first_block: u32,
     /// 1 if the closest surfaces were rasterized, and only rays without a certain pixel are traced (see [`raster`](crate::stage::raster)).
     pub is_drawn: u32,
-    /// Unused: a uniform block is a multiple of 16 bytes.
-    pub unused_0: u32,
-    /// Unused.
-    pub unused_1: u32,
+    /// What light is multiplied by before it is tone mapped: 2 to the power of the request's stops.
+    pub exposure: f32,
+    /// [`ToneMap`](crate::kernel::tone_map::ToneMap).
+    pub tone_map: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 128 && offset_of!(Frame, ambient_r) == 48);
 

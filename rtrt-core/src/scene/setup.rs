@@ -3,12 +3,13 @@
 use crate::grid::{BLOCK_RAYS, Grid};
 use crate::kernel::geometry::Geometry;
 use crate::layout::{AlphaKind, Backdrop, Frame, Instance, View};
+use crate::num::exp2;
 use crate::request::{Request, Shadows};
 use crate::scene::cut::BvhCut;
 use crate::scene::floor::floored;
 use crate::scene::levels::LodSelection;
 use crate::scene::light::is_color;
-use crate::scene::setup_error::{MAX_LAYERS, SetupError};
+use crate::scene::setup_error::{MAX_LAYERS, MAX_STOPS, SetupError};
 use crate::scene::views::{Lights, light_views, mark};
 use crate::scene::{Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
@@ -49,6 +50,8 @@ impl Setup {
     pub const MAX_LIGHTS: usize = 1024;
     /// The most layers of surfaces that a ray looks at.
     pub const MAX_LAYERS: u32 = MAX_LAYERS;
+    /// The most stops by which light is raised or lowered.
+    pub const MAX_STOPS: f32 = MAX_STOPS;
 
     /// The instances of the frame: the scene's, with the levels of detail that the camera sees; then
     /// their parts, where the camera's lists hold those.
@@ -89,7 +92,16 @@ impl Setup {
     /// # Errors
     /// Camera, lights or sizes are not usable; see [`SetupError`].
     pub fn prepare(&mut self, scene: &Scene, request: &Request<'_>) -> Result<(), SetupError> {
-        let Request { camera, size: [width, height], samples, shadows, layers, deferred: _ } = *request;
+        let Request {
+            camera,
+            size: [width, height],
+            samples,
+            shadows,
+            layers,
+            exposure,
+            tone_map,
+            deferred: _,
+        } = *request;
         let side = match samples {
             1 => 1,
             4 => 2,
@@ -111,6 +123,9 @@ impl Setup {
             && value.is_nan()
         {
             return Err(SetupError::Distance { value });
+        }
+        if exposure.is_nan() || exposure.abs() > Self::MAX_STOPS {
+            return Err(SetupError::Exposure { stops: exposure });
         }
         let lights = scene.lights();
         if lights.len() > Self::MAX_LIGHTS {
@@ -176,6 +191,8 @@ impl Setup {
             },
             backdrop: scene.backdrop as u32,
             penumbra_window: if is_soft { Frame::PENUMBRA_WINDOW * side } else { 0 },
+            exposure: exp2(exposure),
+            tone_map: tone_map as u32,
             ..Frame::zeroed()
         };
         Ok(())

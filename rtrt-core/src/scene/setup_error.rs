@@ -4,6 +4,8 @@ use glam::Vec3;
 
 /// See [`Setup::MAX_LAYERS`](crate::scene::Setup::MAX_LAYERS).
 pub(super) const MAX_LAYERS: u32 = 64;
+/// See [`Setup::MAX_STOPS`](crate::scene::Setup::MAX_STOPS).
+pub(super) const MAX_STOPS: f32 = 64.0;
 
 /// Why a frame cannot be set up.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -60,6 +62,12 @@ pub enum SetupError {
     Layers {
         /// Layers a ray.
         layers: u32,
+    },
+    /// The exposure is NaN or too large.
+    #[error("an exposure of {stops} stops is not within ±{}", MAX_STOPS)]
+    Exposure {
+        /// What it is.
+        stops: f32,
     },
     /// More parts of instances than block lists can hold; see [`Structure::Parts`](crate::scene::Structure::Parts).
     #[error("the instances have more than {limit} parts of {triangles} triangles")]

@@ -1,20 +1,23 @@
 //! Resolve: the sub-rays of a pixel become its color.
 
 use crate::grid::{Grid, RayIndex};
-use crate::lane::{Lane, Mask, Select};
+use crate::kernel::tone_map::tone_map;
+use crate::lane::{Lane, Mask, Select, V3};
+use crate::layout::Frame;
 use crate::num::{floor, recip, srgb_encode, to_integer};
 
 /// A group of pixels: the average of each one's sub-rays' linear colors, summed row by
-/// row, encoded as sRGB with 8 bits a channel, red lowest. Sub-rays' colors are multiplied by
-/// their alphas, those of pixels are not. `pixel(lane)` is the column and
+/// row, [displayed] as the frame says, and encoded as sRGB with 8 bits a channel, red lowest. Sub-rays'
+/// colors are multiplied by their alphas, those of pixels are not. `pixel(lane)` is the column and
 /// row of a pixel, `color(ray)` the color that a ray brought back.
 #[inline(always)]
 pub fn resolve<L: Lane>(
     token: L::Token,
-    grid: Grid,
+    frame: &Frame,
     pixel: impl Fn(usize) -> [u32; 2],
     color: impl Fn(RayIndex) -> [f32; 4],
 ) -> L::Bits {
+    let grid = frame.grid();
     let [[r, g, b, a]] = L::gather_fours(
         token,
         #[inline(always)]
@@ -27,7 +30,15 @@ pub fn resolve<L: Lane>(
     } else {
         [r, g, b]
     };
+    let V3 { x: r, y: g, z: b } = displayed(frame.exposure, frame.tone_map, V3 { x: r, y: g, z: b });
     byte(srgb_encode(r)) | byte(srgb_encode(g)) << 8 | byte(srgb_encode(b)) << 16 | byte(a) << 24
+}
+
+/// Linear light as the linear color of a display: multiplied by the frame's exposure, then tone mapped.
+#[inline(always)]
+pub fn displayed<L: Lane>(exposure: f32, operator: u32, light: V3<L>) -> V3<L> {
+    let V3 { x, y, z } = light;
+    tone_map(operator, V3 { x: x * exposure, y: y * exposure, z: z * exposure })
 }
 
 /// The average color of one pixel, linear RGB and alpha.
@@ -64,14 +75,17 @@ fn byte<L: Lane>(value: L) -> L::Bits {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::tone_map::ToneMap;
+    use bytemuck::Zeroable;
 
     #[test]
     fn half_a_pixel_is_half_covered() {
-        let grid = Grid { width: 1, height: 1, side: 2 };
+        let frame = Frame { width: 1, height: 1, side: 2, exposure: 1.0, ..Frame::zeroed() };
+        let grid = frame.grid();
         let pixel = |colors: [[f32; 4]; 4]| {
             let color =
                 |ray: RayIndex| colors[(0..4).find(|i| grid.index([i % 2, i / 2]) == ray).unwrap() as usize];
-            resolve::<f32>((), grid, |_| [0, 0], color).0.to_le_bytes()
+            resolve::<f32>((), &frame, |_| [0, 0], color).0.to_le_bytes()
         };
         let color = [0.25, 0.5, 0.75];
         let [r, g, b] = color.map(|value| (srgb_encode(value) * 255.0 + 0.5) as u8);
@@ -79,5 +93,19 @@ mod tests {
         assert_eq!(pixel([full; 4]), [r, g, b, 255]);
         assert_eq!(pixel([full, none, full, none]), [r, g, b, 128]);
         assert_eq!(pixel([none; 4]), [0; 4]);
+    }
+
+    #[test]
+    fn light_is_exposed_before_it_is_mapped_and_behind_what_covers_it_in_part() {
+        let color = [0.09, 0.18, 0.36];
+        for map in ToneMap::ALL.map(|(_, map)| map as u32) {
+            let frame =
+                Frame { width: 1, height: 1, side: 1, exposure: 4.0, tone_map: map, ..Frame::zeroed() };
+            let pixel = |c: [f32; 4]| resolve::<f32>((), &frame, |_| [0, 0], |_| c).0.to_le_bytes();
+            let V3 { x, y, z } = tone_map::<f32>(map, V3::splat((), color.map(|c| 4.0 * c)));
+            let [r, g, b] = [x, y, z].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
+            assert_eq!(pixel([0.09, 0.18, 0.36, 1.0]), [r, g, b, 255]);
+            assert_eq!(pixel([0.045, 0.09, 0.18, 0.5]), [r, g, b, 128]);
+        }
     }
 }

@@ -185,7 +185,7 @@ fn write(
         }
         png(cast_slice(&shown.pixels), job.size, Rgba8).map_err(encode(path))?
     } else if options.bits == 16 {
-        png(cast_slice(&layers().encoded16()), job.size, Rgba16).map_err(encode(path))?
+        png(cast_slice(&layers().encoded16(&job.request(true))), job.size, Rgba16).map_err(encode(path))?
     } else {
         png(picture.bytes(), job.size, Rgba8).map_err(encode(path))?
     };
