@@ -9,10 +9,22 @@
 use crate::kernel::texture::Maps;
 use crate::lane::{Bits, Lane, Row, Select, V3};
 use crate::layout::Sky;
-use crate::num::{clamp, floor, recip, to_integer};
+use crate::num::{clamp, floor, flush, recip, to_integer};
 
 /// Side of the square that holds the light on a surface from its whole hemisphere.
 pub const IRRADIANCE_SIDE: u32 = 16;
+
+/// The direction in which the environment is looked up.
+#[inline(always)]
+fn turned<L: Lane>(sky: Sky, direction: V3<L>) -> V3<L> {
+    let [cosine, sine] = sky.turn;
+    if cosine == 1.0 {
+        return direction;
+    }
+    let V3 { x, y, z } = direction;
+    // The sign of what some devices do not keep decides where below the horizon is.
+    V3 { x: flush(x * cosine + z * sine), y, z: flush(z * cosine - x * sine) }
+}
 
 /// The place of a direction of any length in a square, `0 ..= 1` each. `y` is up; from above,
 /// columns run along `x` and rows along `z`.
@@ -39,7 +51,7 @@ pub fn mirrored<L: Lane>(maps: &Maps<'_>, sky: Sky, direction: V3<L>, roughness:
     let level = clamp(roughness, 0.0, 1.0) * last;
     let fine = floor(level);
     let coarse = (fine + 1.0).min(fine.broadcast(last));
-    let place = octahedral(direction);
+    let place = octahedral(turned(sky, direction));
     let sites = (Site::new(sky, place, fine), Site::new(sky, place, coarse), (level - fine).row());
     V3::from_fn(
         direction.x.token(),
@@ -50,19 +62,24 @@ pub fn mirrored<L: Lane>(maps: &Maps<'_>, sky: Sky, direction: V3<L>, roughness:
             [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share, a[2] + (b[2] - a[2]) * share]
         },
     )
+    .scale(direction.x.broadcast(sky.intensity))
 }
 
 /// The light on a surface with this normal from its whole hemisphere, by Lambert's cosine, as
 /// a share of what it would be if light came from everywhere: linear RGB.
 #[inline(always)]
 pub fn arriving<L: Lane>(maps: &Maps<'_>, sky: Sky, normal: V3<L>) -> V3<L> {
-    let site =
-        Site::of_side(octahedral(normal), normal.x.broadcast(IRRADIANCE_SIDE as f32), sky.first + sky.levels);
+    let site = Site::of_side(
+        octahedral(turned(sky, normal)),
+        normal.x.broadcast(IRRADIANCE_SIDE as f32),
+        sky.first + sky.levels,
+    );
     V3::from_fn(
         normal.x.token(),
         #[inline(always)]
         |lane| site.fetch(maps, lane),
     )
+    .scale(normal.x.broadcast(sky.intensity))
 }
 
 /// The four texels around a place in a square.
@@ -149,5 +166,14 @@ mod tests {
         // Straight down is all four corners.
         assert!(near(at([1e-9, -1.0, 1e-9]), [1.0, 1.0]) && near(at([-1e-9, -1.0, 1e-9]), [0.0, 1.0]));
         assert!(at([0.0; 3]).iter().all(|c| (0.0..=1.0).contains(c)));
+    }
+
+    #[test]
+    fn a_quarter_of_a_turn_looks_up_x_where_z_is() {
+        let sky = Sky { turn: [0.0, 1.0], ..Sky::default() };
+        let V3 { x, y, z } = turned(sky, V3::<f32>::splat((), [0.25, 0.5, 1.0]));
+        assert_eq!([x, y, z], [1.0, 0.5, -0.25]);
+        let V3 { x, y, z } = turned(Sky::default(), V3::<f32>::splat((), [0.25, 0.5, 1.0]));
+        assert_eq!([x, y, z], [0.25, 0.5, 1.0]);
     }
 }

@@ -114,7 +114,7 @@ pub enum Backdrop {
 }
 
 /// The place of an environment's squares in the texels (see `kernel::environment`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
     /// The word that holds the start of the sharpest square. Those of the others follow it, the last one for
     /// diffuse surfaces. 0 for no environment.
@@ -124,6 +124,18 @@ pub struct Sky {
     pub side: u32,
     /// Squares for reflections, from smooth to rough; at least two.
     pub levels: u32,
+    /// Cosine and sine of the angle by which directions are turned before they are looked up, from z
+    /// toward x.
+    pub turn: [f32; 2],
+    /// What its light is multiplied by.
+    pub intensity: f32,
+}
+
+impl Default for Sky {
+    /// No environment, neither turned nor brightened.
+    fn default() -> Self {
+        Self { first: 0, side: 0, levels: 0, turn: [1.0, 0.0], intensity: 1.0 }
+    }
 }
 
 /// What a frame knows of its shadows.
@@ -212,8 +224,17 @@ pub struct Frame {
     pub exposure: f32,
     /// [`ToneMap`](crate::kernel::tone_map::ToneMap).
     pub tone_map: u32,
+    /// The environment's turn: cosine.
+    pub sky_cosine: f32,
+    /// Sine.
+    pub sky_sine: f32,
+    /// What the environment's light is multiplied by.
+    pub sky_intensity: f32,
+    /// How rough a mirror would have to be to show the environment as blurred as it is behind
+    /// everything, 0 ..= 1.
+    pub backdrop_blur: f32,
 }
-const _: () = assert!(size_of::<Frame>() == 128 && offset_of!(Frame, ambient_r) == 48);
+const _: () = assert!(size_of::<Frame>() == 144 && offset_of!(Frame, ambient_r) == 48);
 
 impl View {
     /// The camera's list for a block of the frame.
@@ -241,7 +262,13 @@ impl Frame {
     /// The environment.
     #[inline(always)]
     pub fn sky(&self) -> Sky {
-        Sky { first: self.sky_first, side: self.sky_side, levels: self.sky_levels }
+        Sky {
+            first: self.sky_first,
+            side: self.sky_side,
+            levels: self.sky_levels,
+            turn: [self.sky_cosine, self.sky_sine],
+            intensity: self.sky_intensity,
+        }
     }
     /// What it knows of its shadows.
     #[inline(always)]

@@ -95,7 +95,7 @@ fn append(half_turn: u32, toward: impl Fn(DVec3) -> DVec3, texels: &mut Vec<u32>
         };
         texels.extend(square.texels.iter().map(|&texel| encode(texel)));
     }
-    Sky { first: first as u32, side, levels: LEVELS }
+    Sky { first: first as u32, side, levels: LEVELS, ..Sky::default() }
 }
 
 /// The picture as a square; each texel is the mean of four places in it.

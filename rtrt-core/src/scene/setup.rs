@@ -119,6 +119,16 @@ impl Setup {
                 return Err(SetupError::Color { what, value });
             }
         }
+        for (what, value, low, high) in [
+            ("rotation", scene.environment_rotation, -1024.0, 1024.0),
+            ("intensity", scene.environment_intensity, 0.0, 4_294_967_296.0),
+            ("blur", scene.environment_blur, 0.0, 1.0),
+        ] {
+            if !(low..=high).contains(&value) {
+                return Err(SetupError::Environment { what, value, low, high });
+            }
+        }
+        let [sky_cosine, sky_sine] = turn(scene.environment_rotation);
         if let Occluders::Near(value) = scene.occluders
             && value.is_nan()
         {
@@ -191,12 +201,22 @@ impl Setup {
             },
             backdrop: scene.backdrop as u32,
             penumbra_window: if is_soft { Frame::PENUMBRA_WINDOW * side } else { 0 },
+            sky_cosine,
+            sky_sine,
+            sky_intensity: floored(scene.environment_intensity),
+            backdrop_blur: floored(scene.environment_blur),
             exposure: exp2(exposure),
             tone_map: tone_map as u32,
             ..Frame::zeroed()
         };
         Ok(())
     }
+}
+
+/// Cosine and sine of an angle in radians; exact where it is a right angle as far as `f32` tells.
+fn turn(angle: f32) -> [f32; 2] {
+    let (sine, cosine) = libm::sincos(f64::from(angle));
+    [cosine, sine].map(|c| if c.abs() < 1e-6 { 0.0 } else { c as f32 })
 }
 
 #[cfg(test)]

@@ -63,6 +63,18 @@ pub enum SetupError {
         /// Layers a ray.
         layers: u32,
     },
+    /// A number of the environment that is not usable.
+    #[error("the {what} of the environment is {value}, which is not within {low} ..= {high}")]
+    Environment {
+        /// Which number.
+        what: &'static str,
+        /// What it is.
+        value: f32,
+        /// The least that it may be.
+        low: f32,
+        /// The most.
+        high: f32,
+    },
     /// The exposure is NaN or too large.
     #[error("an exposure of {stops} stops is not within ±{}", MAX_STOPS)]
     Exposure {

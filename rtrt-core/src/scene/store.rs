@@ -181,6 +181,13 @@ pub struct Scene {
     pub occluders: Occluders,
     /// Ambient light, linear RGB; an environment replaces it.
     pub ambient: Vec3,
+    /// How far the environment is turned around y, radians: a ray toward `d` sees what it had toward
+    /// `d` turned by this from z toward x, so that at 90° it sees toward z what was toward x.
+    pub environment_rotation: f32,
+    /// What the environment's light is multiplied by, 0 to 2³².
+    pub environment_intensity: f32,
+    /// How blurred the environment is behind all surfaces, 0 to 1; surfaces reflect it in each case.
+    pub environment_blur: f32,
     /// The color behind all surfaces, linear RGB.
     pub background: Vec3,
     /// Whether an environment, the background's color or nothing is behind all surfaces. Surfaces reflect
@@ -240,6 +247,9 @@ impl Scene {
             occluders: Occluders::default(),
             ambient: Vec3::splat(0.1),
             background: Vec3::new(0.02, 0.025, 0.035),
+            environment_rotation: 0.0,
+            environment_intensity: 1.0,
+            environment_blur: 0.0,
             backdrop: Backdrop::default(),
         }
     }

@@ -49,7 +49,7 @@ pub fn shade<L: Lane>(
     let clear = one.broadcast(if frame.backdrop == Backdrop::Nothing as u32 { 0.0 } else { 1.0 });
     let shows_sky = sky.first != 0 && frame.backdrop == Backdrop::Environment as u32;
     let background = if shows_sky && (!found).any() {
-        flush3(mirrored(maps, sky, direction, one.broadcast(0.0)))
+        flush3(mirrored(maps, sky, direction, one.broadcast(frame.backdrop_blur)))
     } else {
         V3::splat(token, [frame.background_r, frame.background_g, frame.background_b])
     };
