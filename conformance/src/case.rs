@@ -1,7 +1,7 @@
 //! What a case is.
 
 use glam::Vec3;
-use rtrt_core::backend::{LAYERS, Request, Shadows};
+use rtrt_core::backend::{LAYERS, Request, Shadows, ToneMap};
 use rtrt_core::scene::{Camera, Projection, Scene};
 
 /// How exactly a backend must agree with the reference.
@@ -31,6 +31,10 @@ pub struct Case {
     pub shadows: Shadows,
     /// The most layers of surfaces that a ray looks at.
     pub layers: u32,
+    /// Stops by which light is raised.
+    pub exposure: f32,
+    /// How light becomes colors.
+    pub tone_map: ToneMap,
     /// How exactly.
     pub agree: Agree,
     /// Whether the picture is of a single color. Any other picture that is one is red: it
@@ -61,6 +65,8 @@ impl Case {
         samples: 1,
         shadows: Shadows::Soft,
         layers: LAYERS,
+        exposure: 0.0,
+        tone_map: ToneMap::None,
         agree: Agree::Bits,
         blank: false,
         known: None,
@@ -72,6 +78,8 @@ impl Case {
             .samples(self.samples)
             .shadows(self.shadows)
             .layers(self.layers)
+            .exposure(self.exposure)
+            .tone_map(self.tone_map)
             .deferred(true)
     }
 }

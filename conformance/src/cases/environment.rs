@@ -40,6 +40,19 @@ pub(super) const CASES: &[Case] = &[
         ..Case::USUAL
     },
     Case {
+        name: "environment/turned",
+        claim: "Turned, brighter, and blurred behind everything, it lights and is mirrored from elsewhere.",
+        scene: || {
+            let mut scene = mirrors();
+            scene.environment_rotation = 1.9;
+            scene.environment_intensity = 1.75;
+            scene.environment_blur = 0.4;
+            scene
+        },
+        samples: 4,
+        ..Case::USUAL
+    },
+    Case {
         name: "environment/behind_and_in_textures",
         claim: "A texture colors what a metal mirrors; unlit surfaces mirror nothing.",
         scene: || {

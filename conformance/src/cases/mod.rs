@@ -12,6 +12,7 @@ mod soft;
 mod sphere;
 mod surface;
 mod texture;
+mod tone;
 mod transparency;
 mod visibility;
 
@@ -34,6 +35,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         environment::CASES,
         transparency::CASES,
         motion::CASES,
+        tone::CASES,
     ];
     files.into_iter().flatten()
 }

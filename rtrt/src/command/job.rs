@@ -89,8 +89,9 @@ impl RenderJob {
             }
         }
         let around =
-            common.environment.as_ref().map(|path| import::surround(&mut scene, path)).transpose()?;
-        let files: Vec<_> = files.into_iter().chain(around.into_iter().flatten()).collect();
+            common.environment.as_ref().map(|path| import::surround(&mut scene, path, false)).transpose()?;
+        let files: Vec<_> =
+            files.into_iter().chain(around.into_iter().flat_map(|around| around.files)).collect();
         console.detail(format_args!("read from {} files", files.len()));
         if let Some(ambient) = common.ambient {
             scene.ambient = ambient;

@@ -2,17 +2,52 @@
 
 use super::color::srgb_to_linear;
 use super::{ImportError, file};
+use glam::DVec3;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
-use rtrt_core::scene::{Cube, Panorama, Scene};
+use rtrt_core::scene::{Cube, Light, Panorama, Scene, SceneError, studio};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// The limit of columns and rows of a picture.
 const MAX_SIDE: u32 = 16_384;
 /// The endings of a cube's pictures.
-const ENDINGS: [&str; 4] = ["hdr", "png", "jpg", "jpeg"];
+const ENDINGS: [&str; 5] = ["hdr", "exr", "png", "jpg", "jpeg"];
 
-/// Surrounds the scene with the environment at `path`, and returns its files.
+/// What surrounds a scene.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Surroundings {
+    /// Its files.
+    pub files: Vec<PathBuf>,
+    /// Its brightest light, taken out of it; as it would be if the scene's environment were neither
+    /// turned nor brightened.
+    pub sun: Option<Light>,
+}
+
+impl Surroundings {
+    /// [`Surroundings::sun`] as the scene's environment is turned and brightened.
+    pub fn placed_sun(&self, scene: &Scene) -> Option<Light> {
+        let sun = self.sun?;
+        let (sine, cosine) = libm::sincos(f64::from(scene.environment_rotation));
+        let d = sun.direction.as_dvec3();
+        // Lookups are turned, so what is looked up is turned back.
+        let direction = DVec3::new(d.x * cosine - d.z * sine, d.y, d.z * cosine + d.x * sine);
+        let light = Light::sun(direction.as_vec3()).radius(sun.radius);
+        Some(light.color(sun.color * scene.environment_intensity))
+    }
+}
+
+/// Surrounds a scene with the built-in [`studio`], whose key light is the sun.
+///
+/// # Errors
+/// The scene is full.
+pub fn surround_with_studio(scene: &mut Scene) -> Result<Surroundings, SceneError> {
+    let (panorama, key) = studio();
+    scene.set_environment(&panorama)?;
+    Ok(Surroundings { files: vec![], sun: Some(key) })
+}
+
+/// Surrounds the scene with the environment at `path`. With `takes_sun`, its sun is taken out of it, if it
+/// has one; see [`Panorama::take_sun`].
 ///
 /// | file or folder | environment |
 /// |---|---|
@@ -24,26 +59,33 @@ const ENDINGS: [&str; 4] = ["hdr", "png", "jpg", "jpeg"];
 ///
 /// Any other picture is refused. Photographs are 4 to 3, too, so a cross must be empty beside its arms: of one color.
 ///
-/// Pictures are Radiance RGBE (`.hdr`), which is linear, or PNG or JPEG, which are sRGB and at most 1.
+/// Pictures are Radiance RGBE (`.hdr`) or OpenEXR (`.exr`), which are linear, or PNG or JPEG, which are sRGB
+/// and at most 1.
 ///
 /// # Errors
 /// A file cannot be read, or has another shape.
-pub fn surround(scene: &mut Scene, path: &Path) -> Result<Vec<PathBuf>, ImportError> {
-    let (files, result) = if path.is_dir() {
+pub fn surround(scene: &mut Scene, path: &Path, takes_sun: bool) -> Result<Surroundings, ImportError> {
+    let refused = |source| ImportError::Scene { path: path.to_owned(), source };
+    let (files, mut cube) = if path.is_dir() {
         let files = faces(path)?;
         let cube = assembled(&files)?;
-        (files.into(), scene.set_cube(&cube))
+        (files.into(), cube)
     } else {
-        let picture = read(path)?;
-        let refused = |why| ImportError::Environment { path: path.to_owned(), why };
-        let result = match unfolded(&picture).map_err(refused)? {
-            Some(cube) => scene.set_cube(&cube),
-            None => scene.set_environment(&picture),
-        };
-        (vec![path.to_owned()], result)
+        let mut picture = read(path)?;
+        let files = vec![path.to_owned()];
+        let cube = unfolded(&picture);
+        match cube.map_err(|why| ImportError::Environment { path: path.to_owned(), why })? {
+            Some(cube) => (files, cube),
+            None => {
+                let sun = takes_sun.then(|| picture.take_sun()).flatten();
+                scene.set_environment(&picture).map_err(refused)?;
+                return Ok(Surroundings { files, sun });
+            }
+        }
     };
-    result.map_err(|source| ImportError::Scene { path: path.to_owned(), source })?;
-    Ok(files)
+    let sun = takes_sun.then(|| cube.take_sun()).flatten();
+    scene.set_cube(&cube).map_err(refused)?;
+    Ok(Surroundings { files, sun })
 }
 
 /// The pictures of a cube in a folder, in the order of its faces.
@@ -154,8 +196,8 @@ fn read(path: &Path) -> Result<Panorama, ImportError> {
 fn decode(bytes: &[u8]) -> Result<Panorama, String> {
     let format = match image::guess_format(bytes) {
         _ if bytes.starts_with(b"#?") => ImageFormat::Hdr,
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
-        _ => return Err("it is not in the Radiance format (.hdr), nor PNG or JPEG".into()),
+        Ok(format @ (ImageFormat::OpenExr | ImageFormat::Png | ImageFormat::Jpeg)) => format,
+        _ => return Err("it is not in the Radiance format (.hdr), nor OpenEXR, PNG or JPEG".into()),
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
@@ -165,7 +207,7 @@ fn decode(bytes: &[u8]) -> Result<Panorama, String> {
     reader.limits(limits);
     let picture = reader.decode().map_err(|error| error.to_string().replace('\n', " "))?;
     let (width, height) = (picture.width(), picture.height());
-    let rgb = if format == ImageFormat::Hdr {
+    let rgb = if matches!(format, ImageFormat::Hdr | ImageFormat::OpenExr) {
         picture.into_rgb32f().pixels().map(|pixel| pixel.0).collect()
     } else {
         linear(picture)

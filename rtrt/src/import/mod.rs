@@ -31,7 +31,7 @@ mod placement;
 mod track;
 
 pub use animation::{Animation, Pose};
-pub use environment::surround;
+pub use environment::{Surroundings, surround, surround_with_studio};
 pub use error::ImportError;
 pub use framing::{framing, framing_played, light_by_default};
 pub use loaded::{Loaded, NamedCamera};
