@@ -9,8 +9,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
 
-pub use crate::kernel::tone_map::ToneMap;
-pub use crate::layout::{Hit, Lit, NONE, Surface};
+pub use crate::layout::{Hit, Lit, NONE, Surface, ToneMap};
 pub use crate::request::{LAYERS, Request, Shadows};
 
 /// The deferred buffers of a frame, one record a ray in the order of
@@ -169,15 +168,23 @@ pub trait Backend: Send {
         picture: &mut Picture,
     ) -> Result<(), RenderError>;
 
-    /// The stops by which the request's picture wants to be exposed, whatever the request says of it:
-    /// those of a small picture of it (see [`exposure`](crate::exposure)). The same on every backend.
-    /// An animation is metered once, so that it does not flicker.
+    /// The exposure that suits the request's picture, in stops, whatever the request says of it; 0 for a
+    /// black one. It comes from the linear colors of a picture of at most 160 pixels along its longer
+    /// side, by integers, so every backend gives the same. Meter an animation once, so that it does not
+    /// flicker.
+    ///
+    /// Only rays count that hit a surface, or all if hardly any (less than 1 in 256) does. The *bright
+    /// end* is the luminance that 1 in 64 exceeds. The mean of the logarithms from 8 stops below it up to
+    /// it becomes middle gray (0.18); but the bright end becomes 0.7 at least, as in a picture of one white
+    /// wall, and 4 at most.
     ///
     /// # Errors
     /// As for [`Backend::render`].
     fn meter(&mut self, scene: &Scene, request: &Request<'_>) -> Result<f32, RenderError> {
         let mut picture = Picture::default();
         self.render(scene, &exposure::metering(request), &mut picture)?;
-        Ok(exposure::stops(&picture))
+        let deferred = picture.deferred.as_ref();
+        let size = [picture.width, picture.height];
+        Ok(deferred.map_or(0.0, |Deferred { hits, colors, .. }| exposure::stops(size, hits, colors)))
     }
 }

@@ -5,9 +5,8 @@
 //! 1/32 stop, straight between powers of two (at most 0.09 stops off). Every backend gives it the
 //! same linear colors, so it gives the same stops everywhere.
 
-use crate::backend::{Deferred, Picture};
 use crate::grid::Grid;
-use crate::layout::NONE;
+use crate::layout::{Hit, NONE};
 use crate::request::Request;
 use alloc::vec;
 
@@ -42,30 +41,30 @@ pub fn metering<'a>(request: &Request<'a>) -> Request<'a> {
     request.size(size).samples(1).deferred(true)
 }
 
-/// The stops by which a picture of one sample a pixel wants to be exposed; 0 if it is black, or comes
-/// without its deferred buffers.
+/// The exposure that suits a picture of one sample a pixel, in stops; 0 for a black one. `hits` and
+/// `colors` are its deferred buffers.
 ///
 /// Only rays count that find a surface, or all if hardly any (less than 1 in 256) does. The *bright
 /// end* is the luminance that 1 in 64 exceeds. The mean of the logarithms from 8 stops below it up to it
 /// becomes middle gray (0.18); but the bright end becomes 0.7 at least, as in a picture of one white
 /// wall, and 4 at most.
-pub fn stops(picture: &Picture) -> f32 {
-    let Some(deferred) = &picture.deferred else { return 0.0 };
-    let grid = Grid { width: picture.width, height: picture.height, side: 1 };
-    let Some((bright, mean)) = measured(grid, deferred) else { return 0.0 };
+pub fn stops(size: [u32; 2], hits: &[Hit], colors: &[[f32; 4]]) -> f32 {
+    let [width, height] = size;
+    let grid = Grid { width, height, side: 1 };
+    let Some((bright, mean)) = measured(grid, hits, colors) else { return 0.0 };
     let steps = (GRAY - mean).clamp(ENDS[0] - bright, ENDS[1] - bright);
     steps as f32 * (1.0 / STOP as f32)
 }
 
 /// The steps of the bright end and of the mean.
-fn measured(grid: Grid, deferred: &Deferred) -> Option<(i32, i32)> {
+fn measured(grid: Grid, hits: &[Hit], colors: &[[f32; 4]]) -> Option<(i32, i32)> {
     let rays = || (0..grid.width * grid.height).map(|number| grid.index(grid.pixel(number)).0 as usize);
-    let surfaces = rays().filter(|&ray| deferred.hits[ray].instance != NONE).count() as u32;
+    let surfaces = rays().filter(|&ray| hits[ray].instance != NONE).count() as u32;
     let has_surfaces = surfaces >= (grid.width * grid.height).div_ceil(256);
     let mut counts = vec![0_u32; STEPS];
     let mut all = 0_u32;
-    for ray in rays().filter(|&ray| !has_surfaces || deferred.hits[ray].instance != NONE) {
-        let [r, g, b, _] = deferred.colors[ray];
+    for ray in rays().filter(|&ray| !has_surfaces || hits[ray].instance != NONE) {
+        let [r, g, b, _] = colors[ray];
         // ITU-R BT.709.
         let luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
         let step = luminance.max(0.0).to_bits() >> SHIFT;
@@ -96,8 +95,8 @@ mod tests {
     use alloc::vec::Vec;
     use bytemuck::Zeroable;
 
-    /// A picture whose pixels have these luminances; none is where no surface is.
-    fn picture(light: impl Fn(u32) -> Option<f32>) -> Picture {
+    /// The stops of a picture whose pixels have these luminances; none is where no surface is.
+    fn of(light: impl Fn(u32) -> Option<f32>) -> f32 {
         let (width, height) = (64, 32);
         let grid = Grid { width, height, side: 1 };
         let rays = grid.rays() as usize;
@@ -109,54 +108,52 @@ mod tests {
             hits[ray].instance = if luminance.is_some() { 0 } else { NONE };
             colors[ray] = [luminance.unwrap_or(1000.0); 4];
         }
-        let deferred = Some(Deferred { hits, colors, ..Deferred::default() });
-        Picture { width, height, deferred, ..Picture::default() }
+        stops([width, height], &hits, &colors)
     }
 
     #[test]
     fn a_wall_becomes_bright_and_a_slope_has_gray_in_its_middle() {
-        let wall = stops(&picture(|_| Some(7.0)));
+        let wall = of(|_| Some(7.0));
         assert!((wall - (0.7_f32 / 7.0).log2()).abs() < 0.1, "{wall}");
         // Six stops, evenly.
-        let slope = stops(&picture(|i| Some((6.0 * (i % 64) as f32 / 63.0).exp2())));
+        let slope = of(|i| Some((6.0 * (i % 64) as f32 / 63.0).exp2()));
         assert!((slope - (0.18_f32.log2() - 3.0)).abs() < 0.15, "{slope}");
     }
 
     #[test]
     fn neither_sky_nor_glints_nor_black_count() {
-        let room = picture(|i| (i % 3 != 0).then_some(0.02));
-        let with_more = picture(|i| match i {
+        let room = of(|i| (i % 3 != 0).then_some(0.02));
+        let with_more = of(|i| match i {
             i if i % 3 == 0 => None,
             i if i % 97 == 0 => Some(500.0),
             i if i % 5 == 0 => Some(0.0),
             i if i % 7 == 0 => Some(1e-6),
             _ => Some(0.02),
         });
-        assert_eq!(stops(&room), stops(&with_more));
+        assert_eq!(room, with_more);
     }
 
     #[test]
     fn a_doubling_of_light_is_a_stop() {
-        let scene = |scale: f32| picture(move |i| Some(scale * (1 + i % 50) as f32));
+        let scene = |scale: f32| of(move |i| Some(scale * (1 + i % 50) as f32));
         for k in [-20, -1, 1, 7] {
-            assert_eq!(stops(&scene((k as f32).exp2())), stops(&scene(1.0)) - k as f32);
+            assert_eq!(scene((k as f32).exp2()), scene(1.0) - k as f32);
         }
     }
 
     #[test]
     fn bright_ends_are_held() {
         // Most is dark; a tenth is 10 stops brighter.
-        let window = stops(&picture(|i| Some(if i % 10 == 0 { 1024.0 } else { 8.0 })));
+        let window = of(|i| Some(if i % 10 == 0 { 1024.0 } else { 8.0 }));
         assert!((window - (4.0_f32 / 1024.0).log2()).abs() < 0.1, "{window}");
     }
 
     #[test]
     fn what_is_black_or_no_number_stays() {
         for luminance in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-30] {
-            assert_eq!(stops(&picture(|_| Some(luminance))), 0.0);
+            assert_eq!(of(|_| Some(luminance)), 0.0);
         }
-        assert_eq!(stops(&Picture::default()), 0.0);
-        let sky: Vec<f32> = vec![stops(&picture(|_| None)), stops(&picture(|_| Some(1000.0)))];
+        let sky: Vec<f32> = vec![of(|_| None), of(|_| Some(1000.0))];
         assert_eq!(sky[0], sky[1]);
     }
 

@@ -67,7 +67,7 @@ pub mod backend;
 #[cfg(feature = "alloc")]
 pub mod compare;
 #[cfg(feature = "alloc")]
-pub mod exposure;
+mod exposure;
 pub mod grid;
 pub mod kernel;
 pub mod lane;

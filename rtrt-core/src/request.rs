@@ -1,6 +1,6 @@
 //! What is asked of a backend: plain data, read by scenes and by backends.
 
-use crate::kernel::tone_map::ToneMap;
+use crate::layout::ToneMap;
 use glam::Vec3;
 
 /// How the camera projects.

@@ -192,7 +192,7 @@ fn resolve_block<L: Wide>(
     for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_mut(L::WIDTH)) {
         let bits = resolve::<L>(
             token,
-            context.frame,
+            context.trace.frame,
             #[inline(always)]
             |lane| [left + ((first + lane as u32) & across), top + ((first + lane as u32) >> down)],
             #[inline(always)]

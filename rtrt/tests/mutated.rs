@@ -253,13 +253,13 @@ fn damaged_panoramas_are_seen_or_refused() {
     hdr.extend((0..4).flat_map(|row| [2, 2, 0, 8, 136, 128 + row, 136, 9, 136, 200, 136, 129]));
     let (file, mut seen) = (folder.join("damaged.hdr"), 0);
     fs::write(&file, &hdr).unwrap();
-    surround(&mut Scene::new(), &file).unwrap();
+    surround(&mut Scene::new(), &file, true).unwrap();
     for seed in seeds() {
         let bytes = damaged(&mut Random::new(seed), hdr.clone());
         fs::write(&file, bytes).unwrap();
         guarded(seed, &file, || {
             let mut scene = Scene::new();
-            if surround(&mut scene, &file).is_ok() {
+            if surround(&mut scene, &file, true).is_ok() {
                 seen += 1;
                 draw(&scene, &framing(&scene, 1.0));
             }

@@ -1,10 +1,10 @@
 //! Tone maps and exposure: from light to what a display shows.
 
 use crate::case::{Case, look};
-use crate::shape::{Build, PLAIN, Shape};
+use crate::shape::{Build, Shape};
 use rtrt_core::backend::{Shadows, ToneMap};
 use rtrt_core::layout::Backdrop;
-use rtrt_core::scene::{Light, Scene, phong};
+use rtrt_core::scene::{Light, Material, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -50,7 +50,7 @@ fn balls() -> Scene {
     let colors = [[0.9, 0.1, 0.05], [0.05, 0.8, 0.1], [0.1, 0.1, 0.9], [0.8, 0.8, 0.8]];
     let mut build = Build::default().shape(Shape::floor(6.0, -0.7));
     for (color, x) in colors.into_iter().zip([-1.8_f32, -0.6, 0.6, 1.8]) {
-        let material = phong(color, 0.0, 0.5, PLAIN, [0.0; 3]);
+        let material = Material::new(color).roughness(0.5);
         build = build.shape_of(Shape::ball(8).at([x, 0.0, 0.0], 0.5), material);
     }
     build.light(Light::point([1.0, 0.9, 0.6]).color([3.0, 2.6, 2.0]).inverse_square(true)).scene

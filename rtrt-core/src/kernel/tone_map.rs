@@ -1,29 +1,8 @@
 //! Tone mapping: from light of any strength to what a display can show.
 
 use crate::lane::{Lane, Select, V3};
+use crate::layout::ToneMap;
 use crate::num::{clamp, exp2, flush, log2, pow, recip, sqrt};
-
-/// How linear light becomes the linear color of a display, 0 to 1 a channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-#[repr(u32)]
-pub enum ToneMap {
-    /// Channels are cut off at 1.
-    #[default]
-    None = 0,
-    /// [Khronos PBR Neutral](https://github.com/KhronosGroup/ToneMapping/blob/main/PBR_Neutral/README.md):
-    /// base colors keep their hue and saturation up to 0.8, highlights turn white.
-    Neutral = 1,
-    /// AgX as in Blender 4.0: 16.5 stops, and colors fade with their brightness.
-    Agx = 2,
-    /// The Academy's reference rendering and output transforms, in Stephen Hill's fit.
-    Aces = 3,
-}
-
-impl ToneMap {
-    /// All of them, with their names.
-    pub const ALL: [(&'static str, Self); 4] =
-        [("neutral", Self::Neutral), ("agx", Self::Agx), ("aces", Self::Aces), ("none", Self::None)];
-}
 
 /// The brightest channel that an operator tells apart from a brighter one (2³²): its square has a
 /// reciprocal.

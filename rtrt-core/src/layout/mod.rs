@@ -16,4 +16,4 @@ pub use material::{AlphaKind, COLOR_LIMIT, LIGHT_LIMIT, MaterialRecord, Texture,
 pub use probe::{PROBES, probe};
 pub use shadow_buffer::ShadowBuffer;
 pub use transparency::{FinestLevel, Transparency, TransparencyVertex};
-pub use view::{Backdrop, Frame, ShadowKind, Sky, View, ViewKind};
+pub use view::{Backdrop, Frame, ShadowKind, Sky, ToneMap, View, ViewKind};

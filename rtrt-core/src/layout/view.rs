@@ -113,6 +113,28 @@ pub enum Backdrop {
     Nothing = 2,
 }
 
+/// How linear light becomes the linear color of a display, 0 to 1 a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum ToneMap {
+    /// Channels are cut off at 1.
+    #[default]
+    None = 0,
+    /// [Khronos PBR Neutral](https://github.com/KhronosGroup/ToneMapping/blob/main/PBR_Neutral/README.md):
+    /// base colors keep their hue and saturation up to 0.8, highlights turn white.
+    Neutral = 1,
+    /// AgX as in Blender 4.0: 16.5 stops, and colors fade with their brightness.
+    Agx = 2,
+    /// The Academy's reference rendering and output transforms, in Stephen Hill's fit.
+    Aces = 3,
+}
+
+impl ToneMap {
+    /// All of them, with their names.
+    pub const ALL: [(&'static str, Self); 4] =
+        [("neutral", Self::Neutral), ("agx", Self::Agx), ("aces", Self::Aces), ("none", Self::None)];
+}
+
 /// The place of an environment's squares in the texels (see `kernel::environment`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
@@ -222,7 +244,7 @@ pub struct Frame {
     pub is_drawn: u32,
     /// What light is multiplied by before it is tone mapped: 2 to the power of the request's stops.
     pub exposure: f32,
-    /// [`ToneMap`](crate::kernel::tone_map::ToneMap).
+    /// [`ToneMap`].
     pub tone_map: u32,
     /// The environment's turn: cosine.
     pub sky_cosine: f32,

@@ -75,7 +75,7 @@ fn byte<L: Lane>(value: L) -> L::Bits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::tone_map::ToneMap;
+    use crate::layout::ToneMap;
     use bytemuck::Zeroable;
 
     #[test]
