@@ -93,7 +93,12 @@ fn scenes() -> Vec<(&'static str, Loaded)> {
         ("demo:moving", rtrt::demo::moving(&Parallel)),
     ];
     let all = files.into_iter().filter_map(load).chain(built);
-    all.map(|(name, loaded)| (name, loaded.unwrap_or_else(|why| panic!("{name}: {why}")))).collect()
+    let lit = |(name, loaded): (&'static str, Result<Loaded, ImportError>)| {
+        let mut loaded = loaded.unwrap_or_else(|why| panic!("{name}: {why}"));
+        rtrt::import::light_by_default(&mut loaded.scene).unwrap_or_else(|why| panic!("{name}: {why}"));
+        (name, loaded)
+    };
+    all.map(lit).collect()
 }
 
 fn request(camera: &Camera, samples: u32) -> Request<'_> {

@@ -41,8 +41,9 @@ fn every_variant_agrees_on_real_scenes() {
             println!("SKIPPED: {} is not there", path.display());
             continue;
         }
-        let loaded =
+        let mut loaded =
             rtrt::import::load(&path, &rtrt_cpu::Parallel).unwrap_or_else(|why| panic!("{name}: {why}"));
+        rtrt::import::light_by_default(&mut loaded.scene).unwrap_or_else(|why| panic!("{name}: {why}"));
         for samples in [1, 4] {
             let request = Request::new(&loaded.camera, [97, 55]).samples(samples).deferred(true);
             reference.render(&loaded.scene, &request, &mut expected).unwrap();

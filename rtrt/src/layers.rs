@@ -5,7 +5,7 @@ use rtrt_core::grid::Grid;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::transmittance::color;
 use rtrt_core::lane::{V3, Word};
-use rtrt_core::layout::{NONE, Surface};
+use rtrt_core::layout::{Backdrop, NONE, Surface};
 use rtrt_core::num::{exp2, srgb_encode};
 use rtrt_core::scene::Scene;
 use rtrt_core::stage::resolve::{average, displayed};
@@ -22,8 +22,13 @@ pub struct Layers {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Linear RGB and alpha.
+    /// Linear RGB, neither exposed nor tone mapped, times alpha, and alpha: 0 where a background of one color or
+    /// nothing shows.
     pub color: Vec<[f32; 4]>,
+    /// The background's color, linear RGB; black without one.
+    pub background: [f32; 3],
+    /// Whether pixels show what is behind the picture.
+    pub is_transparent: bool,
     /// Depth along the view, world units; infinite without a hit.
     pub depth: Vec<f32>,
     /// Unit normals towards the viewer, world space; 0 without a hit.
@@ -53,7 +58,14 @@ impl Layers {
         let grid = Grid { width: picture.width, height: picture.height, side: samples.isqrt() };
         let maps = Maps { materials: scene.materials(), texels: scene.texels() };
         let lights = scene.lights().len().max(1) as f32;
-        let mut layers = Self { width: picture.width, height: picture.height, ..Self::default() };
+        let (background, is_transparent) = (scene.background.to_array(), scene.backdrop == Backdrop::Nothing);
+        let mut layers = Self {
+            width: picture.width,
+            height: picture.height,
+            background,
+            is_transparent,
+            ..Self::default()
+        };
         for pixel in (0..grid.width * grid.height).map(|number| grid.pixel(number)) {
             let index = grid.index(pixel.map(|place| place * grid.side)).0 as usize;
             let (hit, surface) = (&deferred.hits[index], &deferred.surfaces[index]);
@@ -77,8 +89,8 @@ impl Layers {
         Some(layers)
     }
 
-    /// The color with 16 bits per channel: exposed and tone mapped as the request says, sRGB, and straight
-    /// (not premultiplied) alpha.
+    /// The color with 16 bits per channel: exposed and tone mapped as the request says, in front of the
+    /// background, sRGB, and straight (not premultiplied) alpha.
     pub fn encoded16(&self, request: &Request<'_>) -> Vec<[u16; 4]> {
         let round = |value: f32| (value * 65535.0 + 0.5) as u16;
         let encode = |value: f32| round(srgb_encode(value));
@@ -88,7 +100,11 @@ impl Layers {
             .map(|&color| straight(color))
             .map(|[r, g, b, a]| {
                 let V3 { x, y, z } = displayed::<f32>(exposure, operator, V3::splat((), [r, g, b]));
-                [encode(x), encode(y), encode(z), round(a)]
+                if a >= 1.0 || self.is_transparent {
+                    return [encode(x), encode(y), encode(z), round(a)];
+                }
+                let [r, g, b] = self.background.map(|channel| channel * (1.0 - a));
+                [encode(x * a + r), encode(y * a + g), encode(z * a + b), u16::MAX]
             })
             .collect()
     }

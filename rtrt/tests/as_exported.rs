@@ -411,3 +411,43 @@ fn zeros_after_the_json_of_a_binary_file_are_padding() {
     file.resize(20 + length as usize, 0);
     assert_eq!(loaded("padding", &[("x.glb", &file)]).scene.drawn_triangles(), 0);
 }
+
+/// A white triangle around the origin, facing +z, a triangle somewhere else, and a lamp of 2 candela, and of 6 in
+/// red, 4 above the origin.
+fn lamp(size: f32, elsewhere: [f32; 3]) -> Vec<u8> {
+    let [x, y, z] = elsewhere;
+    let corners = [
+        [-3.0 * size, -size, 0.0, 3.0 * size, -size, 0.0, 0.0, 2.0 * size, 0.0],
+        [x, y, z, x + 1.0, y, z, x, y + 1.0, z],
+    ];
+    let members = r#""nodes":[{"mesh":0},
+        {"translation":[0,0,4],"extensions":{"KHR_lights_punctual":{"light":0}}}],
+        "extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[
+        {"type":"point","color":[1,0.33333334,0.33333334],"intensity":6}]}},
+        "materials":[{"pbrMetallicRoughness":{"metallicFactor":0}}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":6}],
+        "bufferViews":[{"buffer":0,"byteLength":72}]"#;
+    gltf(members, &floats(corners.as_flattened()))
+}
+
+#[test]
+fn a_lamp_is_as_bright_as_the_file_says_whatever_else_is_in_the_scene() {
+    let cases = [
+        (6.0, [0.0, 0.0, -9.0]),
+        (15.0, [0.0, 0.0, -9.0]),
+        (60.0, [0.0, 0.0, -9.0]),
+        (6.0, [9e4, -7e3, 3e2]),
+    ];
+    let mut pictures = cases.iter().zip(0..).map(|(&(size, elsewhere), number)| {
+        let loaded = loaded(&format!("lamp-{number}"), &[("x.gltf", &lamp(size, elsewhere))]);
+        let [light] = loaded.scene.lights() else { panic!("one light") };
+        assert_eq!((light.color, light.inverse_square, light.reach), (Vec3::new(6.0, 2.0, 2.0), true, None));
+        seen(&loaded, None)
+    });
+    let first = pictures.next().unwrap();
+    assert!(pictures.all(|picture| picture == first));
+    // Under the lamp it is brighter than at the edge, and nowhere white.
+    let [middle, edge] = [first[32 * 16 + 16], first[16]];
+    assert!(edge[0] < middle[0] && middle[1] < middle[0] && middle[0] < 255, "{edge:?} {middle:?}");
+}

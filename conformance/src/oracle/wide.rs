@@ -374,7 +374,7 @@ fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Re
         let spent = light.reach.map_or(0.0, |reach| distance / f64::from(reach));
         let (full, share) = match light.inverse_square {
             _ if is_far => (1.0, 1.0),
-            true => (distance.powi(-2), (1.0 - spent * spent).powi(2)),
+            true => (distance.powi(-2), 1.0 - spent.powi(4)),
             false => (1.0, 1.0 - spent),
         };
         let (cone, steepness) = cone(light, way);

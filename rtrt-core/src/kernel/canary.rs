@@ -25,11 +25,12 @@ use crate::kernel::slab::{RelativeBox, intersects, slab};
 use crate::kernel::sphere::{self, Chord, ENTRY, EXIT};
 use crate::kernel::tangent;
 use crate::kernel::texture::{Maps, MaterialLookup, TexCoords, finest, sample};
+use crate::kernel::tone_map::tone_map;
 use crate::kernel::transmittance::{Transmittance, color};
 use crate::kernel::triangle::{Intersection, Triangle, intersect};
 use crate::kernel::view::{camera_ray, light_block};
 use crate::lane::{Bits, Lane, Select, V3};
-use crate::layout::{FinestLevel, Instance, MaterialRecord};
+use crate::layout::{FinestLevel, Instance, MaterialRecord, ToneMap};
 use crate::num::{self, flush, flush3};
 use fixture::{CAMERA, SKY, SPOT, SUN};
 
@@ -102,6 +103,9 @@ names! {
     "transmittance",
     "transmitted color",
     "penumbra radius",
+    "tone map neutral",
+    "tone map agx",
+    "tone map aces",
 }
 
 /// Words that one case reads, from its own on: a ray's origin and direction, and the three
@@ -237,7 +241,19 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index:
             bits(penumbra_radius(&views[SPOT], u)),
             bits(penumbra_radius(&views[SUN], flush(x.abs().min(x.broadcast(f32::MAX))))),
         ),
+        shown(ToneMap::Neutral, way, [u, v, w]),
+        shown(ToneMap::Agx, way, [u, v, w]),
+        shown(ToneMap::Aces, way, [u, v, w]),
     ]
+}
+
+/// What a tone map makes of light of any strength, or of light around white.
+#[inline(always)]
+fn shown<L: Lane>(map: ToneMap, any: V3<L>, usual: [L; 3]) -> L::Bits {
+    let [x, y, z] = usual;
+    let is_usual = x.lt(x.broadcast(0.5));
+    let usual = V3 { x: x * 8.0, y: y * 4.0, z: z * 4.0 };
+    folded(flush3(tone_map(map as u32, V3::select(is_usual, usual, any))))
 }
 
 /// The first of a device's answers to every index of `words` that is not the CPU's: its case, and

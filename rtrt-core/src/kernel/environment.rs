@@ -22,8 +22,9 @@ fn turned<L: Lane>(sky: Sky, direction: V3<L>) -> V3<L> {
         return direction;
     }
     let V3 { x, y, z } = direction;
-    // The sign of what some devices do not keep decides where below the horizon is.
-    V3 { x: flush(x * cosine + z * sine), y, z: flush(z * cosine - x * sine) }
+    // A sign decides where below the horizon is, so it is not that of what some devices do not keep.
+    let [ahead, aside] = [flush(z * cosine), flush(z * sine)];
+    V3 { x: flush(flush(x * cosine) + aside), y, z: flush(ahead - flush(x * sine)) }
 }
 
 /// The place of a direction of any length in a square, `0 ..= 1` each. `y` is up; from above,

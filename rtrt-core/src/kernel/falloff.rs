@@ -12,20 +12,19 @@ const NEAREST: f32 = 1.0 / 1_099_511_627_776.0;
 ///
 /// ```text
 /// linear            1 − distance / reach
-/// inverse square    (1 − (distance / reach)²)² / distance², at most 2⁴⁰
+/// inverse square    (1 − (distance / reach)⁴) / distance², at most 2⁴⁰
 /// ```
 ///
-/// Linear is the paper's; it is not inverse-square, whatever the prototype called it. The
-/// windowed inverse square is how glTF's `range` is usually read (KHR_lights_punctual).
-/// Both are exactly 0 at the reach and beyond, so binning may drop the light there, and a
+/// Linear is the paper's; it is not inverse-square, whatever the prototype called it. The windowed inverse
+/// square is the formula of KHR_lights_punctual for a light's `range`. Both are exactly 0 at the reach and beyond, so binning may drop the light there, and a
 /// light without limit (`inv_reach` = 0) never fades by its window. A NaN distance is dark.
 #[inline(always)]
 pub fn falloff<L: Lane>(light: &View, distance: L) -> L {
     let spent = distance * light.inv_reach;
     let (zero, one) = (spent.broadcast(0.0), spent.broadcast(1.0));
     let left = if light.inverse_square == 1.0 {
-        let window = one - spent * spent;
-        window * window * recip((distance * distance).max(distance.broadcast(NEAREST)))
+        let square = spent * spent;
+        (one - square * square) * recip((distance * distance).max(distance.broadcast(NEAREST)))
     } else {
         one - spent
     };
@@ -43,6 +42,16 @@ mod tests {
             let light = View { inv_reach: 1.0 / 8.0, inverse_square, ..View::zeroed() };
             assert_eq!([falloff(&light, 8.0_f32), falloff(&light, f32::NAN)], [0.0; 2]);
             assert!(falloff(&light, 7.9_f32) > 0.0);
+        }
+    }
+
+    #[test]
+    fn the_window_is_that_of_khr_lights_punctual() {
+        let light = View { inv_reach: 1.0 / 10.0, inverse_square: 1.0, ..View::zeroed() };
+        for distance in [0.5_f32, 2.0, 5.0, 9.0, 9.9] {
+            let d = f64::from(distance);
+            let expected = (1.0 - (d / 10.0).powi(4)).clamp(0.0, 1.0) / (d * d);
+            assert!((f64::from(falloff(&light, distance)) - expected).abs() < 1e-6 * expected.max(0.1));
         }
     }
 

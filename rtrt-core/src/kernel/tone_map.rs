@@ -68,8 +68,8 @@ fn neutral<L: Lane>(light: V3<L>) -> V3<L> {
     let scale = compressed * recip(peak) * kept;
     let white = compressed * (one - kept);
     let is_plain = peak.le(one.broadcast(KS));
-    let channel = |c: L| is_plain.select(c, c * scale + white);
-    V3 { x: channel(light.x), y: channel(light.y), z: channel(light.z) }
+    let shown = light.scale(scale);
+    V3::select(is_plain, light, V3 { x: shown.x + white, y: shown.y + white, z: shown.z + white })
 }
 
 /// From linear BT.709 to BT.2020 (ITU-R BT.2087), then AgX's inset.
@@ -147,20 +147,29 @@ const OUTPUT: [[f32; 3]; 3] =
 /// ```
 #[inline(always)]
 fn aces<L: Lane>(light: V3<L>) -> V3<L> {
-    let fit = |v: L| {
-        let above = v * (v + 0.024_578_6) - 0.000_090_537;
-        let below = v * (v * 0.983_729 + 0.432_951) + 0.238_081;
-        above * recip(below)
-    };
     let v = transformed(&INPUT, light);
     transformed(&OUTPUT, V3 { x: fit(v.x), y: fit(v.y), z: fit(v.z) })
+}
+
+/// The curve of [`aces`].
+#[inline(always)]
+fn fit<L: Lane>(v: L) -> L {
+    let above = v * (v + 0.024_578_6) - 0.000_090_537;
+    let below = v * (v * 0.983_729 + 0.432_951) + 0.238_081;
+    above * recip(below)
 }
 
 /// A color times a matrix, given by its rows.
 #[inline(always)]
 fn transformed<L: Lane>(rows: &[[f32; 3]; 3], color: V3<L>) -> V3<L> {
-    let row = |r: [f32; 3]| color.x * r[0] + color.y * r[1] + color.z * r[2];
-    V3 { x: row(rows[0]), y: row(rows[1]), z: row(rows[2]) }
+    let [a, b, c] = rows;
+    V3 { x: weighted(a, color), y: weighted(b, color), z: weighted(c, color) }
+}
+
+/// A sum of channels by these weights.
+#[inline(always)]
+fn weighted<L: Lane>(weights: &[f32; 3], color: V3<L>) -> L {
+    color.x * weights[0] + color.y * weights[1] + color.z * weights[2]
 }
 
 #[cfg(test)]

@@ -209,7 +209,7 @@ pub struct Frame {
     pub ambient_g: f32,
     /// Blue.
     pub ambient_b: f32,
-    /// The background's color, linear RGB: red.
+    /// The background's color, linear RGB as the display shows it: red.
     pub background_r: f32,
     /// Green.
     pub background_g: f32,
@@ -326,6 +326,12 @@ impl Frame {
     #[inline(always)]
     pub fn has_layers(&self) -> bool {
         self.layers != 0
+    }
+    /// Whether rays that hit nothing show the environment. Otherwise they have no color and an alpha of 0, and
+    /// [`resolve`](crate::stage::resolve) adds the background's color.
+    #[inline(always)]
+    pub fn shows_sky(&self) -> bool {
+        self.sky_first != 0 && self.backdrop == Backdrop::Environment as u32
     }
     /// Whether shadows are transmittances instead of bits.
     #[inline(always)]

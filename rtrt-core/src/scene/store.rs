@@ -188,7 +188,7 @@ pub struct Scene {
     pub environment_intensity: f32,
     /// How blurred the environment is behind all surfaces, 0 to 1; surfaces reflect it in each case.
     pub environment_blur: f32,
-    /// The color behind all surfaces, linear RGB.
+    /// The color behind all surfaces, linear RGB. It is the color of pixels, neither exposed nor tone mapped.
     pub background: Vec3,
     /// Whether an environment, the background's color or nothing is behind all surfaces. Surfaces reflect
     /// the environment in each case.

@@ -48,7 +48,7 @@ mod tests {
             let incoming = super::light::light(frame, context.views, &maps, &shadows, ray, direction, &seen);
             let color = super::shade::shade(frame, &maps, direction, &seen, &incoming);
             let numbers = color.map(|channel| channel.lane(0));
-            let pixel = super::resolve::resolve::<L>((), frame.grid(), |_| [0, 0], |_| numbers);
+            let pixel = super::resolve::resolve::<L>((), frame, |_| [0, 0], |_| numbers);
             let sum = |v: V3<L>| (v.x.to_bits() + v.y.to_bits() + v.z.to_bits()).0;
             let (t, u) = (closest.t.to_bits().0, closest.u.to_bits().0);
             let numbers = numbers.map(f32::to_bits);

@@ -13,7 +13,7 @@ use crate::kernel::ray::Ray;
 use crate::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select, groups};
-use crate::layout::{AlphaKind, Backdrop, Frame, NONE};
+use crate::layout::{AlphaKind, Frame, NONE};
 use crate::num::flush;
 use crate::stage::context::Context;
 use crate::stage::visibility::{rays, trace, unfound};
@@ -101,14 +101,14 @@ pub fn peel<L: Lane, const G: usize>(
 /// ```
 ///
 /// which is the usual blending from back to front, summed in the order of the layers. The last
-/// layer of a ray counts as opaque, except with [`Backdrop::Nothing`].
+/// layer of a ray counts as opaque, unless rays that hit nothing have an alpha of 0: it then covers what it hits.
 #[inline(always)]
 pub fn blend<L: Lane>(frame: &Frame, before: [L; 4], shaded: [L; 4]) -> [L; 4] {
     let one = before[3].broadcast(1.0);
     let done = is_covered(before[3]);
     let alpha = if frame.layers != 1 {
         shaded[3]
-    } else if frame.backdrop == Backdrop::Nothing as u32 {
+    } else if !frame.shows_sky() {
         shaded[3].gt(one.broadcast(0.0)).select(one, shaded[3])
     } else {
         one
@@ -171,9 +171,10 @@ mod tests {
         assert_eq!(blend(&frame(2), first, [0.0, 1.0, 4.0, 1.0]), rest);
         assert_eq!(blend(&frame(1), first, [0.0, 1.0, 4.0, 0.5]), rest);
         assert_eq!(blend(&frame(2), rest, [9.0; 4]), rest);
-        // But for nothing behind it, where alpha is kept.
-        let nothing = Frame { backdrop: Backdrop::Nothing as u32, ..frame(1) };
-        assert_eq!(blend(&nothing, first, [0.0; 4]), first);
+        // What hits nothing covers nothing, unless an environment shows there.
+        assert_eq!(blend(&frame(1), first, [0.0; 4]), first);
+        let sky = Frame { sky_first: 1, ..frame(1) };
+        assert_eq!(blend(&sky, first, [0.0, 1.0, 4.0, 0.0]), rest);
         assert!(is_covered(1.0_f32) && !is_covered(0.999_f32));
     }
 }

@@ -3,13 +3,20 @@
 use crate::grid::{Grid, RayIndex};
 use crate::kernel::tone_map::tone_map;
 use crate::lane::{Lane, Mask, Select, V3};
-use crate::layout::Frame;
+use crate::layout::{Backdrop, Frame};
 use crate::num::{floor, recip, srgb_encode, to_integer};
 
-/// A group of pixels: the average of each one's sub-rays' linear colors, summed row by
-/// row, [displayed] as the frame says, and encoded as sRGB with 8 bits a channel, red lowest. Sub-rays'
-/// colors are multiplied by their alphas, those of pixels are not. `pixel(lane)` is the column and
-/// row of a pixel, `color(ray)` the color that a ray brought back.
+/// A group of pixels: the average of each one's sub-rays' linear colors, summed row by row, [displayed] as
+/// the frame says, in front of the background's color if it has one, and encoded as sRGB with 8 bits a channel,
+/// red lowest.
+///
+/// ```text
+/// displayed(color / alpha) · alpha + background · (1 − alpha)
+/// ```
+///
+/// Sub-rays' colors are multiplied by their alphas. With [`Backdrop::Nothing`] a pixel keeps its alpha, by which
+/// its color is not multiplied. `pixel(lane)` is the column and row of a pixel, `color(ray)` the color that a
+/// ray brought back.
 #[inline(always)]
 pub fn resolve<L: Lane>(
     token: L::Token,
@@ -23,15 +30,30 @@ pub fn resolve<L: Lane>(
         #[inline(always)]
         |lane| [average(grid, pixel(lane), &color)],
     );
-    let is_partial = a.gt(a.broadcast(0.0)) & a.lt(a.broadcast(1.0));
-    let [r, g, b] = if is_partial.any() {
-        let scale = is_partial.select(recip(a), a.broadcast(1.0));
-        [r * scale, g * scale, b * scale]
+    let one = a.broadcast(1.0);
+    let is_covered = a.ge(one);
+    let is_partial = a.gt(a.broadcast(0.0)) & !is_covered;
+    let color = V3 { x: r, y: g, z: b };
+    let color = if is_partial.any() { color.scale(is_partial.select(recip(a), one)) } else { color };
+    let shown = displayed(frame.exposure, frame.tone_map, color);
+    if frame.backdrop == Backdrop::Nothing as u32 {
+        return encoded(shown, a);
+    }
+    let in_front = if (!is_covered).any() {
+        let rest = is_covered.select(one.broadcast(0.0), one - a);
+        let behind = V3::splat(token, [frame.background_r, frame.background_g, frame.background_b]);
+        V3::select(is_covered, shown, shown.scale(a)) + behind.scale(rest)
     } else {
-        [r, g, b]
+        shown
     };
-    let V3 { x: r, y: g, z: b } = displayed(frame.exposure, frame.tone_map, V3 { x: r, y: g, z: b });
-    byte(srgb_encode(r)) | byte(srgb_encode(g)) << 8 | byte(srgb_encode(b)) << 16 | byte(a) << 24
+    encoded(in_front, one)
+}
+
+/// A color and its alpha as a pixel.
+#[inline(always)]
+fn encoded<L: Lane>(color: V3<L>, alpha: L) -> L::Bits {
+    let (r, g, b) = (srgb_encode(color.x), srgb_encode(color.y), srgb_encode(color.z));
+    byte(r) | byte(g) << 8 | byte(b) << 16 | byte(alpha) << 24
 }
 
 /// Linear light as the linear color of a display: multiplied by the frame's exposure, then tone mapped.
@@ -78,9 +100,15 @@ mod tests {
     use crate::layout::ToneMap;
     use bytemuck::Zeroable;
 
+    /// A frame of one pixel of one sample.
+    fn one() -> Frame {
+        Frame { width: 1, height: 1, side: 1, exposure: 1.0, ..Frame::zeroed() }
+    }
+
     #[test]
     fn half_a_pixel_is_half_covered() {
-        let frame = Frame { width: 1, height: 1, side: 2, exposure: 1.0, ..Frame::zeroed() };
+        let backdrop = Backdrop::Nothing as u32;
+        let frame = Frame { width: 1, height: 1, side: 2, exposure: 1.0, backdrop, ..Frame::zeroed() };
         let grid = frame.grid();
         let pixel = |colors: [[f32; 4]; 4]| {
             let color =
@@ -99,13 +127,27 @@ mod tests {
     fn light_is_exposed_before_it_is_mapped_and_behind_what_covers_it_in_part() {
         let color = [0.09, 0.18, 0.36];
         for map in ToneMap::ALL.map(|(_, map)| map as u32) {
-            let frame =
-                Frame { width: 1, height: 1, side: 1, exposure: 4.0, tone_map: map, ..Frame::zeroed() };
+            let backdrop = Backdrop::Nothing as u32;
+            let frame = Frame { exposure: 4.0, tone_map: map, backdrop, ..one() };
             let pixel = |c: [f32; 4]| resolve::<f32>((), &frame, |_| [0, 0], |_| c).0.to_le_bytes();
             let V3 { x, y, z } = tone_map::<f32>(map, V3::splat((), color.map(|c| 4.0 * c)));
             let [r, g, b] = [x, y, z].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
             assert_eq!(pixel([0.09, 0.18, 0.36, 1.0]), [r, g, b, 255]);
             assert_eq!(pixel([0.045, 0.09, 0.18, 0.5]), [r, g, b, 128]);
+        }
+    }
+
+    #[test]
+    fn a_background_is_neither_exposed_nor_mapped() {
+        let [r, g, b] = [0.25, 0.5, 1.0].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
+        for (_, map) in ToneMap::ALL {
+            let background = Frame { background_r: 0.25, background_g: 0.5, background_b: 1.0, ..one() };
+            let frame = Frame { exposure: 64.0, tone_map: map as u32, ..background };
+            let pixel = |c: [f32; 4]| resolve::<f32>((), &frame, |_| [0, 0], |_| c).0.to_le_bytes();
+            assert_eq!(pixel([0.0; 4]), [r, g, b, 255]);
+            // A black surface that covers half of it.
+            let [.., blue, alpha] = pixel([0.0, 0.0, 0.0, 0.5]);
+            assert_eq!((blue.abs_diff((srgb_encode(0.5) * 255.0 + 0.5) as u8) <= 1, alpha), (true, 255));
         }
     }
 }

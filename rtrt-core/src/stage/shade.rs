@@ -3,7 +3,7 @@
 use crate::kernel::environment::{arriving as arriving_from, mirrored};
 use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, channel, sample};
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
-use crate::layout::{AlphaKind, Backdrop, Frame, MaterialRecord, Sky};
+use crate::layout::{AlphaKind, Frame, MaterialRecord, Sky};
 use crate::num::{clamp, flush, flush3, normalize};
 use crate::stage::light::IncomingLight;
 use crate::stage::surface::Surfaces;
@@ -19,10 +19,9 @@ use crate::stage::surface::Surfaces;
 /// highlight = mirror · (1 − roughness / 2)
 /// ```
 ///
-/// or the base color alone, of a material that is unlit, or the background where it found
-/// nothing. `metallic`, `roughness`, `occlusion` and `emission` are the material's times its
-/// textures. Alpha is 1, but of a material that blends: the material's, times the texture's and
-/// the vertex color's; and 0 of a background that is [`Backdrop::Nothing`].
+/// or the base color alone, of a material that is unlit, or the environment where it found nothing. `metallic`,
+/// `roughness`, `occlusion` and `emission` are the material's times its textures. Alpha is 1, but of a material that blends: the material's, times the texture's and
+/// the vertex color's; and 0 where it found nothing, unless the frame shows the environment there.
 ///
 /// An environment is the background, unless the frame says otherwise. It takes the place of the ambient light, by the
 /// surface's normal. It is mirrored, more where the surface is seen at a grazing angle, by
@@ -46,12 +45,12 @@ pub fn shade<L: Lane>(
     let one = surfaces.footprint.broadcast(1.0);
     let sky = frame.sky();
     let found = surfaces.material.gt(surfaces.material.broadcast(0));
-    let clear = one.broadcast(if frame.backdrop == Backdrop::Nothing as u32 { 0.0 } else { 1.0 });
-    let shows_sky = sky.first != 0 && frame.backdrop == Backdrop::Environment as u32;
+    let shows_sky = frame.shows_sky();
+    let clear = one.broadcast(if shows_sky { 1.0 } else { 0.0 });
     let background = if shows_sky && (!found).any() {
         flush3(mirrored(maps, sky, direction, one.broadcast(frame.backdrop_blur)))
     } else {
-        V3::splat(token, [frame.background_r, frame.background_g, frame.background_b])
+        V3::splat(token, [0.0; 3])
     };
     if !found.any() {
         return [background.x, background.y, background.z, clear];
@@ -228,12 +227,10 @@ mod tests {
     }
 
     #[test]
-    fn an_unlit_surface_shows_its_base_color_and_nothing_shows_the_background() {
+    fn an_unlit_surface_shows_its_base_color_and_what_hits_nothing_covers_nothing() {
         let unlit = MaterialRecord { unlit: 1, ..dielectric() };
         assert_eq!(shaded(Frame::zeroed(), Some(unlit)), [0.5, 0.25, 1.0, 1.0]);
-        assert_eq!(shaded(Frame::zeroed(), None), [0.25, 0.0, 1.0, 1.0]);
-        let nothing = Frame { backdrop: Backdrop::Nothing as u32, ..Frame::zeroed() };
-        assert_eq!(shaded(nothing, None)[3], 0.0);
+        assert_eq!(shaded(Frame::zeroed(), None), [0.0; 4]);
     }
 
     #[test]

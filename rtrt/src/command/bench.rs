@@ -74,6 +74,7 @@ pub fn run(options: &BenchOptions) -> Result<(), Error> {
     );
     let mut job = RenderJob::load(&options.common, SAMPLES, true, options.common.start(), &console)?;
     let (mut backend, machine) = open(&options.common.backend, options.hybrid, &console)?;
+    job.expose(&mut *backend, &console)?;
     let mut picture = Picture::default();
     let mut frames: Vec<[f64; Stage::COUNT]> = Vec::new();
     let (mut frame_ms, mut host_ms) = (Vec::new(), Vec::new());

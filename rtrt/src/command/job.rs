@@ -3,13 +3,15 @@
 use super::Error;
 use super::console::Console;
 use super::options::{BackendOptions, CameraOptions, Common};
+use super::parse::Exposure;
 use super::report::Machine;
+use super::surroundings::{Surrounded, surrounded};
 use rtrt::cache::Cache;
 use rtrt::choose::{self, ChooseError, Chosen, choose};
 use rtrt::debug::{DebugImage, DebugView, show};
 use rtrt::demo;
 use rtrt::import::{self, Animation, ImportError, Loaded, NamedCamera};
-use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows, ToneMap};
 use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
 #[cfg(feature = "viewer")]
@@ -29,15 +31,17 @@ pub struct RenderJob {
     pub shadows: Shadows,
     /// The most surfaces along a ray.
     pub layers: u32,
+    /// The exposure, stops.
+    pub exposure: f32,
+    pub tone_map: ToneMap,
     /// The number of rays from the camera.
     pub rays: u64,
     /// Milliseconds.
     pub bvh_build_ms: f64,
     /// Whether the lights come from the file.
     own_lights: bool,
-    /// Whether the lights are [`import::light_by_default`]'s.
-    #[cfg(feature = "viewer")]
-    default_lights: bool,
+    /// What surrounds the scene.
+    pub surrounded: Surrounded,
     animation: Option<Animation>,
     cameras: Vec<NamedCamera>,
     /// The files of the scene and its environment.
@@ -72,14 +76,10 @@ impl RenderJob {
         ));
         choose_animation(common, &mut loaded, time.is_some(), console)?;
         let camera = camera(common, &mut loaded, time.is_some())?;
-        let Loaded { mut scene, cameras, lit_by_default, animation, files, bvh_build_ms, .. } = loaded;
-        let default_lights = lit_by_default && common.lights.is_empty() && common.environment.is_none();
+        let Loaded { mut scene, cameras, animation, files, bvh_build_ms, .. } = loaded;
+        let own_lights = common.lights.is_empty() && !scene.lights().is_empty();
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
-        } else if default_lights {
-            import::light_by_default(&mut scene, &camera);
-        } else if lit_by_default {
-            scene.lights_mut().clear();
         }
         if let Some(size) = common.light_radius {
             for light in scene.lights_mut() {
@@ -88,10 +88,8 @@ impl RenderJob {
                 }
             }
         }
-        let around =
-            common.environment.as_ref().map(|path| import::surround(&mut scene, path, false)).transpose()?;
-        let files: Vec<_> =
-            files.into_iter().chain(around.into_iter().flat_map(|around| around.files)).collect();
+        let surrounded = surrounded(&mut scene, common)?;
+        let files: Vec<_> = files.into_iter().chain(surrounded.surroundings.files.iter().cloned()).collect();
         console.detail(format_args!("read from {} files", files.len()));
         if let Some(ambient) = common.ambient {
             scene.ambient = ambient;
@@ -112,9 +110,13 @@ impl RenderJob {
             shadows: common.shadows(),
             layers: common.transparency_depth,
             bvh_build_ms,
-            own_lights: common.lights.is_empty() && !lit_by_default,
-            #[cfg(feature = "viewer")]
-            default_lights,
+            own_lights,
+            exposure: match common.exposure {
+                Exposure::Stops(stops) => stops,
+                Exposure::Auto => 0.0,
+            },
+            tone_map: common.tone_map,
+            surrounded,
             animation,
             cameras,
             #[cfg(feature = "viewer")]
@@ -151,6 +153,8 @@ impl RenderJob {
             .samples(self.samples)
             .shadows(self.shadows)
             .layers(self.layers)
+            .exposure(self.exposure)
+            .tone_map(self.tone_map)
             .deferred(deferred)
     }
 
@@ -164,6 +168,23 @@ impl RenderJob {
         backend
             .render(&self.scene, request, picture)
             .map_err(|source| Error::Render { scene: self.common.scene.clone(), source })
+    }
+
+    /// Meters the exposure if the options say `auto`.
+    pub fn expose(&mut self, backend: &mut dyn Backend, console: &Console) -> Result<(), Error> {
+        if self.common.exposure == Exposure::Auto {
+            self.meter(backend)?;
+            console.say(format_args!("exposure: {} stops", self.exposure));
+        }
+        Ok(())
+    }
+
+    /// Meters the exposure from the current camera.
+    pub fn meter(&mut self, backend: &mut dyn Backend) -> Result<(), Error> {
+        let metered = backend.meter(&self.scene, &self.request(false));
+        self.exposure =
+            metered.map_err(|source| Error::Render { scene: self.common.scene.clone(), source })?;
+        Ok(())
     }
 
     /// A debug view of a picture with its deferred buffers.
@@ -190,18 +211,21 @@ pub fn rays(size: [u32; 2], samples: u32, deferred: bool) -> Result<u64, Error> 
 /// Changes by the viewer.
 #[cfg(feature = "viewer")]
 impl RenderJob {
-    /// Changes the camera. Default lights follow it.
-    pub fn look(&mut self, camera: Camera) {
-        self.camera = camera;
-        if self.default_lights {
-            import::light_by_default(&mut self.scene, &camera);
-        }
+    /// Moves the spheres that show lights to their lights.
+    pub fn lights_changed(&mut self) -> Result<(), Error> {
+        show_lights(&mut self.scene, &self.common)
     }
 
-    /// Makes default lights the lights of the scene: they no longer follow the camera.
-    pub fn keep_lights(&mut self) -> Result<(), Error> {
-        self.default_lights = false;
-        show_lights(&mut self.scene, &self.common)
+    /// Turns and brightens the environment, its sun included.
+    pub fn turn_environment(&mut self, rotation: f32, intensity: f32) {
+        let scene = &mut self.scene;
+        (scene.environment_rotation, scene.environment_intensity) = (rotation, intensity);
+        let Surrounded { surroundings, sun, .. } = &self.surrounded;
+        let placed = surroundings.placed_sun(scene);
+        let light = sun.and_then(|sun| scene.lights_mut().get_mut(sun));
+        if let (Some(light), Some(placed)) = (light, placed) {
+            (light.direction, light.color) = (placed.direction, placed.color);
+        }
     }
 
     /// The files of the scene and its environment.

@@ -1,6 +1,7 @@
 //! The command, one file for each subcommand.
 
 mod bench;
+mod clipped;
 mod compare;
 mod console;
 mod doctor;
@@ -14,6 +15,7 @@ mod output;
 mod parse;
 mod render;
 mod report;
+mod surroundings;
 mod usage;
 mod verify;
 mod version;

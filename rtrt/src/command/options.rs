@@ -3,15 +3,16 @@
 #[cfg(feature = "viewer")]
 use super::parse::png;
 use super::parse::{
-    Background, angle, background, choice, exr, height, light, mip, occluders, one_of, picture, radius, rate,
-    seconds, shadows, size, structure, tone, vector, view,
+    Background, Environment, EnvironmentSun, Exposure, angle, background, choice, environment,
+    environment_sun, exposure, exr, height, intensity, light, mip, occluders, one_of, part, picture, radius,
+    rate, seconds, shadows, size, structure, tone, tone_map, turn, vector, view,
 };
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 use rtrt::choose::{self, Choice};
 use rtrt::debug;
-use rtrt_core::backend::{LAYERS, Shadows};
+use rtrt_core::backend::{LAYERS, Shadows, ToneMap};
 use rtrt_core::scene::{Light, Mip, Occluders, Setup, Structure};
 use std::path::PathBuf;
 
@@ -168,21 +169,24 @@ pub struct Common {
     /// Add a light, in place of the scene's lights. point:x,y,z is a point light at this position;
     /// spot:x,y,z:dx,dy,dz:degrees is a spot light with this direction and half angle (within 0 and 90);
     /// sun:x,y,z is infinitely far away in this direction. A radius may follow, as in point:x,y,z:0.5
-    /// (degrees for a sun), which makes shadows soft. Then may follow color=r,g,b (linear, default
-    /// 1,1,1), reach=r (no light beyond), fade=square (inverse-square falloff) and inner=degrees (full
-    /// brightness within this angle of a spot light), as in point:0,3,0:0.5:color=1,0.6,0.2:fade=square
+    /// (degrees for a sun), which makes shadows soft. Then may follow color=r,g,b (linear; candela, or lux
+    /// for a sun; without it white is white at a distance of 1), reach=r (no light beyond), fade=linear (to
+    /// 0 at the reach, or not at all, in place of the square of the distance) and inner=degrees (full
+    /// brightness within this angle of a spot light), as in point:0,3,0:0.5:color=30,18,6:reach=20
     #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]
     pub lights: Vec<Light>,
     /// Ambient light, linear; an environment replaces it
     #[arg(long, value_name = "R,G,B", value_parser = tone, allow_hyphen_values = true)]
     pub ambient: Option<Vec3>,
-    /// Surround the scene with this environment. It is the background, surfaces mirror it, and it
-    /// replaces the ambient light and the default lights. A picture (Radiance .hdr, PNG or JPEG) is, by
-    /// its shape, a panorama (2:1) or a cube: px, nx, py, ny, pz, nz in a row (6:1) or a column (1:6), or
-    /// unfolded to a cross (4:3, 3:4) with nothing beside it. A folder is a cube of pictures named px,
-    /// nx, py, ny, pz and nz. pz is in front, which is -z
-    #[arg(long, value_name = "FILE|DIR")]
-    pub environment: Option<PathBuf>,
+    /// Raise light by so many stops before it is tone mapped; each stop doubles it. auto meters a small
+    /// picture (the first one of an animation) and brings its mean to middle gray
+    #[arg(long, value_name = "STOPS|auto", default_value = "0", value_parser = exposure, allow_hyphen_values = true)]
+    pub exposure: Exposure,
+    /// The tone map: neutral (Khronos PBR Neutral) keeps base colors; agx (Blender's) and aces (the fit of
+    /// Stephen Hill) look like film; none clips light beyond white. An EXR file contains the light itself,
+    /// without exposure and tone map
+    #[arg(long, value_name = "NAME", default_value = "neutral", value_parser = tone_map())]
+    pub tone_map: ToneMap,
     /// Play this animation of the file: its number, counted from 0, its name, or all at once. The default
     /// is the first one. Without --time the scene is at its start
     #[arg(long, value_name = "N|NAME|all")]
@@ -199,6 +203,8 @@ pub struct Common {
     pub json: bool,
     #[command(flatten)]
     pub talk: Talk,
+    #[command(flatten)]
+    pub surroundings: SurroundingsOptions,
     #[command(flatten)]
     pub camera: CameraOptions,
     #[command(flatten)]
@@ -228,6 +234,36 @@ pub struct Talk {
     /// Turn every warning into an error
     #[arg(long)]
     pub strict: bool,
+}
+
+/// What surrounds the scene.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Surroundings")]
+pub struct SurroundingsOptions {
+    /// Surround the scene with this environment. It is the background, surfaces mirror it, and it
+    /// replaces the ambient light. studio is a built-in room with softboxes, and a key light for a scene
+    /// without lights; it is the default where the scene, --light and --ambient give no light. A picture
+    /// (Radiance .hdr, OpenEXR, PNG or JPEG) is, by its shape, a panorama (2:1) or a cube: px, nx, py, ny,
+    /// pz, nz in a row (6:1) or a column (1:6), or unfolded to a cross (4:3, 3:4) with nothing beside it.
+    /// A folder is a cube of pictures named px, nx, py, ny, pz and nz. pz is in front, which is -z
+    #[arg(id = "environment", long = "environment", value_name = "none|studio|FILE|DIR", value_parser = PathBufValueParser::new().map(environment))]
+    pub environment: Option<Environment>,
+    /// Turn the environment around the vertical axis. At 0, the default, the middle of a panorama is at +x.
+    /// The default of the Khronos glTF Sample Renderer is 90
+    #[arg(id = "environment_rotation", long = "environment-rotation", value_name = "DEGREES", default_value = "0", value_parser = turn, allow_hyphen_values = true)]
+    pub rotation: f32,
+    /// Multiply the light of the environment by this factor
+    #[arg(id = "environment_intensity", long = "environment-intensity", value_name = "FACTOR", default_value = "1", value_parser = intensity, allow_negative_numbers = true)]
+    pub intensity: f32,
+    /// Blur the environment in the background alone, from 0 (sharp) to 1. The default is 0, and 1 for the
+    /// studio
+    #[arg(id = "environment_blur", long = "environment-blur", value_name = "AMOUNT", value_parser = part, allow_negative_numbers = true)]
+    pub blur: Option<f32>,
+    /// The brightest disc of an environment, if it sheds at least a quarter as much light as everything
+    /// else: light makes it a sun that casts shadows, keep leaves it in the environment, drop removes it.
+    /// The key light of the studio is a sun as well
+    #[arg(id = "environment_sun", long = "environment-sun", value_name = "light|keep|drop", default_value = "light", value_parser = environment_sun())]
+    pub sun: EnvironmentSun,
 }
 
 /// The camera. The scene gives what the options do not.

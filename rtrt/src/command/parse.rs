@@ -1,10 +1,11 @@
 //! The values of command line options.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use core::f32::consts::PI;
 use glam::Vec3;
 use rtrt::choose::Choice;
 use rtrt::debug;
-use rtrt_core::backend::Shadows;
+use rtrt_core::backend::{Shadows, ToneMap};
 use rtrt_core::layout::LIGHT_LIMIT;
 use rtrt_core::scene::{Light, LightKind, Mip, Occluders, Setup, Structure};
 use std::path::{Path, PathBuf};
@@ -28,6 +29,87 @@ pub fn shadows() -> impl TypedValueParser<Value = Shadows> {
     PossibleValuesParser::new(SHADOWS.map(|(name, _)| name)).map(|given| {
         SHADOWS.iter().find(|(name, _)| *name == given).map_or(Shadows::default(), |(_, how)| *how)
     })
+}
+
+/// How light becomes colors.
+pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
+    PossibleValuesParser::new(ToneMap::ALL.map(|(name, _)| name)).map(|given| {
+        ToneMap::ALL.iter().find(|(name, _)| *name == given).map_or(ToneMap::default(), |(_, map)| *map)
+    })
+}
+
+/// Stops by which light is raised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Exposure {
+    /// So many.
+    Stops(f32),
+    /// What the meter says.
+    Auto,
+}
+
+/// `auto`, or a number of stops.
+pub fn exposure(text: &str) -> Result<Exposure, String> {
+    if text == "auto" {
+        return Ok(Exposure::Auto);
+    }
+    let stops = text.parse().ok().filter(|stops: &f32| stops.abs() <= Setup::MAX_STOPS);
+    stops.map(Exposure::Stops).ok_or(format!("not auto, or a number within ±{}", Setup::MAX_STOPS))
+}
+
+/// An environment.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Environment {
+    /// None.
+    Nothing,
+    /// The built-in one.
+    Studio,
+    /// That of a file or folder.
+    At(PathBuf),
+}
+
+/// `none`, `studio`, or a path.
+pub fn environment(path: PathBuf) -> Environment {
+    match path.to_str() {
+        Some("none") => Environment::Nothing,
+        Some("studio") => Environment::Studio,
+        _ => Environment::At(path),
+    }
+}
+
+/// What becomes of an environment's sun.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EnvironmentSun {
+    /// It becomes a light that casts shadows.
+    Light,
+    /// It stays in the environment.
+    Keep,
+    /// It is taken out of the environment, and gone.
+    Drop,
+}
+
+/// What becomes of an environment's sun.
+pub fn environment_sun() -> impl TypedValueParser<Value = EnvironmentSun> {
+    PossibleValuesParser::new(["light", "keep", "drop"]).map(|name| match &name[..] {
+        "keep" => EnvironmentSun::Keep,
+        "drop" => EnvironmentSun::Drop,
+        _ => EnvironmentSun::Light,
+    })
+}
+
+/// Degrees, to radians, all the way around and more.
+pub fn turn(text: &str) -> Result<f32, &'static str> {
+    let degrees = text.parse().ok().filter(|degrees: &f64| degrees.abs() <= 36_000.0);
+    degrees.map(|degrees| degrees.to_radians() as f32).ok_or("not a number of degrees within ±36000")
+}
+
+/// What light is multiplied by.
+pub fn intensity(text: &str) -> Result<f32, &'static str> {
+    radius(text).ok().filter(|factor| *factor <= 65_536.0).ok_or("not a number within 0 and 65536")
+}
+
+/// A part of all.
+pub fn part(text: &str) -> Result<f32, &'static str> {
+    text.parse().ok().filter(|part: &f32| (0.0..=1.0).contains(part)).ok_or("not a number within 0 and 1")
 }
 
 /// A backend's name.
@@ -151,6 +233,10 @@ pub fn tone(text: &str) -> Result<Vec3, &'static str> {
     color.ok_or("not three numbers of 0 to 2^48 with commas between them")
 }
 
+/// The color of a light without one: candela, or lux for a sun. A white surface that faces it at a distance of
+/// 1 is white.
+pub const LIGHT_COLOR: Vec3 = Vec3::splat(PI);
+
 /// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`, perhaps with a radius and properties such as
 /// `color=1,0.5,0`.
 pub fn light(text: &str) -> Result<Light, String> {
@@ -180,11 +266,8 @@ fn with(mut light: Light, key: &str, value: &str) -> Result<Light, String> {
         "fade" if !is_sun => {
             light.inverse_square = match value {
                 "square" => true,
-                _ => {
-                    return Err(
-                        "fade=square is the only fade; without it a light fades within its reach".into()
-                    );
-                }
+                "linear" => false,
+                _ => return Err("a light's fade is square or linear".into()),
             }
         }
         "inner" if light.kind == LightKind::Spot => {
@@ -207,7 +290,7 @@ fn place(text: &str) -> Result<Vec3, String> {
 /// Position and radius of a point light.
 pub fn point(position: &str, size: &str) -> Result<Light, String> {
     let (position, radius) = (place(position)?, radius(size)?);
-    Ok(Light::point(position).radius(radius))
+    Ok(Light::point(position).color(LIGHT_COLOR).inverse_square(true).radius(radius))
 }
 
 /// The direction towards the sun, and its radius in degrees.
@@ -219,7 +302,7 @@ pub fn sun(place: &str, size: &str) -> Result<Light, String> {
     if radius >= core::f32::consts::FRAC_PI_4 {
         return Err("the sun's radius is not below 45".into());
     }
-    Ok(Light::sun(-place).radius(radius))
+    Ok(Light::sun(-place).color(LIGHT_COLOR).radius(radius))
 }
 
 /// Position, direction, outer angle and radius of a spot light. It fades from its axis on, the default
@@ -233,7 +316,8 @@ pub fn spot(position: &str, direction: &str, outer: &str, size: &str) -> Result<
     if outer > core::f32::consts::FRAC_PI_2 {
         return Err("the spot light's angle is above 90".into());
     }
-    Ok(Light::spot(position, direction, outer).radius(radius))
+    let light = Light::spot(position, direction, outer).color(LIGHT_COLOR);
+    Ok(light.inverse_square(true).radius(radius))
 }
 
 /// The path of a PNG or EXR file, or `-`.
@@ -323,10 +407,13 @@ mod tests {
 
     #[test]
     fn lights_have_colors_and_ends() {
-        let lamp = Light::point([1.0, 2.0, 3.0]).color([1.0, 0.5, 0.0]).reach(9.0).inverse_square(true);
-        assert_eq!(light("point:1,2,3:0.5:color=1,0.5,0:reach=9:fade=square"), Ok(lamp.radius(0.5)));
+        let lamp = Light::point([1.0, 2.0, 3.0]).color([1.0, 0.5, 0.0]).reach(9.0).radius(0.5);
+        assert_eq!(light("point:1,2,3:0.5:color=1,0.5,0:reach=9"), Ok(lamp.inverse_square(true)));
+        assert_eq!(light("point:1,2,3:0.5:color=1,0.5,0:reach=9:fade=square"), Ok(lamp.inverse_square(true)));
+        assert_eq!(light("point:1,2,3:0.5:color=1,0.5,0:reach=9:fade=linear"), Ok(lamp));
         let [inner, outer] = [20.0_f64, 30.0].map(|degrees| degrees.to_radians() as f32);
         let spot = Light::spot([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], outer).inner(inner);
+        let spot = spot.color(LIGHT_COLOR).inverse_square(true);
         assert_eq!(light("spot:0,1,0:0,-1,0:30:inner=20"), Ok(spot));
         assert!(light("sun:1,2,3:color=0,0,1").is_ok());
         for bad in [
@@ -335,7 +422,7 @@ mod tests {
             "point:1,2,3:color=nan,0,0",
             "point:1,2,3:color=1e30,0,0",
             "point:1,2,3:reach=0",
-            "point:1,2,3:fade=linear",
+            "point:1,2,3:fade=cubic",
             "point:1,2,3:inner=3",
             "sun:1,2,3:reach=4",
             "spot:0,1,0:0,-1,0:30:inner=31",

@@ -1,6 +1,7 @@
 //! `rtrt render`: a picture of a scene.
 
 use super::Error;
+use super::clipped::clipped;
 use super::compare::{self, compare};
 use super::console::Console;
 use super::exr;
@@ -36,6 +37,8 @@ struct RenderReport<'a> {
     /// Wall-clock time of the frame, including the upload of the scene.
     frame_ms: f64,
     bvh_build_ms: f64,
+    /// Stops by which light was raised.
+    exposure: f32,
     triangles: u64,
     drawn_triangles: u64,
     objects: usize,
@@ -57,9 +60,13 @@ pub fn run(options: &RenderOptions) -> Result<(), Error> {
             (job.scene.background, job.scene.backdrop) = (color.into(), Backdrop::Color);
         }
         Some(Background::Transparent) => job.scene.backdrop = Backdrop::Nothing,
+        Some(Background::Environment) if !job.surrounded.has_environment => {
+            return Err(Error::Usage("--background env needs an --environment"));
+        }
         Some(Background::Environment) | None => {}
     }
     let (mut backend, machine) = open(&options.common.backend, options.hybrid, &console)?;
+    job.expose(&mut *backend, &console)?;
     let mut picture = Picture::default();
     for frame in 0..options.frames {
         if let Some(start) = start.filter(|_| frame > 0) {
@@ -80,6 +87,7 @@ fn render(
     picture: &mut Picture,
     console: &Console,
 ) -> Result<(), Error> {
+    let is_first = frame == 0 && options.debug.is_none();
     let start = Instant::now();
     job.render(backend, &job.request(keeps_buffers(options)), picture)?;
     let frame_ms = start.elapsed().as_secs_f64() * 1e3;
@@ -87,6 +95,9 @@ fn render(
     let name = |path: &PathBuf| filled(path, &options.common.scene, frame);
     let (output, aov) = (options.output.as_ref().map(name), options.aov.as_ref().map(name));
     write(options, output.as_deref(), aov.as_deref(), job, picture, console)?;
+    if let Some(line) = is_first.then(|| clipped(&job.scene, picture)).flatten() {
+        console.say(line);
+    }
     if let Some(reference) = options.compare.as_ref().map(name) {
         compare(&reference, picture.bytes(), job.size, options.tolerance)?;
         console.say(format_args!("equal to {}", reference.display()));
@@ -100,6 +111,7 @@ fn render(
             stages_ms: PerStage(picture.stages_ms),
             frame_ms,
             bvh_build_ms: job.bvh_build_ms,
+            exposure: job.exposure,
             triangles: job.scene.triangles(),
             drawn_triangles: job.scene.drawn_triangles(),
             objects: job.scene.instances().len(),
@@ -133,9 +145,6 @@ fn check(options: &RenderOptions) -> Result<(), Error> {
     }
     if options.background.is_some() && options.debug.is_some() {
         return Err(Error::Usage("--debug has no background"));
-    }
-    if options.background == Some(Background::Environment) && options.common.environment.is_none() {
-        return Err(Error::Usage("--background env needs an --environment"));
     }
     let mut files = output.into_iter().chain(options.aov.as_deref());
     if options.frames > 1 && !files.clone().all(is_numbered) {

@@ -78,10 +78,12 @@ pub fn run(options: &VerifyOptions) -> Result<(), Error> {
     let common = &options.common;
     let variants = variants(&common.backend)?;
     let console = Console::new(common.talk, variants.len() as u64 + 2);
-    let job = RenderJob::load(common, SAMPLES, true, common.start(), &console)?;
+    let mut job = RenderJob::load(common, SAMPLES, true, common.start(), &console)?;
     console.step(format_args!("rendering the reference: {REFERENCE}"));
     let mut expected = Picture::default();
-    job.render(&mut *REFERENCE.open()?, &job.request(true), &mut expected)?;
+    let mut reference = REFERENCE.open()?;
+    job.expose(&mut *reference, &console)?;
+    job.render(&mut *reference, &job.request(true), &mut expected)?;
 
     let (mut verdicts, mut actual) = (Vec::new(), Picture::default());
     for variant in &variants {

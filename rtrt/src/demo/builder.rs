@@ -14,7 +14,6 @@ pub(super) fn loaded(scene: Scene, name: &str, camera: Camera, bvh_build_ms: f64
         scene,
         cameras: vec![NamedCamera { name: name.into(), camera, aspect: None }],
         camera,
-        lit_by_default: false,
         animation: None,
         warnings: Vec::new(),
         files: Vec::new(),

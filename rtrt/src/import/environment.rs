@@ -46,6 +46,20 @@ pub fn surround_with_studio(scene: &mut Scene) -> Result<Surroundings, SceneErro
     Ok(Surroundings { files: vec![], sun: Some(key) })
 }
 
+/// Lights a scene without lights as the command does: in the [`studio`], which is blurred in the background, with
+/// its key light. Scenes with lights stay as they are.
+///
+/// # Errors
+/// The scene is full.
+pub fn light_by_default(scene: &mut Scene) -> Result<(), SceneError> {
+    if scene.lights().is_empty() {
+        let studio = surround_with_studio(scene)?;
+        scene.environment_blur = 1.0;
+        studio.placed_sun(scene).into_iter().for_each(|sun| scene.add_light(sun));
+    }
+    Ok(())
+}
+
 /// Surrounds the scene with the environment at `path`. With `takes_sun`, its sun is taken out of it, if it
 /// has one; see [`Panorama::take_sun`].
 ///

@@ -1,8 +1,8 @@
-//! The camera and the lights of scenes without their own.
+//! The camera of scenes without one.
 
 use super::{Animation, ImportError};
 use glam::{DVec3, Vec3};
-use rtrt_core::scene::{Camera, Light, Projection, Scene};
+use rtrt_core::scene::{Camera, Projection, Scene};
 
 /// The direction from the center of a scene to its default camera: the front (+z in glTF), slightly above and
 /// to the right. Any length.
@@ -63,23 +63,6 @@ fn around(extent: Option<(Vec3, Vec3)>, aspect: f32) -> Camera {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: FOV_Y as f32 },
     }
-}
-
-/// Replaces the lights of a scene by default lights for a picture by this `camera`.
-///
-/// A slightly warm sun shines from above, from the left and from behind the camera. A lamp at the camera, a third as
-/// bright and without falloff, lights surfaces out of the sun, such as in rooms. The ambient light is slightly blue.
-pub fn light_by_default(scene: &mut Scene, camera: &Camera) {
-    let forward = unit(camera.look_at.as_dvec3() - camera.eye.as_dvec3());
-    let right = unit(forward.cross(camera.up.as_dvec3()));
-    let up = right.cross(forward);
-    let direction = (forward * 0.45 + right * 0.3 - up).as_vec3();
-    *scene.lights_mut() = vec![
-        Light::sun(direction).color(Vec3::new(0.75, 0.72, 0.68)),
-        Light::point(camera.eye.clamp(Vec3::splat(-Light::FARTHEST), Vec3::splat(Light::FARTHEST)))
-            .color(Vec3::splat(0.25)),
-    ];
-    scene.ambient = Vec3::new(0.16, 0.17, 0.19);
 }
 
 /// `v` at length 1; the z axis for a vector without a length.

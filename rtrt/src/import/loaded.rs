@@ -50,16 +50,13 @@ impl NamedCamera {
 /// A scene from a file.
 #[derive(Debug)]
 pub struct Loaded {
-    /// The scene, with lights.
+    /// The scene, with the lights of the file.
     pub scene: Scene,
     /// The file's cameras, in the depth-first order of its nodes.
     pub cameras: Vec<NamedCamera>,
     /// The first of them, for any picture ([`NamedCamera::fitted`] is for one of a given shape), or
     /// [`framing`](super::framing) for a picture of 16 to 9.
     pub camera: Camera,
-    /// Whether the file has no lights. The lights are then those of [`light_by_default`](super::light_by_default) for
-    /// [`Loaded::camera`]; a caller with another camera may call it again.
-    pub lit_by_default: bool,
     /// The animations of the file, if it has any; see [`Animation::play`]. The scene is at rest.
     pub animation: Option<Animation>,
     /// Deviations from the file, a line each.

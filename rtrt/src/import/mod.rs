@@ -11,8 +11,7 @@
 //! content that would be drawn is refused with one line that gives the reason. No file makes the
 //! import panic, hang, or allocate much more than the file's size and the documented limits.
 //!
-//! [`light_by_default`] lights scenes without lights, and [`framing`] is the camera of scenes
-//! without one. The background is dark blue.
+//! [`framing`] is the camera of scenes without one, and [`light_by_default`] lights scenes without lights.
 
 mod animation;
 pub(crate) mod builder;
@@ -31,9 +30,9 @@ mod placement;
 mod track;
 
 pub use animation::{Animation, Pose};
-pub use environment::{Surroundings, surround, surround_with_studio};
+pub use environment::{Surroundings, light_by_default, surround, surround_with_studio};
 pub use error::ImportError;
-pub use framing::{framing, framing_played, light_by_default};
+pub use framing::{framing, framing_played};
 pub use loaded::{Loaded, NamedCamera};
 
 use crate::cache::Cache;
@@ -65,17 +64,13 @@ pub fn load_cached(path: &Path, join: &impl Join, cache: Option<&Cache>) -> Resu
         _ if gltf::looks_like(&bytes) => gltf::load(&mut builder, &bytes)?,
         _ => return Err(ImportError::Format { path: path.to_owned() }),
     };
-    let mut scene = builder.scene;
+    let scene = builder.scene;
     let camera = cameras.first().map_or_else(|| framing(&scene, 16.0 / 9.0), |named| named.camera);
-    let lit_by_default = scene.lights().is_empty();
-    if lit_by_default {
-        light_by_default(&mut scene, &camera);
-    }
     let mut warnings = builder.warnings;
     if !builder.not_drawn.is_empty() {
         let list: Vec<_> = builder.not_drawn.into_iter().collect();
         warnings.push(format!("not drawn: {}", list.join(", ")));
     }
     let (files, bvh_build_ms) = (builder.files.list(), builder.bvh_build_ms);
-    Ok(Loaded { scene, cameras, camera, lit_by_default, animation, warnings, files, bvh_build_ms })
+    Ok(Loaded { scene, cameras, camera, animation, warnings, files, bvh_build_ms })
 }

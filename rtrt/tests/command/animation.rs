@@ -53,7 +53,7 @@ fn folder(test: &str) -> Folder {
 #[test]
 fn frames_play_the_animation() {
     let folder = folder("frames");
-    let line = "moves.gltf --size 64x36 --backend cpu --lanes 8";
+    let line = "moves.gltf --size 64x36 --backend cpu --lanes 8 --environment none";
     stdout(&folder.run(&format!("render {line} --frames 3 --fps 1 -o {{frame}}.png --hash")));
     let pixels = |name: &str| image::open(folder.0.join(name)).unwrap().into_rgba8();
     // At 0 seconds it has no size, at 1 a step has not been taken, at 2 it is there.
@@ -108,7 +108,7 @@ fn one_of_several_animations_is_chosen() {
     let animations =
         [animation("", channels("0")), animation(r#""name": "grow", "#, channels("2"))].join(",");
     fs::write(folder.0.join("two.gltf"), format!(r#"{before}"animations": [{animations}],{after}"#)).unwrap();
-    let line = "two.gltf --size 64x36 --backend cpu --lanes 8";
+    let line = "two.gltf --size 64x36 --backend cpu --lanes 8 --environment none";
     let pixels = |options: &str| {
         let output = folder.run(&format!("render {line} {options} -o out.png"));
         stdout(&output);

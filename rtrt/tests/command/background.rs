@@ -64,7 +64,9 @@ fn transparent_is_an_alpha_of_0_where_nothing_is_hit() {
 #[test]
 fn backgrounds_that_make_no_sense_are_wrong_usage() {
     let folder = folder("nonsense");
-    for wrong in ["-1,0,0", "1,2", "checker", "env", "transparent --debug depth", "nan,0,0"] {
+    for wrong in
+        ["-1,0,0", "1,2", "checker", "env --environment none", "transparent --debug depth", "nan,0,0"]
+    {
         let output = folder.run(&format!("{LINE} -o out.png --background {wrong}"));
         assert_eq!(code(&output), 2, "{wrong}: {}", stderr(&output));
     }

@@ -49,7 +49,7 @@ fn seen(folder: &Folder, direction: [i32; 3], up: [i32; 3], environment: &str) -
     let [u, v, w] = up;
     stdout(&folder.run(&format!(
         "render scene.obj -o out.png --backend cpu --size 8x8 --samples 1 --fov-y 60 --eye 0,900,0 \
-         --look-at {x},{},{z} --up {u},{v},{w} --environment {environment}",
+         --look-at {x},{},{z} --up {u},{v},{w} --tone-map none --environment {environment}",
         y + 900
     )));
     image::open(folder.0.join("out.png")).unwrap().into_rgb8()

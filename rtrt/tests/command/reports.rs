@@ -64,6 +64,7 @@ fn render_prints_the_documented_keys() {
         "buffers",
         "bvh_build_ms",
         "drawn_triangles",
+        "exposure",
         "frame_ms",
         "hash",
         "lanes",

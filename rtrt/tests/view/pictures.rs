@@ -91,8 +91,7 @@ fn an_animation_plays_and_a_file_can_be_dropped() {
     let folder = folder("animation");
     let Some(display) = Display::start(&folder) else { return };
     moving_triangle(&folder);
-    // At rest, after a second, in the beginning, of another scene. The sun of a scene without lights
-    // follows the camera.
+    // At rest, after a second, in the beginning, of another scene.
     let recording = "press F12\nframe 0.1\nrelease F12\n\
         press Space\nframe 0\nrelease Space\nframes 10 0.1\npress Space\nframe 0.1\nrelease Space\n\
         press F12\nframe 1\nrelease F12\n\

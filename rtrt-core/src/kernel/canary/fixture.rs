@@ -152,7 +152,8 @@ const ODD: Texture = Texture {
 };
 
 /// Where the environment of three squares lies.
-pub(super) const SKY: Sky = Sky { first: DECODE_WORDS as u32 + 128, side: 8, levels: 3 };
+pub(super) const SKY: Sky =
+    Sky { first: DECODE_WORDS as u32 + 128, side: 8, levels: 3, turn: [0.8, -0.6], intensity: 1.5 };
 
 /// Words of [`TEXELS`].
 const WORDS: usize = 1024;

@@ -22,7 +22,7 @@ pub const KEYS: [(&str, &str); 17] = [
     ("Enter", "reset the camera and the animation"),
     ("Space", "play and pause the animation"),
     ("B", "switch between CPU and GPU"),
-    ("P", "panel: samples, shadows, hybrid frames, lights"),
+    ("P", "panel: samples, shadows, exposure, environment, lights"),
     ("Z", "timing"),
     ("Ctrl 1 … 6", "albedo, normal, depth, ids, block heat map, shadow"),
     ("Ctrl 0", "back to the picture"),

@@ -16,7 +16,7 @@
 //!   clock from the file. So a replay is a test. egui-winit was refused: its events cannot be recorded,
 //!   and it brings a clipboard.
 //! - **The printed command renders the picture.** A test reads it back with the command's own parser.
-//!   Lights that a scene has only because its file has none stay at the camera.
+//!   Numbers that the panel changed are options of it.
 //! - **Pictures are exact.** egui's shader draws the picture as a texture with nearest texels, and a
 //!   test compares the window's pixels with the file. The GPU that draws the window renders into the
 //!   texture; other pictures are uploaded. Screenshots are rendered once more and read back, with the

@@ -6,6 +6,7 @@ use crate::command::parse::SHADOWS;
 use egui::{Align2, Checkbox, CollapsingHeader, ComboBox, Context, DragValue, ScrollArea, Ui, Window, vec2};
 use glam::Vec3;
 use rtrt::debug::DebugView;
+use rtrt_core::backend::ToneMap;
 use rtrt_core::scene::{Light, LightKind, Setup};
 
 /// Shows the panel, and applies changes.
@@ -20,6 +21,11 @@ pub fn show(context: &Context, viewer: &mut Viewer) {
             picture(ui, &mut viewer.settings, is_gpu);
             ui.separator();
             lights(ui, viewer);
+            ui.separator();
+            exposure(ui, viewer);
+            if viewer.job.surrounded.has_environment {
+                environment(ui, viewer);
+            }
         });
     });
     viewer.settings.panel = is_open;
@@ -56,6 +62,45 @@ fn picture(ui: &mut Ui, settings: &mut Settings, is_gpu: bool) {
     });
 }
 
+fn exposure(ui: &mut Ui, viewer: &mut Viewer) {
+    let settings = &mut viewer.settings;
+    let tone_map = ToneMap::ALL.iter().find(|(_, map)| *map == settings.tone_map);
+    let name = tone_map.map_or("", |(name, _)| *name);
+    ComboBox::from_label("tone map").selected_text(name).show_ui(ui, |ui| {
+        for (name, map) in ToneMap::ALL {
+            ui.selectable_value(&mut settings.tone_map, map, name);
+        }
+    });
+    let most = Setup::MAX_STOPS;
+    let stops = DragValue::new(&mut settings.exposure).range(-most..=most).speed(0.02).suffix(" stops");
+    let meters = ui.horizontal(|ui| {
+        ui.label("exposure");
+        ui.add(stops);
+        ui.button("auto").clicked()
+    });
+    if meters.inner {
+        viewer.meter();
+    }
+}
+
+fn environment(ui: &mut Ui, viewer: &mut Viewer) {
+    let scene = &viewer.job.scene;
+    let before = (scene.environment_rotation, scene.environment_intensity, scene.environment_blur);
+    let (mut rotation, mut intensity, mut blur) = before;
+    ui.horizontal(|ui| (ui.label("environment's turn"), ui.drag_angle(&mut rotation)));
+    ui.horizontal(|ui| {
+        ui.label("light");
+        ui.add(DragValue::new(&mut intensity).range(0.0..=65_536.0).speed(0.01));
+        ui.label("blur behind");
+        ui.add(DragValue::new(&mut blur).range(0.0..=1.0).speed(0.01));
+    });
+    if (rotation, intensity, blur) != before {
+        viewer.job.turn_environment(rotation.clamp(-600.0, 600.0), intensity);
+        viewer.job.scene.environment_blur = blur;
+        viewer.touch();
+    }
+}
+
 fn lights(ui: &mut Ui, viewer: &mut Viewer) {
     let scene = &mut viewer.job.scene;
     let (mut ambient, mut background) = (scene.ambient, scene.background);
@@ -77,7 +122,7 @@ fn lights(ui: &mut Ui, viewer: &mut Viewer) {
     }
     (scene.ambient, scene.background) = (ambient, background);
     *scene.lights_mut() = lights;
-    if let Err(error) = viewer.job.keep_lights() {
+    if let Err(error) = viewer.job.lights_changed() {
         viewer.announce(error);
     }
     viewer.has_own_lights = true;
@@ -115,6 +160,7 @@ fn edit(ui: &mut Ui, light: &mut Light) {
         });
     } else {
         limit(ui, &mut light.reach);
+        ui.checkbox(&mut light.inverse_square, "fades with the square of the distance");
         size(ui, &mut light.radius);
     }
 }

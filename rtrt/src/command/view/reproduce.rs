@@ -1,15 +1,17 @@
 //! The command line that renders the current picture.
 
 use crate::command::Command;
+use crate::command::job::RenderJob;
 use crate::command::options::Common;
-use crate::command::parse::SHADOWS;
+use crate::command::parse::{EnvironmentSun, LIGHT_COLOR, SHADOWS};
 use crate::command::render::SAMPLES;
+use crate::command::surroundings::{Surrounded, default_blur};
 use clap::CommandFactory;
 use clap::parser::ValueSource;
 use glam::Vec3;
 use rtrt::debug::DebugView;
-use rtrt_core::backend::{LAYERS, Request, Shadows};
-use rtrt_core::scene::{Light, LightKind, Projection};
+use rtrt_core::backend::{LAYERS, Request, Shadows, ToneMap};
+use rtrt_core::scene::{Light, LightKind, Projection, Scene};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::Path;
@@ -29,11 +31,40 @@ pub struct Shot<'a> {
     pub lights: Option<&'a [Light]>,
     /// Ambient light and background, if the panel has changed them.
     pub colors: Option<(Vec3, Vec3)>,
+    /// The environment, if there is one.
+    pub environment: Option<EnvironmentShot>,
+}
+
+/// How an environment is shown.
+#[derive(Debug, Clone, Copy)]
+pub struct EnvironmentShot {
+    /// Whether it is the studio, and nobody asked for it.
+    is_default: bool,
+    is_studio: bool,
+    /// Radians.
+    rotation: f32,
+    intensity: f32,
+    blur: f32,
+}
+
+impl EnvironmentShot {
+    /// That of the job's scene.
+    pub fn new(job: &RenderJob) -> Self {
+        let Surrounded { is_default, is_studio, .. } = job.surrounded;
+        let Scene { environment_rotation, environment_intensity, environment_blur, .. } = job.scene;
+        Self {
+            is_default,
+            is_studio,
+            rotation: environment_rotation,
+            intensity: environment_intensity,
+            blur: environment_blur,
+        }
+    }
 }
 
 /// Options of `rtrt view` that are not passed on: they do not affect the picture, or [`command`] gives their
 /// current values.
-const OWN: [&str; 30] = [
+const OWN: [&str; 36] = [
     "output",
     "fps",
     "watch",
@@ -52,6 +83,12 @@ const OWN: [&str; 30] = [
     "shadows",
     "light_radius",
     "transparency_depth",
+    "exposure",
+    "tone_map",
+    "environment_rotation",
+    "environment_intensity",
+    "environment_blur",
+    "environment_sun",
     "lights",
     "ambient",
     "quiet",
@@ -112,6 +149,13 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     if request.layers != LAYERS {
         option(format_args!("--transparency-depth {}", request.layers));
     }
+    if request.exposure != 0.0 {
+        option(format_args!("--exposure {}", request.exposure));
+    }
+    if request.tone_map != ToneMap::Neutral {
+        let known = ToneMap::ALL.iter().find(|(_, map)| *map == request.tone_map);
+        option(format_args!("--tone-map {}", known.map_or("none", |(name, _)| name)));
+    }
     for text in shot.passed_on {
         option(format_args!("{text}"));
     }
@@ -124,7 +168,31 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     for light in shot.lights.unwrap_or(&common.lights) {
         option(format_args!("--light {}", light_option(light)));
     }
-    if let Some((ambient, background)) = shot.colors.filter(|_| common.environment.is_none()) {
+    if let Some(environment) = &shot.environment {
+        // Lights of their own would put a scene out of the studio.
+        if environment.is_default && shot.lights.is_some() {
+            option(format_args!("--environment studio"));
+        }
+        if environment.rotation != 0.0 {
+            let degrees = f64::from(environment.rotation).to_degrees();
+            option(format_args!("--environment-rotation {degrees}"));
+        }
+        if environment.intensity != 1.0 {
+            option(format_args!("--environment-intensity {}", environment.intensity));
+        }
+        if environment.blur != default_blur(environment.is_studio) {
+            option(format_args!("--environment-blur {}", environment.blur));
+        }
+        match (common.surroundings.sun, shot.lights) {
+            (EnvironmentSun::Keep, _) => option(format_args!("--environment-sun keep")),
+            // It is among the lights.
+            (EnvironmentSun::Light, Some(_)) | (EnvironmentSun::Drop, _) => {
+                option(format_args!("--environment-sun drop"));
+            }
+            (EnvironmentSun::Light, None) => {}
+        }
+    }
+    if let Some((ambient, background)) = shot.colors.filter(|_| shot.environment.is_none()) {
         option(format_args!("--ambient {}", vector(ambient)));
         // Debug views have no background.
         if shot.debug.is_none() {
@@ -173,12 +241,12 @@ fn light_option(light: &Light) -> String {
         }
         LightKind::Sun => format!("sun:{}:{}", vector(-direction), degrees(radius)),
     };
-    if color != Vec3::ONE {
+    if color != LIGHT_COLOR {
         text += &format!(":color={}", vector(color));
     }
     if kind != LightKind::Sun {
         text += &reach.map_or(String::new(), |reach| format!(":reach={reach}"));
-        text += if inverse_square { ":fade=square" } else { "" };
+        text += if inverse_square { "" } else { ":fade=linear" };
     }
     if kind == LightKind::Spot && inner > 0.0 {
         text += &format!(":inner={}", degrees(inner));
@@ -238,6 +306,7 @@ mod tests {
                 debug,
                 lights: None,
                 colors: None,
+                environment: None,
             };
             let read = options(&command(&shot, Path::new("out.png")));
             let CameraOptions { eye, look_at, up, .. } = read.common.camera;
@@ -271,7 +340,7 @@ mod tests {
         let mut number = 0.37_f32;
         for round in 0..200 {
             number = (number * 1.7).fract();
-            let color = if round % 3 == 0 { Vec3::ONE } else { Vec3::new(number, 1e-9, 1e9 * number) };
+            let color = if round % 3 == 0 { LIGHT_COLOR } else { Vec3::new(number, 1e-9, 1e9 * number) };
             let reach = (round % 2 == 0).then_some(number * 10.0 + 0.1);
             let inverse_square = round % 5 < 2;
             let (outer, radius) = (number.max(0.01) * 1.5, number);

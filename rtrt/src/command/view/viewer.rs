@@ -6,20 +6,21 @@ use super::controls::{Action, Controls, Free, Rig};
 use super::engine::Engine;
 use super::input::Event;
 use super::pace::{Detail, Pace};
-use super::reproduce::{self, Shot};
+use super::reproduce::{self, EnvironmentShot, Shot};
 use crate::command::Error;
 use crate::command::console::Console;
 use crate::command::job::RenderJob;
 use crate::command::names::{filled, is_numbered};
 use crate::command::options::{self, Common};
 use crate::command::output::{self, png};
+use crate::command::parse::Exposure;
 use crate::command::render::{SAMPLES, encode};
 use crate::command::report::Machine;
 use glam::DVec3;
 use image::ExtendedColorType::Rgba8;
 use rtrt::choose::Choice;
 use rtrt::debug::{DebugImage, DebugView};
-use rtrt_core::backend::{Picture, Shadows};
+use rtrt_core::backend::{Picture, Shadows, ToneMap};
 use rtrt_core::scene::Camera;
 use rtrt_core::schedule::Stage;
 use std::path::{Path, PathBuf};
@@ -35,6 +36,9 @@ pub struct Settings {
     pub samples: u32,
     pub shadows: Shadows,
     pub layers: u32,
+    /// Stops.
+    pub exposure: f32,
+    pub tone_map: ToneMap,
     /// Whether a GPU rasterizes the first surfaces.
     pub hybrid: bool,
     /// The debug view in place of the picture.
@@ -53,6 +57,8 @@ pub struct Wanted {
     pub detail: Detail,
     shadows: Shadows,
     layers: u32,
+    exposure: f32,
+    tone_map: ToneMap,
     hybrid: bool,
     debug: Option<DebugView>,
     backend: usize,
@@ -127,14 +133,17 @@ impl Viewer {
     pub fn new(options: &options::ViewOptions) -> Result<Self, Error> {
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
-        let job = RenderJob::load(&common, SAMPLES, false, common.start(), &console)?;
-        let backend = Engine::open(&common.backend, options.hybrid, &console)?;
+        let mut job = RenderJob::load(&common, SAMPLES, false, common.start(), &console)?;
+        let mut backend = Engine::open(&common.backend, options.hybrid, &console)?;
+        job.expose(backend.backend(), &console)?;
         console.finish();
         Ok(Self {
             settings: Settings {
                 samples: job.samples,
                 shadows: job.shadows,
                 layers: job.layers,
+                exposure: job.exposure,
+                tone_map: job.tone_map,
                 hybrid: options.hybrid,
                 debug: None,
                 fps: options.fps,
@@ -300,19 +309,24 @@ impl Viewer {
             options.camera = options::CameraOptions::default();
             (options.time, options.animation) = (None, None);
         }
+        let engine = &mut self.backends[self.current];
         let job = RenderJob::load(&options, SAMPLES, false, options.start(), &self.console);
+        let job = job.and_then(|mut job| job.expose(engine.backend(), &self.console).map(|()| job));
         self.console.finish();
         match job {
             Ok(job) => {
                 let camera = self.job.camera;
                 self.start = job.camera;
+                if options.exposure == Exposure::Auto {
+                    self.settings.exposure = job.exposure;
+                }
                 self.job = job;
                 self.options = options;
                 (self.time, self.is_playing) = (self.options.start(), false);
                 (self.has_own_lights, self.has_own_colors) = (false, false);
                 self.is_at_start |= is_other;
                 if !self.is_at_start {
-                    self.job.look(camera);
+                    self.job.camera = camera;
                 }
                 self.touch();
                 self.say(format!("loaded {}", self.scene().display()));
@@ -337,7 +351,7 @@ impl Viewer {
                 if self.time.is_some() {
                     self.play(self.options.time.unwrap_or(0.0))?;
                 }
-                self.job.look(self.start);
+                self.job.camera = self.start;
                 self.is_at_start = true;
             }
             Action::Backend => self.switch()?,
@@ -355,7 +369,9 @@ impl Viewer {
         let played = self.job.play(time);
         // The animation moves the camera until a person does.
         let leads = self.is_at_start && self.job.has_cameras();
-        self.job.look(if leads { self.job.camera } else { camera });
+        if !leads {
+            self.job.camera = camera;
+        }
         self.touch();
         if played.is_err() {
             self.is_playing = false;
@@ -398,6 +414,7 @@ impl Viewer {
             debug: self.settings.debug,
             lights: self.has_own_lights.then(|| self.job.scene.lights()),
             colors: self.has_own_colors.then_some((self.job.scene.ambient, self.job.scene.background)),
+            environment: self.job.surrounded.has_environment.then(|| EnvironmentShot::new(&self.job)),
         };
         let command = reproduce::command(&shot, &path);
         if self.options.json {
@@ -424,9 +441,16 @@ impl Viewer {
         names.find(|name| !name.exists()).unwrap_or_else(|| self.output.clone())
     }
 
+    /// Exposes the picture as the scene wants to be from here.
+    pub fn meter(&mut self) {
+        let metered = self.job.meter(self.backends[self.current].backend());
+        self.settings.exposure = self.job.exposure;
+        self.note(metered);
+    }
+
     fn look(&mut self, camera: Camera) {
         if camera != self.job.camera {
-            self.job.look(camera);
+            self.job.camera = camera;
             self.is_at_start = false;
         }
     }
@@ -445,9 +469,19 @@ impl Viewer {
     }
 
     fn wanted(&self, detail: Detail) -> Wanted {
-        let Settings { shadows, layers, debug, .. } = self.settings;
-        let (camera, backend, changes) = (self.job.camera, self.current, self.changes);
-        Wanted { camera, detail, shadows, layers, hybrid: self.is_hybrid(), debug, backend, changes }
+        let Settings { shadows, layers, exposure, tone_map, debug, .. } = self.settings;
+        Wanted {
+            camera: self.job.camera,
+            detail,
+            shadows,
+            layers,
+            exposure,
+            tone_map,
+            hybrid: self.is_hybrid(),
+            debug,
+            backend: self.current,
+            changes: self.changes,
+        }
     }
 
     fn is_hybrid(&self) -> bool {

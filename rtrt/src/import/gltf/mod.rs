@@ -55,6 +55,5 @@ pub(super) fn load<J: Join>(
     let names = root.animations.iter().map(|animation| animation.name.clone().unwrap_or_default());
     let animation = Animation::new(&path, names.collect(), nodes);
     animation.rest()?.apply(&mut builder.scene)?;
-    light::expose(&mut builder.scene);
     Ok((cameras, Some(animation).filter(Animation::moves)))
 }

@@ -85,12 +85,13 @@ impl Viewer {
 
     /// Applies the settings of a picture to the job.
     fn begin(&mut self, wanted: Wanted) -> Result<(), Error> {
-        let Wanted { detail, shadows, layers, hybrid, debug, .. } = wanted;
+        let Wanted { detail, shadows, layers, exposure, tone_map, hybrid, debug, .. } = wanted;
         (self.drawn, self.shown) = (None, None);
         rays(detail.size, detail.samples, debug.is_some())?;
         self.backends[self.current].set_hybrid(hybrid, &self.console)?;
         let job = &mut self.job;
         (job.size, job.samples, job.shadows, job.layers) = (detail.size, detail.samples, shadows, layers);
+        (job.exposure, job.tone_map) = (exposure, tone_map);
         Ok(())
     }
 
