@@ -192,8 +192,9 @@ fn run(
             let color = |ray: RayIndex| colors[ray.0 as usize];
             pixels[at] = resolve::resolve::<f32>((), frame, |_| grid.pixel(unit), color).0;
         }
-        // It filters every block, and draws nothing.
-        _ => {}
+        Pass::EndCovered => {}
+        // It filters every block, draws nothing, and prepares and bins before all passes.
+        Pass::Prepare | Pass::Bin | Pass::Pick | Pass::SummarizePenumbras | Pass::SelectFilterBlocks => {}
     }
 }
 

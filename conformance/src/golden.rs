@@ -44,7 +44,7 @@ const STAGES: [(&str, &str); 11] = [
     ("left", "occlusion"),
     ("penumbras", "occlusion"),
     ("masks", "occlusion"),
-    ("transmittance", "occlusion"),
+    ("tints", "occlusion"),
     ("lit", "light"),
     ("layers", "layers"),
     ("colors", "shade"),
@@ -171,5 +171,33 @@ impl Golden {
             })
         };
         scenes.into_iter().filter_map(changed).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// A name that only one side has would compare nothing with nothing.
+    #[test]
+    fn the_buffers_of_pictures_and_of_the_file_are_those_of_the_stages() {
+        let stages = BTreeSet::from(STAGES.map(|(buffer, _)| buffer.to_owned()));
+        let mut picture = Golden::default();
+        picture.add("empty", &Picture { deferred: Some(Default::default()), ..Picture::default() });
+        for golden in [Golden::parse(Golden::committed()).unwrap(), picture] {
+            assert_eq!(golden.0.into_keys().map(|(_, buffer)| buffer).collect::<BTreeSet<_>>(), stages);
+        }
+    }
+
+    #[test]
+    fn every_buffer_with_another_hash_is_found() {
+        let golden = Golden::parse(Golden::committed()).unwrap();
+        for (buffer, stage) in STAGES {
+            let mut other = golden.clone();
+            other.0.insert(("demo:glass".into(), buffer.into()), "another".into());
+            let [Changed { stage: found, .. }] = &golden.changes(&other)[..] else { panic!("{buffer}") };
+            assert_eq!(*found, stage);
+        }
     }
 }

@@ -59,7 +59,8 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Option<Options> {
             _ => return None,
         }
     }
-    Some(options)
+    // Hashes of some scenes alone are no golden file.
+    (!options.regenerate || options.case.is_none()).then_some(options)
 }
 
 /// Whether nothing differs.
@@ -74,13 +75,16 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     for (scene, _, picture) in Suite::new(scenes).pictures() {
         hashes.add(scene.name, picture);
     }
-    if options.regenerate && part.is_empty() {
+    if options.regenerate {
         std::fs::write(golden::path(), hashes.text())?;
         println!("{}: {} scenes", golden::path().display(), golden::scenes().len());
         return Ok(true);
     }
     let demos = golden::scenes().iter().filter(|case| cases::named(case.name).is_none());
     let suite = Suite::new(cases::all().chain(demos).filter(|case| case.name.contains(part)));
+    if suite.pictures().next().is_none() {
+        return Err(format!("no case has {part} in its name").into());
+    }
     let report = Report::new(&suite, all(), &golden, &hashes, requires_gpu())?;
     print(&report);
     if let Some(folder) = &options.report {

@@ -19,8 +19,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What it can be asked and which errors it has: [`query`]. A scene with materials, lights and spheres:
-//! [`scene`]. What is below is for those who need more than that.
+//! All queries and their errors: [`query`]. A scene with materials, lights and spheres: [`scene`]. Transforms
+//! and colors are types of `glam`, which programs add themselves.
 //!
 //! # Who needs what
 //!
@@ -43,13 +43,13 @@
 //! | [`grid`] | where pixels, rays and blocks lie |
 //! | [`layout`] | the records that backends share in memory |
 //! | [`kernel`] | pure functions, one idea a file |
-//! | [`stage`] | what a ray or a block needs |
+//! | [`stage`] | kernels composed for one ray, pixel or block |
 //! | [`schedule`] | the order of a frame |
 //! | `scene` | [`Setup`](scene::Setup), [`ListCacheKey`](scene::ListCacheKey), [`ReusableLists`](scene::ReusableLists), [`Versions`](scene::Versions), and the records that a [`Scene`](scene::Scene) lends |
 //!
 //! # Promises
 //!
-//! Guarantees: `no_std`, no unsafe code; without the feature `alloc` no allocation; no panic
+//! `no_std`, no unsafe code; without the feature `alloc` no allocation; no panic
 //! for any number, given scenes built by the `scene` module; results are functions of the
 //! set of surfaces that a ray meets, never of the order in which they were visited.
 //!
