@@ -1,8 +1,15 @@
 //! The backends of this workspace, in every way that they run.
 
+#[cfg(feature = "gpu")]
+mod gpu;
+#[cfg(not(feature = "gpu"))]
+#[path = "variants/no_gpu.rs"]
+mod gpu;
+
+pub use gpu::gpu;
+pub(crate) use gpu::{driver, shaders};
 use rtrt_core::backend::Backend;
 use rtrt_cpu::Cpu;
-use rtrt_gpu::{Error, Gpu, Route};
 
 /// A way to run, or why this machine does not have it.
 pub struct Variant {
@@ -81,40 +88,6 @@ pub fn cpu() -> Vec<Variant> {
         variant("cpu, 16 lanes, many threads", 16, MANY),
     ]
 }
-
-/// The GPU's variants: SPIR-V as it is, the same in bands of a few blocks, and through naga.
-///
-/// All of them are required where a GPU is, with one exception. naga drops what forbids a
-/// driver to reorder sums, so that route promises the same bits only where its canary shows
-/// them: refusing the device keeps the promise. Where the other route is missing too
-/// no variant ran, which is a failure.
-pub fn gpu() -> Vec<Variant> {
-    let direct = open(None, Route::Passthrough, None);
-    // The same adapter by another route.
-    let adapter = direct.as_ref().ok().map(|gpu| gpu.describe().adapter);
-    let bands = open(adapter.clone(), Route::Passthrough, Some(BAND_BYTES));
-    let naga = open(adapter, Route::Naga, None);
-    let may_refuse = direct.is_ok();
-    let variant = |name, gpu: Result<Gpu, Error>| Variant {
-        name,
-        backend: gpu.map(|gpu| Box::new(gpu) as Box<dyn Backend>).map_err(|error| Missing {
-            is_required: !(may_refuse && matches!(error, Error::Canary { .. })),
-            reason: error.to_string(),
-        }),
-    };
-    vec![
-        variant("gpu, passthrough", direct),
-        variant("gpu, passthrough in bands", bands),
-        variant("gpu, naga", naga),
-    ]
-}
-
-fn open(adapter: Option<String>, route: Route, band_bytes: Option<u64>) -> Result<Gpu, Error> {
-    Gpu::new(rtrt_gpu::Options { adapter, route, band_bytes })
-}
-
-/// A row of blocks of most cases takes more.
-const BAND_BYTES: u64 = 64 * 1024;
 
 /// All variants but the reference.
 pub fn all() -> Vec<Variant> {

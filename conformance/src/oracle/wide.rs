@@ -471,3 +471,25 @@ fn is_lit(
     }
     free.then_some(true)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases;
+
+    /// Bounds that are too narrow lose hits; bounds that are far too wide cost time, which no picture shows.
+    #[test]
+    fn bounds_that_are_not_the_roundings_are_refused() {
+        let case = cases::named("visibility/instances").unwrap();
+        let scene = (case.scene)();
+        let mut setup = Setup::default();
+        setup.prepare(&scene, &case.request()).unwrap();
+        for instance in &setup.instances(&scene)[..scene.instances().len()] {
+            assert_eq!(check_slack(instance), Ok(()));
+            for factor in [0.0, 0.001, 1000.0, f32::NAN] {
+                let other = Instance { slack: instance.slack * factor, ..*instance };
+                assert!(check_slack(&other).is_err(), "{factor}");
+            }
+        }
+    }
+}

@@ -4,10 +4,9 @@ mod html;
 
 use crate::golden::{Changed, Golden};
 use crate::suite::{Failed, Failure, Suite};
-use crate::variants::{Missing, Variant};
+use crate::variants::{Missing, Variant, driver, shaders};
 use rtrt_core::backend::Description;
 use rtrt_core::compare::Place;
-use rtrt_gpu::Adapter;
 use serde::Serialize;
 use std::io;
 use std::path::Path;
@@ -17,7 +16,7 @@ use std::path::Path;
 pub struct Report {
     /// Of rtrt.
     pub version: &'static str,
-    /// SHA-256 of the shaders.
+    /// SHA-256 of the shaders; empty without the feature `gpu`.
     pub shaders: String,
     /// Operating system and processor architecture.
     pub system: String,
@@ -97,9 +96,8 @@ impl Report {
         hashes: &Golden,
         requires_gpu: bool,
     ) -> io::Result<Self> {
-        let adapters = rtrt_gpu::adapters();
         let golden = golden.changes(hashes);
-        let ran = variants.into_iter().map(|variant| Ran::new(suite, variant, &adapters, requires_gpu));
+        let ran = variants.into_iter().map(|variant| Ran::new(suite, variant, requires_gpu));
         let variants = ran.collect::<io::Result<Vec<_>>>()?;
         let differs = |ran: &Ran| ran.is_missing || ran.cases.iter().any(|c| c.result == Verdict::Differs);
         let mut pictures = vec![];
@@ -108,7 +106,7 @@ impl Report {
         }
         Ok(Self {
             version: env!("CARGO_PKG_VERSION"),
-            shaders: rtrt::hash::of(rtrt_gpu::SHADERS),
+            shaders: shaders(),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             reference: "the CPU, 1 lane, 1 thread".into(),
             passed: golden.is_empty() && !variants.iter().any(differs),
@@ -130,12 +128,7 @@ impl Report {
 }
 
 impl Ran {
-    fn new(
-        suite: &Suite,
-        Variant { name, backend }: Variant,
-        adapters: &[Adapter],
-        requires_gpu: bool,
-    ) -> io::Result<Self> {
+    fn new(suite: &Suite, Variant { name, backend }: Variant, requires_gpu: bool) -> io::Result<Self> {
         let none = Self {
             variant: name.into(),
             device: String::new(),
@@ -159,8 +152,7 @@ impl Ran {
                 return Ok(Self { skipped: Some(itself.to_string()), is_missing: true, ..none });
             }
         };
-        let named = |report: &&Adapter| adapter == format!("{} ({})", report.name, report.api);
-        let driver = adapters.iter().find(named).map(|report| report.driver.clone()).unwrap_or_default();
+        let driver = driver(&adapter);
         let mut cases = vec![];
         for ((case, ..), ms) in suite.pictures().zip(outcome.times_ms) {
             let is_this = |failed: &&Failed| failed.case.name == case.name;
