@@ -1,5 +1,5 @@
-//! Several lanes in arrays, which compilers turn into the target's vectors: for single rays, and for tests of
-//! what packets do. Backends bring their own.
+//! Several lanes in arrays, which compilers turn into the target's vectors: four for single rays, and as many as
+//! tests of packets want. Backends bring their own.
 
 use crate::lane::{Bits, Lane, Mask, Select};
 use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Shl, Shr, Sub};

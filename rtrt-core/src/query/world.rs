@@ -74,7 +74,7 @@ impl<'a, S: Source> World<'a, S> {
     /// # Errors
     /// The ray has no start, direction or range: see [`QueryError`].
     pub fn closest(&self, ray: &Ray) -> Result<Option<Hit>, QueryError> {
-        self.closest_with::<Plain<8>>((), ray)
+        self.closest_with::<Plain<4>>((), ray)
     }
 
     /// [`World::closest`] with wider lanes: as many boxes are tested at a time, up to eight. The hit is the same.
@@ -94,7 +94,7 @@ impl<'a, S: Source> World<'a, S> {
     /// # Errors
     /// As for [`World::closest`].
     pub fn occluded(&self, ray: &Ray) -> Result<bool, QueryError> {
-        self.occluded_with::<Plain<8>>((), ray)
+        self.occluded_with::<Plain<4>>((), ray)
     }
 
     /// [`World::occluded`] with wider lanes, as [`World::closest_with`].
@@ -121,7 +121,7 @@ impl<'a, S: Source> World<'a, S> {
     ) -> Result<Option<Hit>, QueryError> {
         let scaled = ray.scaled()?;
         let mut closest = self.filtered(&scaled, Closest::new(scaled.to), accept);
-        self.search::<Plain<8>>((), ray, &scaled, &mut closest);
+        self.search::<Plain<4>>((), ray, &scaled, &mut closest);
         Ok(closest.inner.found().map(|found| self.hit(&scaled, &found)))
     }
 
@@ -132,7 +132,7 @@ impl<'a, S: Source> World<'a, S> {
     pub fn occluded_where(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Result<bool, QueryError> {
         let scaled = ray.scaled()?;
         let mut any = self.filtered(&scaled, Any::new(scaled.to), accept);
-        self.search::<Plain<8>>((), ray, &scaled, &mut any);
+        self.search::<Plain<4>>((), ray, &scaled, &mut any);
         Ok(any.inner.is_hit)
     }
 
@@ -158,7 +158,7 @@ impl<'a, S: Source> World<'a, S> {
         let scaled = ray.scaled()?;
         let sorted = Sorted::new(hits, scaled.to, self.source.id());
         let mut sorted = self.filtered(&scaled, sorted, accept);
-        self.search::<Plain<8>>((), ray, &scaled, &mut sorted);
+        self.search::<Plain<4>>((), ray, &scaled, &mut sorted);
         let count = sorted.inner.count;
         for hit in &mut hits[..count] {
             hit.t = scaled.t(hit.t);
