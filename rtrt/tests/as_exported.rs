@@ -451,3 +451,29 @@ fn a_lamp_is_as_bright_as_the_file_says_whatever_else_is_in_the_scene() {
     let [middle, edge] = [first[32 * 16 + 16], first[16]];
     assert!(edge[0] < middle[0] && middle[1] < middle[0] && middle[0] < 255, "{edge:?} {middle:?}");
 }
+
+#[test]
+fn the_color_of_transparent_texels_colors_nothing() {
+    // Columns of green, and of what is not seen, 16 of them in each pixel.
+    let picture = |hidden: [u8; 4]| {
+        let texels: Vec<_> = (0..512 * 2).map(|i| if i % 2 == 0 { GREEN } else { hidden }).collect();
+        let data = base64::engine::general_purpose::STANDARD.encode(png(512, &texels));
+        let members = format!(
+            r#""nodes":[{{"mesh":0}}],"images":[{{"uri":"data:image/png;base64,{data}"}}],"textures":[{{"source":0}}],
+            "materials":[{{"alphaMode":"BLEND","extensions":{{"KHR_materials_unlit":{{}}}},
+            "pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}],"extensionsUsed":["KHR_materials_unlit"],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":0}}]}}],
+            "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}},
+            {{"bufferView":0,"byteOffset":36,"componentType":5126,"type":"VEC2","count":3}}],
+            "bufferViews":[{{"buffer":0,"byteLength":60}}]"#
+        );
+        let corners = [-1.0, -1.0, 0.0, 3.0, -1.0, 0.0, -1.0, 3.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0];
+        let name = format!("hidden-{}", hidden[0]);
+        let mut loaded = loaded(&name, &[("x.gltf", &gltf(&members, &floats(&corners)))]);
+        loaded.scene.background = Vec3::ONE;
+        seen(&loaded, None)
+    };
+    let pictures = [[0; 4], [0, 255, 0, 0], [255, 0, 255, 0]].map(picture);
+    // Half of white, in linear light, behind half of green.
+    assert!(pictures.iter().flatten().all(|pixel| *pixel == [188, 255, 188]), "{:?}", pictures[0][99]);
+}

@@ -8,8 +8,11 @@ use alloc::vec::Vec;
 /// The meaning of the bytes of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Content {
-    /// sRGB, and alpha.
+    /// sRGB, and alpha, which is averaged like a color.
     Color,
+    /// sRGB, and alpha that hides: in averages a texel counts as far as it is seen. A texel that is not seen at all
+    /// takes the color of those around it, so that filters find no other color at the edge of what is seen.
+    SeeThrough,
     /// Numbers from 0 to 1, of 255 steps.
     Numbers,
 }
@@ -69,7 +72,7 @@ impl Image {
     ///
     /// Each level halves the one before, rounding down; a texel is the average of the
     /// texels it covers (two by two, or three where a size is odd), in linear light if they
-    /// are colors.
+    /// are colors. See [`Content::SeeThrough`] for those with alpha.
     ///
     /// # Errors
     /// The size or the number of bytes is wrong.
@@ -97,6 +100,9 @@ impl Image {
             texels[first + level] = start as u32;
             texels.extend(coarser);
         }
+        if content == Content::SeeThrough {
+            color_unseen(texels, first, levels, [self.width, self.height]);
+        }
         let log_size = libm::log2(f64::from(self.width) * f64::from(self.height)) * 0.5;
         Ok(Texture {
             first: first as u32,
@@ -120,27 +126,49 @@ fn average(
     coarser: [u32; 2],
     at: [u32; 2],
 ) -> u32 {
-    let is_light = |channel: usize| channel < 3 && content == Content::Color;
+    let is_light = |channel: usize| channel < 3 && content != Content::Numbers;
     let range = |axis: usize| {
         let end = if at[axis] + 1 == coarser[axis] { finer[axis] } else { 2 * at[axis] + 2 };
         2 * at[axis]..end.min(finer[axis]).max(2 * at[axis] + 1)
     };
-    let (mut sum, mut count) = ([0.0_f32; 4], 0.0_f32);
+    // Of channels, and of what they count.
+    let (mut sum, mut counts) = ([0.0_f32; 4], [0.0_f32; 4]);
     for y in range(1) {
         for x in range(0) {
             let texel = texels[start + (y * finer[0] + x) as usize];
+            let seen = if content == Content::SeeThrough { (texel >> 24) as f32 } else { 1.0 };
             for (channel, sum) in sum.iter_mut().enumerate() {
                 let byte = (texel >> (8 * channel) & 255) as usize;
-                *sum += if is_light(channel) { f32::from_bits(texels[byte]) } else { byte as f32 / 255.0 };
+                let weight = if is_light(channel) { seen } else { 1.0 };
+                let value =
+                    if is_light(channel) { f32::from_bits(texels[byte]) } else { byte as f32 / 255.0 };
+                *sum += value * weight;
+                counts[channel] += weight;
             }
-            count += 1.0;
         }
     }
     (0..4).fold(0, |texel, channel| {
-        let mean = sum[channel] / count;
+        let mean = if counts[channel] > 0.0 { sum[channel] / counts[channel] } else { 0.0 };
         let encoded = if is_light(channel) { srgb_encode(mean) } else { mean };
         texel | (floor(encoded * 255.0 + 0.5) as u32) << (8 * channel)
     })
+}
+
+/// Gives texels with an alpha of 0 the color of the texel that covers them in the next coarser level, from the coarsest
+/// level on. `first` is where the starts of the levels are, `finest` the size of the first one.
+fn color_unseen(texels: &mut [u32], first: usize, levels: usize, finest: [u32; 2]) {
+    let size = |level: usize| finest.map(|side| (side >> level).max(1));
+    for level in (1..levels).rev() {
+        let ([width, height], coarser) = (size(level - 1), size(level));
+        let [start, coarser_start] = [level - 1, level].map(|level| texels[first + level] as usize);
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let at = start + (y * width + x) as usize;
+            if texels[at] >> 24 == 0 {
+                let [above, beside] = [(y / 2).min(coarser[1] - 1), (x / 2).min(coarser[0] - 1)];
+                texels[at] = texels[coarser_start + (above * coarser[0] + beside) as usize] & 0x00ff_ffff;
+            }
+        }
+    }
 }
 
 /// The first words of the texels: the linear light of each byte, as bits.
@@ -165,6 +193,28 @@ mod tests {
         assert_eq!((texture.levels, texels.len()), (2, DECODE_WORDS + 2 + 3));
         // Half the light of white is 188 in sRGB, not 128.
         assert_eq!(texels[DECODE_WORDS + 2 + 2], 0xff_bc_bc_bc);
+    }
+
+    #[test]
+    fn what_is_not_seen_colors_nothing() {
+        let (clear, faint, green) = ([255, 0, 0, 0], [0, 0, 255, 51], [0, 255, 0, 255]);
+        let rgba = [[clear, green], [faint, green], [clear, clear], [clear, clear]].concat().concat();
+        let levels = |content| {
+            let mut texels = decode_words();
+            let image = Image { width: 2, height: 4, rgba: rgba.clone() };
+            image.append([Wrap::Clamp; 2], content, &mut texels).unwrap();
+            texels.split_off(DECODE_WORDS + 3)
+        };
+        let texels = levels(Content::SeeThrough);
+        // A fifth as much is seen of blue as of each green: 10/11 of the light is green, 1/11 blue.
+        let [_, g, b] = [0.0, 10.0 / 11.0, 1.0 / 11.0].map(|c: f32| floor(srgb_encode(c) * 255.0 + 0.5) as u32);
+        let color = g << 8 | b << 16;
+        // 561/4 of alpha, rounded, and half of it.
+        assert_eq!(texels[8..], [color | 140 << 24, color, color | 70 << 24]);
+        let [faint, green] = [faint, green].map(u32::from_le_bytes);
+        assert_eq!(texels[..8], [color, green, faint, green, color, color, color, color]);
+        // As numbers, or where alpha means nothing, red counts.
+        assert!([Content::Color, Content::Numbers].iter().all(|&content| levels(content)[10] & 0xff > 60));
     }
 
     #[test]

@@ -66,7 +66,7 @@ impl<'a> Materials<'a> {
         // The textures with their sets of texture coordinates.
         let found = [
             color_texture.as_ref().map_or_else(none, |info| {
-                self.texture(builder, info.index, Content::Color, &texture_use(info))
+                self.texture(builder, info.index, base_color_content(source), &texture_use(info))
             })?,
             source.normal_texture.as_ref().map_or_else(none, |info| {
                 let others = info.extensions.as_ref().and_then(|e| e.others.get(TEXTURE_TRANSFORM));
@@ -251,6 +251,14 @@ fn specular_glossiness(glossy: &PbrSpecularGlossiness) -> Material {
     let roughness = (1.0 - finite(glossy.glossiness_factor.0)).clamp(0.0, 1.0);
     let specular = glossy.specular_factor.0.map(|c| finite(c).clamp(0.0, COLOR_LIMIT));
     Material::default().specular(specular, None).roughness(roughness)
+}
+
+/// What a texture of the base color holds: alpha hides what a mask cuts out, or what blends.
+fn base_color_content(source: &material::Material) -> Content {
+    match source.alpha_mode {
+        Checked::Valid(material::AlphaMode::Blend | material::AlphaMode::Mask) => Content::SeeThrough,
+        _ => Content::Color,
+    }
 }
 
 /// The least alpha of a transmissive surface. Alpha scales highlights, too.

@@ -145,7 +145,9 @@ impl Materials {
                     Err(_) => AlphaMode::Opaque,
                 };
                 let name = quoted(&place.file);
-                let added = builder.add_map(&name, image.map_err(|(_, why)| why), Content::Color)?;
+                let content =
+                    if mode == AlphaMode::Opaque { Content::Color } else { Content::SeeThrough };
+                let added = builder.add_map(&name, image.map_err(|(_, why)| why), content)?;
                 self.textures.insert(key, (added, mode));
                 (added, mode)
             }
