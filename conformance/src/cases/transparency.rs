@@ -28,6 +28,23 @@ pub(super) const CASES: &[Case] = &[
         ..FROM_ABOVE
     },
     Case {
+        name: "transparency/shadow_catcher",
+        claim: "A ground shows shadows, colored light among them, and nothing else; it keeps no light from anything.",
+        scene: || {
+            let mut scene = Build::default()
+                .shape_of(Shape::floor(3.0, -0.8), Material::shadow_catcher())
+                .shape(Shape::cube().at([-0.7, -0.3, 0.0], 0.5))
+                .shape_of(Shape::ball(5).at([0.7, 0.0, 0.2], 0.6), glass([0.9, 0.3, 0.2], 0.6))
+                .light(Light::point([0.5, 3.0, 1.5]).inverse_square(true).color([6.0; 3]).radius(0.2))
+                .light(Light::spot([0.0, -3.0, 0.0], [0.0, 1.0, 0.0], 0.9).color([1.0, 0.5, 0.2]))
+                .scene;
+            scene.backdrop = Backdrop::Nothing;
+            scene
+        },
+        samples: 4,
+        ..FROM_ABOVE
+    },
+    Case {
         name: "transparency/before_and_behind",
         claim: "A pane in front of a wall covers it in part, one behind it is not seen.",
         scene: || {

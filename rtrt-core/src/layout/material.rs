@@ -102,7 +102,8 @@ pub struct MaterialRecord {
     pub bump: f32,
     /// The strength of the occlusion texture, 0 ..= 1.
     pub occlusion: f32,
-    /// 1 for a surface that shows its base color whatever the light, else 0.
+    /// 1 for a surface that shows its base color whatever the light, [`MaterialRecord::CATCHES_SHADOWS`] for one that shows
+    /// shadows and nothing else, 0 for others.
     pub unlit: u32,
     /// 0 ..= 1, multiplied with the alpha of the base color's texture and of the vertex color.
     pub alpha: f32,
@@ -120,6 +121,8 @@ const _: () =
     assert!(size_of::<MaterialRecord>() == 76 + 5 * 56 && offset_of!(MaterialRecord, textures) == 76);
 
 impl MaterialRecord {
+    /// [`MaterialRecord::unlit`] of a surface that shows shadows and nothing else.
+    pub const CATCHES_SHADOWS: u32 = 2;
     /// Textures of a material.
     pub const TEXTURES: usize = 5;
     /// The texture of the base color, sRGB.

@@ -23,6 +23,8 @@ pub enum AlphaMode {
     },
     /// Alpha is the share of what is behind the surface that it covers.
     Blend,
+    /// The surface shows the shadows on it and nothing else: see [`Material::shadow_catcher`].
+    Shadows,
 }
 
 /// How a surface answers light: metallic-roughness, as in glTF, with a Blinn-Phong lobe.
@@ -124,6 +126,14 @@ impl Material {
         Self { base_color: base_color.into(), ..self }
     }
 
+    /// A surface that shows the shadows on it and nothing else, from its front. It darkens what is behind it by the share
+    /// of light, with ambient light or the environment, that lights do not shed on it because something is between; it
+    /// keeps no light from anything.
+    pub fn shadow_catcher() -> Self {
+        let nothing = Self { alpha: 0.0, alpha_mode: AlphaMode::Shadows, ..Self::new(Vec3::ZERO) };
+        nothing.double_sided(false)
+    }
+
     /// The material with a map of base color and alpha.
     #[must_use]
     pub fn base_color_map(self, map: impl Into<Option<Texture>>) -> Self {
@@ -216,7 +226,7 @@ impl Material {
         let (kind, cutoff) = match self.alpha_mode {
             AlphaMode::Opaque => (AlphaKind::Opaque, 0.5),
             AlphaMode::Mask { cutoff } => (AlphaKind::Mask, cutoff),
-            AlphaMode::Blend => (AlphaKind::Blend, 0.5),
+            AlphaMode::Blend | AlphaMode::Shadows => (AlphaKind::Blend, 0.5),
         };
         let maps = [
             self.base_color_map,
@@ -234,13 +244,19 @@ impl Material {
             roughness: self.roughness,
             bump: self.normal_scale,
             occlusion: self.occlusion_strength,
-            unlit: u32::from(self.unlit),
+            unlit: match self.alpha_mode {
+                AlphaMode::Shadows => MaterialRecord::CATCHES_SHADOWS,
+                _ => u32::from(self.unlit),
+            },
             alpha: self.alpha,
             alpha_mode: kind as u32,
             cutoff,
             double_sided: u32::from(self.double_sided),
             textures: maps.map(|map| map.unwrap_or(Texture::NONE)),
         };
+        if self.alpha_mode == AlphaMode::Shadows {
+            (record.base, record.alpha) = ([0.0; 3], 0.0);
+        }
         check(&mut record)?;
         Ok(record)
     }
@@ -347,6 +363,8 @@ mod tests {
         let leaf = Material::default().mask(0.25).double_sided(false).unlit(true).record().unwrap();
         assert_eq!((leaf.alpha_mode, leaf.cutoff), (AlphaKind::Mask as u32, 0.25));
         assert_eq!((leaf.double_sided, leaf.unlit), (0, 1));
+        let ground = Material { alpha: 1.0, ..Material::shadow_catcher() }.record().unwrap();
+        assert_eq!((ground.alpha_mode, ground.alpha, ground.unlit, ground.base), (2, 0.0, 2, [0.0; 3]));
         let glass = Material::default().blend(0.3).specular([0.5; 3], 7.0).record().unwrap();
         assert_eq!((glass.alpha_mode, glass.alpha), (AlphaKind::Blend as u32, 0.3));
         assert_eq!((glass.shininess, glass.specular), (7.0, [0.5; 3]));

@@ -8,7 +8,7 @@ use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, TexCoords, sam
 use crate::kernel::transmittance::color;
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{Frame, Lit, MaterialRecord, View};
-use crate::num::{flush3, normalize, sqrt};
+use crate::num::{flush, flush3, normalize, sqrt};
 use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
 use crate::stage::surface::Surfaces;
 
@@ -81,8 +81,87 @@ impl<M: Fn(u32) -> B, T: Fn(u32) -> B, B> ShadowTerms<M, T> {
 
 /// The light that arrives at a group of surfaces from all lights, in their order. The rays that hit the
 /// surfaces are numbered from `first` on, and have these directions.
+///
+/// On a surface that catches shadows ([`MaterialRecord::CATCHES_SHADOWS`]) it is the illuminance that arrives, as diffuse
+/// light, and that which shadows take away, as specular light.
 #[inline(always)]
 pub fn light<L: Lane>(
+    frame: &Frame,
+    views: &[View],
+    maps: &Maps<'_>,
+    shadows: &ShadowTerms<impl Fn(u32) -> L::Bits, impl Fn(u32) -> L::Bits>,
+    first: RayIndex,
+    direction: V3<L>,
+    surfaces: &Surfaces<L>,
+) -> IncomingLight<L> {
+    let answered = answered(frame, views, maps, shadows, first, direction, surfaces);
+    if frame.has_layers() {
+        caught(frame, views, maps, shadows, first, surfaces, &answered)
+    } else {
+        answered
+    }
+}
+
+/// `light`, but what arrives (diffuse) and what is missing (specular) on surfaces that catch shadows.
+#[inline(always)]
+fn caught<L: Lane>(
+    frame: &Frame,
+    views: &[View],
+    maps: &Maps<'_>,
+    shadows: &ShadowTerms<impl Fn(u32) -> L::Bits, impl Fn(u32) -> L::Bits>,
+    first: RayIndex,
+    surfaces: &Surfaces<L>,
+    light: &IncomingLight<L>,
+) -> IncomingLight<L> {
+    let token = surfaces.footprint.token();
+    let found = surfaces.material.gt(surfaces.material.broadcast(0));
+    if !found.any() {
+        return *light;
+    }
+    let [shading]: [L; 1] = MaterialLookup::new(surfaces.material).numbers::<Shading, 1>(token, maps);
+    let catches = found & shading.ge(shading.broadcast(MaterialRecord::CATCHES_SHADOWS as f32));
+    if !catches.any() {
+        return *light;
+    }
+    let (mut reached, mut missing) = (V3::splat(token, [0.0; 3]), V3::splat(token, [0.0; 3]));
+    let mut number = 0;
+    while number < frame.lights {
+        let view = &views[frame.light_view(number) as usize];
+        let (to_light, _) = to_light(frame, view, first, surfaces.origin);
+        let toward = normalize(to_light);
+        let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(to_light.dot(to_light)));
+        let strength = if view.cone_scale == 0.0 { strength } else { strength * cone(view, toward) };
+        let sent = flush3(V3::splat(token, view.color).scale(flush(strength)));
+        let passed = if frame.has_transmittance() {
+            flush3(times(sent, color((shadows.transmittance)(number))))
+        } else {
+            let lit = (shadows.mask)(number / LIGHTS_PER_WORD) >> (number % LIGHTS_PER_WORD);
+            let is_lit = (lit & lit.broadcast(1)).gt(lit.broadcast(0));
+            V3::select(is_lit, sent, V3::splat(token, [0.0; 3]))
+        };
+        reached = reached + passed;
+        missing = missing + (sent - passed);
+        number += 1;
+    }
+    IncomingLight {
+        diffuse: V3::select(catches, reached, light.diffuse),
+        specular: V3::select(catches, missing, light.specular),
+    }
+}
+
+/// [`MaterialRecord::unlit`].
+struct Shading;
+
+impl MaterialField<1> for Shading {
+    #[inline(always)]
+    fn pick(material: &MaterialRecord) -> [f32; 1] {
+        [material.unlit as f32]
+    }
+}
+
+/// What surfaces answer.
+#[inline(always)]
+fn answered<L: Lane>(
     frame: &Frame,
     views: &[View],
     maps: &Maps<'_>,
@@ -244,6 +323,35 @@ mod tests {
         assert!(near(sent(lamp([3.0, 0.0, -4.0]), 1, 0).diffuse, 0.0));
         let sun = View { kind: ViewKind::Sun as u32, along: [0.0, -3.0, -4.0], ..View::zeroed() };
         assert!(near(sent(sun, 1, 0).diffuse, 0.8));
+    }
+
+    #[test]
+    fn what_catches_shadows_learns_what_is_missing() {
+        let frame = Frame { lights: 2, mask_words: 1, layers: 3, ..Frame::zeroed() };
+        let mut views = [View::zeroed(); 13];
+        views[1] = View { color: [0.5, 1.0, 2.0], ..lamp([0.0, 0.0, 4.0]) };
+        views[7] = View { color: [4.0; 3], ..lamp([0.0, 0.0, 6.0]) };
+        let unlit = MaterialRecord::CATCHES_SHADOWS;
+        let materials = [MaterialRecord { unlit, ..MaterialRecord::zeroed() }];
+        let maps = Maps { materials: &materials, texels: &[] };
+        let at = |v| V3::<f32>::splat((), v);
+        let surfaces = Surfaces {
+            origin: at([0.0; 3]),
+            normal: at([0.0, 0.0, 1.0]),
+            material: Word(1),
+            color: Word(u32::MAX),
+            uv: [0.0; 2],
+            footprint: 0.0,
+            second_uv: [0.0; 2],
+            second_footprint: 0.0,
+        };
+        // All of the first light, and of the second a quarter of its red.
+        let words = |light: u32| Word(if light == 0 { (1 << 30) - 1 } else { 512 });
+        let light = light_of(&frame, &views, &maps, &ShadowTerms::new(words, words), &surfaces);
+        let is = |found: [f32; 3], expected: [f32; 3]| (0..3).all(|i| (found[i] - expected[i]).abs() < 2e-3);
+        // Half of the first one arrives at half of its reach, a quarter of the second one at three quarters.
+        assert!(is(light.diffuse, [0.25 + 0.25, 0.5, 1.0]), "{light:?}");
+        assert!(is(light.specular, [0.75, 1.0, 1.0]), "{light:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::kernel::environment::{arriving as arriving_from, mirrored};
 use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, channel, sample};
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{AlphaKind, Frame, MaterialRecord, Sky};
-use crate::num::{clamp, flush, flush3, normalize};
+use crate::num::{FLOOR, clamp, flush, flush3, normalize, recip};
 use crate::stage::light::IncomingLight;
 use crate::stage::surface::Surfaces;
 
@@ -21,7 +21,8 @@ use crate::stage::surface::Surfaces;
 ///
 /// or the base color alone, of a material that is unlit, or the environment where it found nothing. `metallic`,
 /// `roughness`, `occlusion` and `emission` are the material's times its textures. Alpha is 1, but of a material that blends: the material's, times the texture's and
-/// the vertex color's; and 0 where it found nothing, unless the frame shows the environment there.
+/// the vertex color's; and 0 where it found nothing, unless the frame shows the environment there. A surface that
+/// catches shadows is black, and its alpha is how dark they are.
 ///
 /// An environment is the background, unless the frame says otherwise. It takes the place of the ambient light, by the
 /// surface's normal. It is mirrored, more where the surface is seen at a grazing angle, by
@@ -72,7 +73,35 @@ pub fn shade<L: Lane>(
     };
     let color =
         V3::select(found, V3::select(surface_material.unlit, flush3(surface_material.base), lit), background);
-    [color.x, color.y, color.z, found.select(surface_material.alpha, clear)]
+    let alpha = if surface_material.catches.any() {
+        let alpha = flush(shadow(ambient, arriving));
+        surface_material.catches.select(alpha, surface_material.alpha)
+    } else {
+        surface_material.alpha
+    };
+    [color.x, color.y, color.z, found.select(alpha, clear)]
+}
+
+/// The alpha of a surface that catches shadows:
+///
+/// ```text
+/// missing / (ambient · π + reached + missing)
+/// ```
+///
+/// of the luminances of what arrives, so that black with this alpha darkens what is behind it as much as the shadow
+/// would.
+#[inline(always)]
+fn shadow<L: Lane>(ambient: V3<L>, arriving: &IncomingLight<L>) -> L {
+    let missing = luminance(arriving.specular);
+    let all = luminance(ambient) * core::f32::consts::PI + luminance(arriving.diffuse) + missing;
+    let none = all.broadcast(0.0);
+    all.gt(all.broadcast(FLOOR)).select(clamp(missing * recip(all), 0.0, 1.0), none)
+}
+
+/// Luminance (ITU-R BT.709).
+#[inline(always)]
+fn luminance<L: Lane>(light: V3<L>) -> L {
+    light.x * 0.2126 + light.y * 0.7152 + light.z * 0.0722
 }
 
 /// The base color of a group of surfaces, linear RGB: material · texture · vertex color.
@@ -115,6 +144,8 @@ struct SurfaceMaterial<L: Lane> {
     /// The share of the ambient light that arrives.
     occlusion: L,
     unlit: L::Mask,
+    /// Whether they show shadows and nothing else.
+    catches: L::Mask,
     alpha: L,
 }
 
@@ -149,6 +180,7 @@ fn surface_material<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, metal: f32
         emission: V3 { x: flush(er * glow[0]), y: flush(eg * glow[1]), z: flush(eb * glow[2]) },
         occlusion: one + (occluded - one) * strength,
         unlit: unlit.ge(one),
+        catches: unlit.ge(one.broadcast(MaterialRecord::CATCHES_SHADOWS as f32)),
         alpha: alpha
             .lt(one.broadcast(0.0))
             .select(one, flush(clamp(alpha * texture[3] * painted(3), 0.0, 1.0))),
@@ -231,6 +263,15 @@ mod tests {
         let unlit = MaterialRecord { unlit: 1, ..dielectric() };
         assert_eq!(shaded(Frame::zeroed(), Some(unlit)), [0.5, 0.25, 1.0, 1.0]);
         assert_eq!(shaded(Frame::zeroed(), None), [0.0; 4]);
+    }
+
+    #[test]
+    fn what_catches_shadows_is_as_dark_as_the_light_that_is_missing() {
+        let (unlit, alpha_mode) = (MaterialRecord::CATCHES_SHADOWS, AlphaKind::Blend as u32);
+        let catcher = MaterialRecord { unlit, alpha_mode, ..MaterialRecord::zeroed() };
+        // Of 1/8 from everywhere, of (1, 2, 0) that arrives, and of 1/2 that does not.
+        let all = 0.125 * core::f32::consts::PI + 0.2126 + 2.0 * 0.7152 + 0.5;
+        assert!(near(shaded(Frame::zeroed(), Some(catcher)), [0.0, 0.0, 0.0, 0.5 / all]));
     }
 
     #[test]

@@ -97,6 +97,11 @@ impl RenderJob {
         if animation.is_none() && time.is_some() {
             console.warn(3, "nothing in the scene is animated")?;
         }
+        if common.surroundings.ground {
+            let path = &common.scene;
+            import::add_ground(&mut scene)
+                .map_err(|source| ImportError::Scene { path: path.clone(), source })?;
+        }
         scene.mip = common.mip;
         scene.occluders = common.sun_shadows;
         scene.structure = common.structure;

@@ -259,6 +259,9 @@ pub struct SurroundingsOptions {
     /// studio
     #[arg(id = "environment_blur", long = "environment-blur", value_name = "AMOUNT", value_parser = part, allow_negative_numbers = true)]
     pub blur: Option<f32>,
+    /// Put a plane under the scene that shows shadows and nothing else
+    #[arg(id = "ground", long = "ground")]
+    pub ground: bool,
     /// The brightest disc of an environment, if it sheds at least a quarter as much light as everything
     /// else: light makes it a sun that casts shadows, keep leaves it in the environment, drop removes it.
     /// The key light of the studio is a sun as well

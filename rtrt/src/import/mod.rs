@@ -23,6 +23,7 @@ mod file;
 mod framing;
 pub(crate) mod geometry;
 mod gltf;
+mod ground;
 mod loaded;
 mod obj;
 mod picture;
@@ -33,6 +34,7 @@ pub use animation::{Animation, Pose};
 pub use environment::{Surroundings, light_by_default, surround, surround_with_studio};
 pub use error::ImportError;
 pub use framing::{framing, framing_played};
+pub use ground::add_ground;
 pub use loaded::{Loaded, NamedCamera};
 
 use crate::cache::Cache;

@@ -97,7 +97,7 @@ impl Materials {
             _ if source.alpha < 1.0 => material.blend(source.alpha),
             AlphaMode::Blend => material.blend(1.0),
             AlphaMode::Mask { cutoff } => material.mask(cutoff),
-            AlphaMode::Opaque => material,
+            AlphaMode::Opaque | AlphaMode::Shadows => material,
         };
         Ok((builder.add_material(material)?, normal.is_some()))
     }
@@ -145,8 +145,7 @@ impl Materials {
                     Err(_) => AlphaMode::Opaque,
                 };
                 let name = quoted(&place.file);
-                let content =
-                    if mode == AlphaMode::Opaque { Content::Color } else { Content::SeeThrough };
+                let content = if mode == AlphaMode::Opaque { Content::Color } else { Content::SeeThrough };
                 let added = builder.add_map(&name, image.map_err(|(_, why)| why), content)?;
                 self.textures.insert(key, (added, mode));
                 (added, mode)
