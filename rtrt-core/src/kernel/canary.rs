@@ -367,6 +367,7 @@ fn finest_level(maps: &Maps<'_>, words: &[u32], index: u32) -> u32 {
         height: map.height,
         wrap_u: map.wrap_u,
         wrap_v: map.wrap_v,
+        filter: map.filter,
         turn: map.turn,
         shift: map.shift,
     };

@@ -2,7 +2,7 @@
 
 use crate::kernel::mip::{Levels, levels};
 use crate::lane::{Bits, Lane, Mask, Row, Select, Word, groups};
-use crate::layout::{FinestLevel, MaterialRecord, Wrap};
+use crate::layout::{Filter, FinestLevel, MaterialRecord, Wrap};
 use crate::num::{clamp, floor, from_integer, to_integer};
 
 /// Words at the start of the scene's texels: the bits of the linear light of each sRGB byte.
@@ -70,9 +70,9 @@ pub trait MaterialField<const N: usize> {
 /// How the texture `MAP` is laid out.
 struct Layout<const MAP: usize>;
 
-impl<const MAP: usize> MaterialField<13> for Layout<MAP> {
+impl<const MAP: usize> MaterialField<14> for Layout<MAP> {
     #[inline(always)]
-    fn pick(material: &MaterialRecord) -> [f32; 13] {
+    fn pick(material: &MaterialRecord) -> [f32; 14] {
         let map = &material.textures[MAP];
         [
             map.levels as f32,
@@ -82,6 +82,7 @@ impl<const MAP: usize> MaterialField<13> for Layout<MAP> {
             map.wrap_u as f32,
             map.wrap_v as f32,
             map.set as f32,
+            map.filter as f32,
             map.turn[0][0],
             map.turn[0][1],
             map.turn[1][0],
@@ -115,8 +116,8 @@ pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
     tex_coords: &TexCoords<L>,
 ) -> [L; 4] {
     let token = tex_coords.footprint[0].token();
-    let [count, width, height, log_size, wrap_u, wrap_v, set, a, b, c, d, e, f] =
-        chosen.numbers::<Layout<MAP>, 13>(token, maps);
+    let [count, width, height, log_size, wrap_u, wrap_v, set, filter, a, b, c, d, e, f] =
+        chosen.numbers::<Layout<MAP>, 14>(token, maps);
     let (zero, one) = (count.broadcast(0.0), count.broadcast(1.0));
     if !count.gt(zero).any() {
         return [one; 4];
@@ -129,7 +130,13 @@ pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
     let footprint = second.select(tex_coords.footprint[1], tex_coords.footprint[0]);
     let uv = [u * a + v * b + e, u * c + v * d + f];
     let Levels { fine, coarse, share } = levels(footprint, log_size, count.max(one));
-    let at = |level: L| Site::new(uv, [width, height], [wrap_u, wrap_v], level);
+    let nearest = if filter.gt(zero).any() {
+        let is_minified = fine.gt(zero) | share.gt(zero);
+        is_nearest(filter, is_minified)
+    } else {
+        zero.gt(zero)
+    };
+    let at = |level: L| Site::new(uv, [width, height], [wrap_u, wrap_v], level, nearest);
     let indices = &chosen.indices;
     let sharp = at(fine).color::<MAP, COLOR>(maps, indices);
     // Without a share the coarser level would change nothing.
@@ -145,11 +152,20 @@ pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
     )
 }
 
-/// Linear RGB and alpha of a texture of colors at one point, bilinear in its finest level.
+/// Where a [`Filter`] shows the nearest texel.
+#[inline(always)]
+fn is_nearest<L: Lane>(filter: L, is_minified: L::Mask) -> L::Mask {
+    let (both, minified) = (Filter::Nearest as u32 as f32, Filter::NearestMinified as u32 as f32);
+    let magnified = filter.gt(filter.broadcast(0.0)) & filter.lt(filter.broadcast(minified));
+    (is_minified & filter.ge(filter.broadcast(both))) | (!is_minified & magnified)
+}
+
+/// Linear RGB and alpha of a texture of colors at one point, by the filter of magnified textures, in its finest level.
 #[inline(always)]
 pub fn finest(texels: &[u32], map: &FinestLevel, uv: [f32; 2]) -> [f32; 4] {
-    let (x, share_x) = neighbors(uv[0], map.width as f32, map.wrap_u as f32);
-    let (y, share_y) = neighbors(uv[1], map.height as f32, map.wrap_v as f32);
+    let nearest = is_nearest(map.filter as f32, false);
+    let (x, share_x) = chosen(neighbors(uv[0], map.width as f32, map.wrap_u as f32), nearest);
+    let (y, share_y) = chosen(neighbors(uv[1], map.height as f32, map.wrap_v as f32), nearest);
     let first = texels[map.first as usize];
     let (row, next_row) = (first + y[0].0 * map.width, first + y[1].0 * map.width);
     let at = |row: u32, x: Word| decode::<f32, true>((), texels, Word(texels[(row + x.0) as usize]));
@@ -170,14 +186,15 @@ struct Site<L: Lane> {
 }
 
 impl<L: Lane> Site<L> {
-    /// The texels around `uv` in a level of textures whose finest have this size.
+    /// The texels around `uv` in a level of textures whose finest have this size; the nearest alone in the lanes of
+    /// `nearest`.
     #[inline(always)]
-    fn new(uv: [L; 2], size: [L; 2], wrap: [L; 2], level: L) -> Self {
+    fn new(uv: [L; 2], size: [L; 2], wrap: [L; 2], level: L, nearest: L::Mask) -> Self {
         let halvings = to_integer(level);
         // 2 to the power of -level: sizes are below 2^15, so the product and its floor are exact.
         let shrunk = L::from_bits(halvings.broadcast(127 << 23) - (halvings << 23));
-        let (x, share_x) = neighbors(uv[0], floor(size[0] * shrunk), wrap[0]);
-        let (y, share_y) = neighbors(uv[1], floor(size[1] * shrunk), wrap[1]);
+        let (x, share_x) = chosen(neighbors(uv[0], floor(size[0] * shrunk), wrap[0]), nearest);
+        let (y, share_y) = chosen(neighbors(uv[1], floor(size[1] * shrunk), wrap[1]), nearest);
         Self {
             level: halvings.row(),
             x: [x[0].row(), x[1].row()],
@@ -270,6 +287,16 @@ fn neighbors<L: Lane>(coordinate: L, size: L, wrap: L) -> ([L::Bits; 2], L) {
     ([to_integer(x), to_integer(next)], share)
 }
 
+/// The [`neighbors`]; where only the nearest counts, it is both of them.
+#[inline(always)]
+fn chosen<L: Lane>((x, share): ([L::Bits; 2], L), nearest: L::Mask) -> ([L::Bits; 2], L) {
+    if !nearest.any() {
+        return (x, share);
+    }
+    let near = share.ge(share.broadcast(0.5)).select(x[1], x[0]);
+    ([nearest.select(near, x[0]), nearest.select(near, x[1])], share)
+}
+
 /// Linear RGB and alpha of texels, 8 bits each, red lowest.
 #[inline(always)]
 fn decode<L: Lane, const COLOR: bool>(token: L::Token, texels: &[u32], words: L::Bits) -> [L; 4] {
@@ -329,6 +356,20 @@ mod tests {
         assert_eq!(at(f32::NAN, Wrap::Repeat), [3, 0]);
         assert_eq!(of(0.3, 1.0, Wrap::Repeat), [0, 0]);
         assert_eq!(of(0.3, 0.0, Wrap::Repeat), [0, 0]);
+    }
+
+    #[test]
+    fn a_filter_counts_where_texels_are_larger_or_smaller_than_pixels() {
+        let is = |filter: Filter, is_minified| is_nearest(filter as u32 as f32, is_minified);
+        let all = [Filter::Linear, Filter::NearestMagnified, Filter::Nearest, Filter::NearestMinified];
+        assert_eq!(all.map(|filter| is(filter, false)), [false, true, true, false]);
+        assert_eq!(all.map(|filter| is(filter, true)), [false, false, true, true]);
+        let texel = |c: f32| chosen(neighbors(c, 4.0, Wrap::Repeat as u32 as f32), true).0.map(|x| x.0);
+        for (c, near) in
+            [(0.0, 0), (0.24, 0), (0.26, 1), (0.49, 1), (0.51, 2), (0.99, 3), (-0.01, 3), (1.01, 0)]
+        {
+            assert_eq!(texel(c), [near; 2], "{c}");
+        }
     }
 
     /// The floor of a negative denormal is −1 or 0, as a device has it.

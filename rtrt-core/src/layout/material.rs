@@ -25,6 +25,21 @@ pub enum Wrap {
     Mirror = 2,
 }
 
+/// Where a texture shows its nearest texel instead of a mix of four. Mip levels are mixed in each case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum Filter {
+    /// Nowhere.
+    #[default]
+    Linear = 0,
+    /// Where texels are larger than pixels.
+    NearestMagnified = 1,
+    /// Everywhere.
+    Nearest = 2,
+    /// Where texels are smaller than pixels.
+    NearestMinified = 3,
+}
+
 /// The meaning of a surface's alpha.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(u32)]
@@ -58,13 +73,15 @@ pub struct Texture {
     pub wrap_v: u32,
     /// Which of the vertices' sets of texture coordinates is used: 0 or 1.
     pub set: u32,
+    /// [`Filter`].
+    pub filter: u32,
     /// The linear part of the map from texture coordinates to the texture, two rows:
     /// `turn · (u, v) + shift`.
     pub turn: [[f32; 2]; 2],
     /// See `turn`.
     pub shift: [f32; 2],
 }
-const _: () = assert!(size_of::<Texture>() == 56 && offset_of!(Texture, turn) == 32);
+const _: () = assert!(size_of::<Texture>() == 60 && offset_of!(Texture, turn) == 36);
 
 impl Texture {
     /// No texture.
@@ -77,6 +94,7 @@ impl Texture {
         wrap_u: 0,
         wrap_v: 0,
         set: 0,
+        filter: 0,
         turn: [[1.0, 0.0], [0.0, 1.0]],
         shift: [0.0; 2],
     };
@@ -118,7 +136,7 @@ pub struct MaterialRecord {
     pub textures: [Texture; MaterialRecord::TEXTURES],
 }
 const _: () =
-    assert!(size_of::<MaterialRecord>() == 76 + 5 * 56 && offset_of!(MaterialRecord, textures) == 76);
+    assert!(size_of::<MaterialRecord>() == 76 + 5 * 60 && offset_of!(MaterialRecord, textures) == 76);
 
 impl MaterialRecord {
     /// [`MaterialRecord::unlit`] of a surface that shows shadows and nothing else.

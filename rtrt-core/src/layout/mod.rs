@@ -11,7 +11,7 @@ mod view;
 
 pub use geometry::{Attribute, Instance, Kind, Node};
 pub use hit::{Hit, Lit, NONE, Surface};
-pub use material::{AlphaKind, COLOR_LIMIT, LIGHT_LIMIT, MaterialRecord, Texture, Wrap};
+pub use material::{AlphaKind, COLOR_LIMIT, Filter, LIGHT_LIMIT, MaterialRecord, Texture, Wrap};
 #[doc(hidden)]
 pub use probe::{PROBES, probe};
 pub use shadow_buffer::ShadowBuffer;

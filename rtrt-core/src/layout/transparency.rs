@@ -24,7 +24,7 @@ pub struct Transparency {
     /// The texture of the base color.
     pub texture: FinestLevel,
 }
-const _: () = assert!(size_of::<Transparency>() == 72 && offset_of!(Transparency, first_vertex) == 24);
+const _: () = assert!(size_of::<Transparency>() == 76 && offset_of!(Transparency, first_vertex) == 24);
 const _: () = assert!(offset_of!(Transparency, texture) == 28);
 
 /// The finest level of a [`Texture`], and how it is laid on a surface.
@@ -41,13 +41,15 @@ pub struct FinestLevel {
     pub wrap_u: u32,
     /// [`Wrap`](crate::layout::Wrap) of the rows.
     pub wrap_v: u32,
+    /// [`Filter`](crate::layout::Filter).
+    pub filter: u32,
     /// See [`Texture::turn`].
     pub turn: [[f32; 2]; 2],
     /// See [`Texture::shift`].
     pub shift: [f32; 2],
 }
-const _: () = assert!(size_of::<FinestLevel>() == 44 && offset_of!(FinestLevel, turn) == 20);
-const _: () = assert!(offset_of!(FinestLevel, shift) == 36);
+const _: () = assert!(size_of::<FinestLevel>() == 48 && offset_of!(FinestLevel, turn) == 24);
+const _: () = assert!(offset_of!(FinestLevel, shift) == 40);
 
 /// What a vertex of such an instance's mesh has.
 #[repr(C)]
@@ -110,6 +112,7 @@ impl Transparency {
                 height: word(mesh_data, at, offset_of!(Self, texture.height)),
                 wrap_u: word(mesh_data, at, offset_of!(Self, texture.wrap_u)),
                 wrap_v: word(mesh_data, at, offset_of!(Self, texture.wrap_v)),
+                filter: word(mesh_data, at, offset_of!(Self, texture.filter)),
                 turn: [pair(mesh_data, at, turn), pair(mesh_data, at, turn + size_of::<[f32; 2]>())],
                 shift: pair(mesh_data, at, offset_of!(Self, texture.shift)),
             },
@@ -120,9 +123,9 @@ impl Transparency {
 impl FinestLevel {
     /// That of a texture.
     pub fn new(texture: &Texture) -> Self {
-        let &Texture { first, levels, wrap_u, wrap_v, turn, shift, .. } = texture;
+        let &Texture { first, levels, wrap_u, wrap_v, filter, turn, shift, .. } = texture;
         let [width, height] = if levels > 0 { [texture.width, texture.height] } else { [0; 2] };
-        Self { first, width, height, wrap_u, wrap_v, turn, shift }
+        Self { first, width, height, wrap_u, wrap_v, filter, turn, shift }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::kernel::area::hash;
 use crate::kernel::environment::IRRADIANCE_SIDE;
 use crate::kernel::texture::{DECODE_WORDS, Maps};
-use crate::layout::{Frame, Instance, MaterialRecord, NONE, Sky, Texture, View, ViewKind, Wrap};
+use crate::layout::{Filter, Frame, Instance, MaterialRecord, NONE, Sky, Texture, View, ViewKind, Wrap};
 use bytemuck::Zeroable;
 
 /// What a device reads beside the words.
@@ -146,6 +146,7 @@ const ODD: Texture = Texture {
     log_size: 2.45,
     wrap_u: Wrap::Clamp as u32,
     wrap_v: Wrap::Repeat as u32,
+    filter: Filter::NearestMagnified as u32,
     set: 1,
     turn: [[0.8, -1.2], [1.7, 0.6]],
     shift: [0.3, -0.2],

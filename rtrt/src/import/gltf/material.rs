@@ -13,7 +13,7 @@ use gltf_json::material;
 use gltf_json::texture::{self, Info, WrappingMode};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, Value, image};
-use rtrt_core::layout::{COLOR_LIMIT, LIGHT_LIMIT, Texture, Wrap};
+use rtrt_core::layout::{COLOR_LIMIT, Filter, LIGHT_LIMIT, Texture, Wrap};
 use rtrt_core::scene::{Content, Image, Join, Material, MaterialIndex};
 use std::collections::HashMap;
 
@@ -143,12 +143,12 @@ impl<'a> Materials<'a> {
         let missing = |what: &str| builder.invalid(format!("texture {number} has no {what} that is there"));
         let texture =
             root.get(index).ok_or_else(|| builder.invalid(format!("there is no texture {number}")))?;
-        let [wrap_u, wrap_v] = match texture.sampler {
+        let ([wrap_u, wrap_v], filter) = match texture.sampler {
             Some(index) => {
                 let sampler = root.get(index).ok_or_else(|| missing("sampler"))?;
-                [sampler.wrap_s, sampler.wrap_t].map(wrap)
+                ([sampler.wrap_s, sampler.wrap_t].map(wrap), filter(sampler))
             }
-            None => [Wrap::Repeat; 2],
+            None => ([Wrap::Repeat; 2], Filter::Linear),
         };
         let key = texture.source.value();
         // A texture may have no image; extensions then give one.
@@ -169,7 +169,8 @@ impl<'a> Materials<'a> {
                 image
             }
         };
-        let texture = Texture { wrap_u: wrap_u as u32, wrap_v: wrap_v as u32, ..image };
+        let texture =
+            Texture { wrap_u: wrap_u as u32, wrap_v: wrap_v as u32, filter: filter as u32, ..image };
         Ok(Some((texture_use.apply(texture), texture_use.set)))
     }
 
@@ -229,6 +230,22 @@ impl TextureUse {
         let Some(transform) = &self.transform else { return texture };
         let (offset, rotation, scale) = (transform.offset.0, transform.rotation.0, transform.scale.0);
         Placement { offset, rotation, scale }.apply(texture)
+    }
+}
+
+/// The filter of a sampler: its own choice between mip levels has no effect.
+fn filter(sampler: &texture::Sampler) -> Filter {
+    use texture::MinFilter as Min;
+    let magnified = matches!(sampler.mag_filter, Some(Checked::Valid(texture::MagFilter::Nearest)));
+    let minified = matches!(
+        sampler.min_filter,
+        Some(Checked::Valid(Min::Nearest | Min::NearestMipmapNearest | Min::NearestMipmapLinear))
+    );
+    match (magnified, minified) {
+        (false, false) => Filter::Linear,
+        (true, false) => Filter::NearestMagnified,
+        (true, true) => Filter::Nearest,
+        (false, true) => Filter::NearestMinified,
     }
 }
 
