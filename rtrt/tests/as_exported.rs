@@ -477,3 +477,32 @@ fn the_color_of_transparent_texels_colors_nothing() {
     // Half of white, in linear light, behind half of green.
     assert!(pictures.iter().flatten().all(|pixel| *pixel == [188, 255, 188]), "{:?}", pictures[0][99]);
 }
+
+#[test]
+fn samplers_choose_the_nearest_texel() {
+    let corners = [-1.0, -1.0, 0.0, 3.0, -1.0, 0.0, -1.0, 3.0, 0.0, 0.0, 1.0, 2.0, 1.0, 0.0, -1.0];
+    let data = base64::engine::general_purpose::STANDARD.encode(four_colors(1));
+    let pixels = |sampler: &str| {
+        let members = format!(
+            r#""nodes":[{{"mesh":0}}],"images":[{{"uri":"data:image/png;base64,{data}"}}],
+            "textures":[{{"source":0,"sampler":0}}],"samplers":[{{{sampler}"wrapS":33071,"wrapT":33071}}],
+            "materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":0}}]}}],
+            "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}},
+            {{"bufferView":0,"byteOffset":36,"componentType":5126,"type":"VEC2","count":3}}],
+            "bufferViews":[{{"buffer":0,"byteLength":60}}]"#
+        );
+        let name = format!("nearest-{}", sampler.len());
+        seen(&loaded(&name, &[("x.gltf", &gltf(&members, &floats(&corners)))]), Some(DebugView::Albedo))
+    };
+    let quarters = [[RED, GREEN], [BLUE, WHITE]];
+    for (number, pixel) in pixels(r#""magFilter":9728,"#).into_iter().enumerate() {
+        let [x, y] = [number % 32, number / 32].map(|place| usize::from(place >= 16));
+        assert_eq!(pixel, rgb(quarters[y][x]), "{number}");
+    }
+    // Two texels over 32 pixels are magnified: the other filter does not count.
+    for linear in ["", r#""magFilter":9729,"minFilter":9728,"#] {
+        let mixed = pixels(linear);
+        assert!(mixed[16 * 32 + 16] != rgb(WHITE) && mixed[16 * 32 + 16][1] > 0, "{:?}", mixed[16 * 32 + 16]);
+    }
+}

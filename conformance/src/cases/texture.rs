@@ -2,7 +2,7 @@
 
 use crate::case::{Case, look};
 use crate::shape::{Build, Random, Shape};
-use rtrt_core::layout::Wrap;
+use rtrt_core::layout::{Filter, Texture, Wrap};
 use rtrt_core::scene::{Image, Light, Material, Mip, Scene};
 
 pub(super) const CASES: &[Case] = &[
@@ -10,6 +10,29 @@ pub(super) const CASES: &[Case] = &[
         name: "texture/magnified",
         claim: "A few texels over many pixels are mixed alike.",
         scene: || wall([5, 3], [Wrap::Clamp; 2], [1.0, 1.0], [0.0, 0.0]),
+        ..Case::USUAL
+    },
+    Case {
+        name: "texture/nearest",
+        claim: "The nearest texel alone counts where a filter says so: near or far, in colors, alphas and holes.",
+        scene: || {
+            let mut build = Build::default().light(Light::sun([0.3, -1.0, -0.5]));
+            let map = build.scene.add_texture(&noise([8, 8]), [Wrap::Repeat; 2]).expect("a case's texture");
+            let filters = [Filter::NearestMagnified, Filter::Nearest, Filter::NearestMinified];
+            for (filter, x) in filters.into_iter().zip([-3.0_f32, -1.0, 1.0]) {
+                let map = Texture { filter: filter as u32, ..map };
+                let strip = Shape::quad([x, -1.0, 2.5], [1.9, 0.0, 0.0], [0.0, 0.0, -40.0]);
+                build = build.shape_of(
+                    strip.textured([1.0, 20.0], [0.1, 0.0]),
+                    Material::default().base_color_map(map),
+                );
+                let pane = Shape::quad([x, 0.2, 0.0], [1.5, 0.0, 0.0], [0.0, 1.0, 0.0]);
+                let leaf = Material::default().base_color_map(map);
+                let leaf = if filter == Filter::Nearest { leaf.blend(0.9) } else { leaf.mask(0.5) };
+                build = build.shape_of(pane, leaf);
+            }
+            build.scene
+        },
         ..Case::USUAL
     },
     Case {
