@@ -39,7 +39,8 @@ pub struct Light {
     pub position: Vec3,
     /// Spots and suns: where the light goes, for a spot in the middle of its cone; any length but 0.
     pub direction: Vec3,
-    /// Linear RGB, within ± [`LIGHT_LIMIT`]: lux for a sun, candela for points and spots with `inverse_square`. What
+    /// Linear RGB, within ± [`LIGHT_LIMIT`]: what a white surface reflects that faces a sun, or a point or spot with
+    /// `inverse_square` at a distance of 1: lux or candela divided by π. What
     /// arrives at distance 0 otherwise.
     pub color: Vec3,
     /// Points and spots: world units, more than 0; beyond it the light is 0. `None` for no limit.
