@@ -85,7 +85,7 @@ pub fn shade<L: Lane>(
 /// The alpha of a surface that catches shadows:
 ///
 /// ```text
-/// missing / (ambient · π + reached + missing)
+/// missing / (ambient + reached + missing)
 /// ```
 ///
 /// of the luminances of what arrives, so that black with this alpha darkens what is behind it as much as the shadow
@@ -93,7 +93,7 @@ pub fn shade<L: Lane>(
 #[inline(always)]
 fn shadow<L: Lane>(ambient: V3<L>, arriving: &IncomingLight<L>) -> L {
     let missing = luminance(arriving.specular);
-    let all = luminance(ambient) * core::f32::consts::PI + luminance(arriving.diffuse) + missing;
+    let all = luminance(ambient) + luminance(arriving.diffuse) + missing;
     let none = all.broadcast(0.0);
     all.gt(all.broadcast(FLOOR)).select(clamp(missing * recip(all), 0.0, 1.0), none)
 }
@@ -270,7 +270,7 @@ mod tests {
         let (unlit, alpha_mode) = (MaterialRecord::CATCHES_SHADOWS, AlphaKind::Blend as u32);
         let catcher = MaterialRecord { unlit, alpha_mode, ..MaterialRecord::zeroed() };
         // Of 1/8 from everywhere, of (1, 2, 0) that arrives, and of 1/2 that does not.
-        let all = 0.125 * core::f32::consts::PI + 0.2126 + 2.0 * 0.7152 + 0.5;
+        let all = 0.125 + 0.2126 + 2.0 * 0.7152 + 0.5;
         assert!(near(shaded(Frame::zeroed(), Some(catcher)), [0.0, 0.0, 0.0, 0.5 / all]));
     }
 
