@@ -8,7 +8,11 @@ const LINE: &str =
     "render scene.obj --size 48x32 --samples 1 --backend cpu --eye 0,3,6 --look-at 0,0.5,0 --tone-map none";
 
 fn pixels(folder: &Folder, options: &str) -> Vec<[u8; 4]> {
-    stdout(&folder.run(&format!("{LINE} -o out.png {options}")));
+    drawn(folder, &format!("{LINE} {options}"))
+}
+
+fn drawn(folder: &Folder, line: &str) -> Vec<[u8; 4]> {
+    stdout(&folder.run(&format!("{line} -o out.png")));
     let picture = image::open(folder.0.join("out.png")).unwrap().into_rgba8();
     picture.pixels().map(|pixel| pixel.0).collect()
 }
@@ -133,14 +137,15 @@ fn a_ground_shows_shadows_and_nothing_else() {
         "v -1 1 -1\nv 1 1 -1\nv 1 1 1\nv -1 1 1\nv 0 0 0\nf 4 3 2 1\nf 1 1 5\n",
     )
     .unwrap();
-    let line = "--light sun:0,1,0 --background transparent --eye 0,4,0.01 --look-at 0,0,0 --fov-y 90";
+    let line = "render scene.obj --size 48x32 --samples 1 --backend cpu --tone-map none --light sun:0,1,0 \
+        --background transparent --eye 0,4,0.01 --look-at 0,0,0 --fov-y 90";
     let [without, with] =
-        ["", "--ground"].map(|ground| pixels(&folder, &format!("{line} --ambient 0.1,0.1,0.1 {ground}")));
+        ["", "--ground"].map(|ground| drawn(&folder, &format!("{line} --ambient 0.1,0.1,0.1 {ground}")));
     // From straight above, all of the shadow is behind the table.
     assert_eq!(with, without);
     let aside = line.replace("sun:0,1,0", "sun:1,0.5,0");
-    let all = pixels(&folder, &format!("{aside} --ambient 0,0,0 --ground"));
-    let part = pixels(&folder, &format!("{aside} --ambient 0.3,0.3,0.3 --ground"));
+    let all = drawn(&folder, &format!("{aside} --ambient 0,0,0 --ground"));
+    let part = drawn(&folder, &format!("{aside} --ambient 0.3,0.3,0.3 --ground"));
     let shadow: Vec<_> = (0..all.len()).filter(|&i| without[i][3] == 0 && all[i][3] > 0).collect();
     // Four square units of the picture's 96, but for what is behind the table and at its edges.
     assert!((20..200).contains(&shadow.len()), "{}", shadow.len());
@@ -148,6 +153,6 @@ fn a_ground_shows_shadows_and_nothing_else() {
         assert_eq!((all[i], part[i][..3].to_vec()), ([0, 0, 0, 255], vec![0; 3]));
         assert!((30..250).contains(&part[i][3]), "{:?}", part[i]);
     }
-    let off = pixels(&folder, &format!("{aside} --shadows off --ground"));
+    let off = drawn(&folder, &format!("{aside} --shadows off --ground"));
     assert!(off.iter().zip(&without).all(|(a, b)| a[3] == b[3]));
 }

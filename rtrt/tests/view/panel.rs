@@ -32,7 +32,7 @@ fn what_is_changed_in_the_panel_is_an_option_of_the_command() {
     let depth = number(519, 105, "3");
     let ambient =
         click(455, 206) + &click(380, 150) + "press Escape\nframe 0.1\nrelease Escape\nframes 3 0.1\n";
-    let light = number(473, 275, "4") + &number(463, 298, "7") + &number(463, 344, "0.5");
+    let light = number(473, 275, "4") + &number(463, 298, "7") + &number(463, 367, "0.5");
     let shown = click(429, 174) + &click(409, 224);
     let changes = [zoom, OPEN, &samples, &shadows, &depth, &light, SHOT, &ambient, SHOT, &shown, SHOT];
     let line = "demo:matchbox --light point:1,2,3:0.25 --size 640x480 --samples 4 --backend cpu";
