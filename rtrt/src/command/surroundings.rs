@@ -13,6 +13,7 @@ pub fn default_blur(is_studio: bool) -> f32 {
 
 /// What was done.
 #[derive(Debug, Default)]
+#[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "the viewer prints options that do the same"))]
 pub struct Surrounded {
     /// The environment's files, and its sun.
     pub surroundings: Surroundings,
