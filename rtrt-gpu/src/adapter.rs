@@ -4,6 +4,7 @@ use crate::canary;
 use crate::device::Device;
 use crate::error::Error;
 use crate::info::{Kind, Route, has_passthrough, label};
+use crate::instance::windowless;
 
 /// Which adapter to open, and how.
 #[derive(Debug, Clone, Default)]
@@ -114,12 +115,7 @@ fn wanted() -> wgpu::Backends {
 /// All adapters that are reached through one of these, the most promising first. With `WGPU_POWER_PREF=low` in
 /// the environment, integrated GPUs come before discrete ones.
 fn enumerate(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends,
-        flags: wgpu::InstanceFlags::empty(),
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    let mut adapters = pollster::block_on(windowless(backends).enumerate_adapters(backends));
     let saves_power = wgpu::PowerPreference::from_env() == Some(wgpu::PowerPreference::LowPower);
     adapters.sort_by_key(|adapter| match Kind::new(adapter.get_info().device_type) {
         kind @ (Kind::Discrete | Kind::Integrated) => {

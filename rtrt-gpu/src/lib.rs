@@ -26,6 +26,7 @@ mod error;
 mod fetch;
 mod frame;
 mod info;
+mod instance;
 mod pipeline;
 mod raster;
 mod slot;

@@ -3,7 +3,6 @@
 
 mod command;
 
-use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -16,8 +15,7 @@ fn main() -> ExitCode {
         rtrt::replace::abandon();
         std::process::exit(INTERRUPTED);
     });
-    let command = command::Command::try_parse().map_err(command::refused);
-    match command.and_then(|command| command::run(&command)) {
+    match command::parsed(std::env::args_os()).and_then(|command| command::run(&command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // Standard error may be closed.

@@ -18,8 +18,7 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
 /// # Errors
 /// The error of the system. `path` has not changed then.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let beside = folder(path).join(format!(".{name}.{}.part", std::process::id()));
+    let beside = beside(path);
     parts().push(beside.clone());
     let written = OpenOptions::new()
         .write(true)
@@ -33,6 +32,25 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
     parts().retain(|part| *part != beside);
     written
+}
+
+/// Checks that [`replace`] may write beside `path`, by an empty file that is gone afterwards.
+///
+/// # Errors
+/// The error of the system.
+pub fn check(path: &Path) -> io::Result<()> {
+    let beside = beside(path);
+    parts().push(beside.clone());
+    let made = OpenOptions::new().write(true).create_new(true).open(&beside);
+    let checked = made.and_then(|_| fs::remove_file(&beside));
+    parts().retain(|part| *part != beside);
+    checked
+}
+
+/// Where the bytes of a file are until all of them are there.
+fn beside(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    folder(path).join(format!(".{name}.{}.part", std::process::id()))
 }
 
 /// Removes partial files, before the process ends. It must not write anything afterwards.

@@ -3,6 +3,7 @@
 use super::Error;
 use super::console::Console;
 use super::job::{RenderJob, open};
+use super::memory::peak_rss_bytes;
 use super::options::BenchOptions;
 use super::output;
 use super::report::{Machine, PerStage};
@@ -46,6 +47,7 @@ struct BenchReport {
     /// The time in which the host sets up a frame and submits it to a GPU; null for the CPU backend.
     host_ms: Option<Times>,
     bvh_build_ms: f64,
+    load_ms: f64,
     /// The bytes of the scene without its texels.
     scene_bytes: usize,
     /// The bytes of vertices and indices as imported.
@@ -118,6 +120,7 @@ pub fn run(options: &BenchOptions) -> Result<(), Error> {
         frame_ms: times(frame_ms).median,
         host_ms: (!host_ms.is_empty()).then(|| times(host_ms)),
         bvh_build_ms: job.bvh_build_ms,
+        load_ms: job.load_ms,
         scene_bytes: scene.bytes() - size_of_val(scene.texels()),
         source_bytes: scene.source_bytes(),
         peak_rss_bytes,
@@ -147,13 +150,6 @@ fn shadow_rays(job: &RenderJob, backend: &mut dyn Backend) -> Result<u64, Error>
     job.render(backend, &job.request(true).shadows(Shadows::Off), &mut picture)?;
     let masks = picture.deferred.map(|deferred| deferred.masks).unwrap_or_default();
     Ok(masks.iter().map(|word| u64::from(word.count_ones())).sum())
-}
-
-/// The peak memory of this process.
-fn peak_rss_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
 
 impl fmt::Display for BenchReport {

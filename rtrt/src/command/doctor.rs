@@ -1,39 +1,117 @@
 //! `rtrt doctor`: the backends of this machine.
 
-use super::Error;
-use super::output::print;
+use super::options::DoctorOptions;
 use super::report::Machine;
+use super::{Error, defaults, output};
 use rtrt::choose::{Options, choose};
+use rtrt_core::backend::Backend;
 use rtrt_cpu::Cpu;
-use rtrt_gpu::Adapter;
+use std::fmt;
+use std::path::PathBuf;
 
-/// Lists the backends, and the choice of `auto`.
-pub fn run() -> Result<(), Error> {
-    for lanes in [1, 8, 16] {
-        match Cpu::new(rtrt_cpu::Options { lanes: Some(lanes), threads: None }) {
-            Ok(cpu) => print(Machine::from(rtrt_core::backend::Backend::describe(&cpu)))?,
-            Err(error) => print(format_args!("cpu, not available: {error}"))?,
-        }
-    }
-    let (adapters, left_out) = (rtrt_gpu::adapters(), rtrt_gpu::left_out());
-    if adapters.is_empty() && left_out.is_empty() {
-        print("gpu, not available: there is no adapter")?;
-    }
-    left_out.iter().try_for_each(|why| print(format_args!("gpu, not available: {why}")))?;
-    for (number, adapter) in adapters.iter().enumerate() {
-        print_adapter(number, adapter)?;
-    }
-    let chosen = choose(&Options::default())?;
-    print(format_args!("auto chooses {}: {}", Machine::from(chosen.backend.describe()), chosen.why))
+/// The output of `--json`.
+#[derive(serde::Serialize)]
+struct DoctorReport {
+    version: &'static str,
+    /// SHA-256 of the shaders.
+    shaders: String,
+    /// The file with defaults, if there is one.
+    defaults: Option<PathBuf>,
+    cpu: Vec<Offer>,
+    adapters: Vec<AdapterReport>,
+    /// Adapters that are left out, each with why.
+    left_out: Vec<String>,
+    /// The choice of `--backend auto`.
+    auto: Choice,
 }
 
-fn print_adapter(number: usize, adapter: &Adapter) -> Result<(), Error> {
-    let Adapter { name, api, kind, driver, passthrough, .. } = adapter;
-    print(format_args!("gpu, adapter {number}, {name}: {kind}, {api}, {driver}"))?;
-    let route = if *passthrough { "available" } else { "not available, naga translates" };
-    print(format_args!("    SPIR-V passthrough: {route}"))?;
-    match adapter.open() {
-        Ok(_) => print("    canary: equal to the CPU"),
-        Err(error) => print(format_args!("    canary: refused: {error}")),
+/// An instruction set, or why it is not available.
+#[derive(serde::Serialize)]
+#[serde(untagged)]
+enum Offer {
+    Available(Machine),
+    Missing { lanes: u32, error: String },
+}
+
+/// A GPU.
+#[derive(serde::Serialize)]
+struct AdapterReport {
+    number: usize,
+    name: String,
+    kind: String,
+    api: String,
+    driver: String,
+    /// Whether it takes unchanged SPIR-V.
+    passthrough: bool,
+    /// Why it is refused; null if it computes what the CPU does.
+    refused: Option<String>,
+}
+
+/// A backend, and the reason for it.
+#[derive(serde::Serialize)]
+struct Choice {
+    #[serde(flatten)]
+    machine: Machine,
+    why: String,
+}
+
+/// Lists the backends, and the choice of `auto`.
+pub fn run(options: &DoctorOptions) -> Result<(), Error> {
+    let report = report()?;
+    if options.json { output::print_json(&report) } else { output::print(report) }
+}
+
+fn report() -> Result<DoctorReport, Error> {
+    let cpu = [1, 8, 16].map(|lanes| match Cpu::new(rtrt_cpu::Options { lanes: Some(lanes), threads: None }) {
+        Ok(cpu) => Offer::Available(Machine::from(cpu.describe())),
+        Err(error) => Offer::Missing { lanes, error: error.to_string() },
+    });
+    let adapters = rtrt_gpu::adapters().into_iter().enumerate().map(|(number, adapter)| AdapterReport {
+        number,
+        kind: adapter.kind.to_string(),
+        passthrough: adapter.passthrough,
+        refused: adapter.open().err().map(|error| error.to_string()),
+        name: adapter.name,
+        api: adapter.api,
+        driver: adapter.driver,
+    });
+    let adapters = adapters.collect();
+    let chosen = choose(&Options::default())?;
+    Ok(DoctorReport {
+        version: env!("CARGO_PKG_VERSION"),
+        shaders: rtrt::hash::of(rtrt_gpu::SHADERS),
+        defaults: defaults::path(),
+        cpu: cpu.into(),
+        adapters,
+        left_out: rtrt_gpu::left_out(),
+        auto: Choice { machine: Machine::from(chosen.backend.describe()), why: chosen.why },
+    })
+}
+
+impl fmt::Display for DoctorReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for offer in &self.cpu {
+            match offer {
+                Offer::Available(machine) => writeln!(f, "{machine}")?,
+                Offer::Missing { error, .. } => writeln!(f, "cpu, not available: {error}")?,
+            }
+        }
+        if self.adapters.is_empty() && self.left_out.is_empty() {
+            writeln!(f, "gpu, not available: there is no adapter")?;
+        }
+        self.left_out.iter().try_for_each(|why| writeln!(f, "gpu, not available: {why}"))?;
+        for AdapterReport { number, name, kind, api, driver, passthrough, refused } in &self.adapters {
+            writeln!(f, "gpu, adapter {number}, {name}: {kind}, {api}, {driver}")?;
+            let route = if *passthrough { "available" } else { "not available, naga translates" };
+            writeln!(f, "    SPIR-V passthrough: {route}")?;
+            match refused {
+                None => writeln!(f, "    canary: equal to the CPU")?,
+                Some(error) => writeln!(f, "    canary: refused: {error}")?,
+            }
+        }
+        if let Some(path) = &self.defaults {
+            writeln!(f, "defaults of options: {}", path.display())?;
+        }
+        write!(f, "auto chooses {}: {}", self.auto.machine, self.auto.why)
     }
 }

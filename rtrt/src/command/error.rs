@@ -6,7 +6,7 @@ use rtrt::import::ImportError;
 use rtrt_core::backend::RenderError;
 use rtrt_core::scene::SetupError;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a command failed. Shown in one line.
 #[derive(Debug, thiserror::Error)]
@@ -18,17 +18,17 @@ pub enum Error {
         name: String,
     },
     /// The scene has fewer cameras.
-    #[error("unknown camera: {}: there is no camera {asked}, {}", scene.display(), cameras(*have))]
+    #[error("unknown camera: {}: there is no camera {asked}, {}", scene.display(), listed(names))]
     Camera {
         /// The scene.
         scene: PathBuf,
-        /// The wanted camera, from 0.
-        asked: usize,
-        /// The number of cameras.
-        have: usize,
+        /// The number or name of the wanted camera.
+        asked: String,
+        /// The names of the scene's cameras.
+        names: Vec<String>,
     },
     /// The scene has no such animation.
-    #[error("unknown animation: {}: there is no animation {asked:?}, {}", scene.display(), animations(names))]
+    #[error("unknown animation: {}: there is no animation {asked:?}, {}", scene.display(), listed(names))]
     Animation {
         /// The scene.
         scene: PathBuf,
@@ -44,6 +44,14 @@ pub enum Error {
         what: String,
         /// A way out.
         hint: String,
+    },
+    /// The file with defaults is invalid.
+    #[error("defaults refused: {}: {why}", path.display())]
+    Defaults {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        why: String,
     },
     /// The options contradict each other.
     #[error("wrong usage: {0}")]
@@ -195,6 +203,7 @@ impl Error {
             | Self::Animation { .. }
             | Self::TooLarge { .. }
             | Self::Line { .. }
+            | Self::Defaults { .. }
             | Self::Usage(_) => 2,
             Self::Import(_) | Self::Reference { .. } => 3,
             Self::Strict { code, .. } => *code,
@@ -220,8 +229,11 @@ impl Error {
         match self {
             Self::Line { hint, .. } => hint,
             Self::Demo { .. } => DEMOS,
-            Self::Camera { .. } => "--camera counts from 0; --eye and --look-at need no camera",
+            Self::Camera { .. } => "--camera takes a name, or a number from 0; --eye and --look-at need no camera",
             Self::Animation { .. } => "--animation takes a number, a name, or all",
+            Self::Defaults { .. } => {
+                "the file that RTRT_CONFIG names has an option a line, such as --size 640x360"
+            }
             Self::Usage(_) => "--help has all options and examples",
             Self::TooLarge { .. } => "try a smaller --size or fewer --samples",
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => {
@@ -262,6 +274,7 @@ const DEMOS: &str = "try demo:matchbox, demo:glass, demo:spheres, demo:levels or
 /// What to try instead of a scene or an environment that cannot be loaded.
 fn of_import(error: &ImportError) -> &'static str {
     match error {
+        ImportError::Unreadable { path, .. } if is_url(path) => "fetch it first: rtrt reads files, and no URLs",
         ImportError::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
             "names begin at the folder that the command runs in; demo:matchbox needs no file"
         }
@@ -269,7 +282,7 @@ fn of_import(error: &ImportError) -> &'static str {
             "scenes are .glb, .gltf and .obj files; demo:matchbox needs no file"
         }
         ImportError::Environment { .. } => {
-            "an environment is a .hdr, PNG or JPEG file, or a folder with px, nx, py, ny, pz and nz"
+            "an environment is a .hdr, .exr, PNG or JPEG file, or a folder with px, nx, py, ny, pz and nz"
         }
         ImportError::Extension { .. } => "export the scene without that extension",
         ImportError::Limit { .. } => "what is read is limited so that memory lasts; export less of the scene",
@@ -283,6 +296,11 @@ fn of_import(error: &ImportError) -> &'static str {
     }
 }
 
+/// Whether a path is a URL.
+fn is_url(path: &Path) -> bool {
+    path.to_str().is_some_and(|path| path.contains("://"))
+}
+
 /// What to try where a file cannot be written.
 fn of_writing(error: &io::Error) -> &'static str {
     match error.kind() {
@@ -292,17 +310,8 @@ fn of_writing(error: &io::Error) -> &'static str {
     }
 }
 
-/// How many cameras there are, in words.
-fn cameras(have: usize) -> String {
-    match have {
-        0 => "the scene has none".into(),
-        1 => "the scene has only camera 0".into(),
-        _ => format!("the scene has cameras 0 to {}", have - 1),
-    }
-}
-
-/// Which animations there are, in words.
-fn animations(names: &[String]) -> String {
+/// Which cameras or animations there are, in words.
+fn listed(names: &[String]) -> String {
     if names.is_empty() {
         return "the scene has none".into();
     }

@@ -5,6 +5,7 @@ use super::console::Console;
 use super::options::{BackendOptions, CameraOptions, Common};
 use super::parse::Exposure;
 use super::report::Machine;
+use super::stream;
 use super::surroundings::{Surrounded, surrounded};
 use rtrt::cache::Cache;
 use rtrt::choose::{self, ChooseError, Chosen, choose};
@@ -16,6 +17,7 @@ use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
 #[cfg(feature = "viewer")]
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// The limit of rays of a frame. They have 32-bit numbers, and blocks may reach outside of the frame.
 const MAX_RAYS: u64 = 1 << 31;
@@ -36,14 +38,18 @@ pub struct RenderJob {
     pub tone_map: ToneMap,
     /// The number of rays from the camera.
     pub rays: u64,
-    /// Milliseconds.
+    /// Milliseconds, of [`Self::load_ms`].
     pub bvh_build_ms: f64,
+    /// The time in which the scene became ready to render, milliseconds.
+    pub load_ms: f64,
     /// Whether the lights come from the file.
     own_lights: bool,
     /// What surrounds the scene.
     pub surrounded: Surrounded,
     animation: Option<Animation>,
     cameras: Vec<NamedCamera>,
+    /// Which of the cameras is used, if there are any.
+    camera_number: usize,
     /// The files of the scene and its environment.
     #[cfg(feature = "viewer")]
     files: Vec<PathBuf>,
@@ -60,6 +66,7 @@ impl RenderJob {
         time: Option<f64>,
         console: &Console,
     ) -> Result<Self, Error> {
+        let start = Instant::now();
         let samples = common.samples.unwrap_or(samples);
         let rays = rays(common.size, samples, deferred)?;
         console.step(format_args!("loading {}", common.scene.display()));
@@ -75,7 +82,8 @@ impl RenderJob {
             loaded.bvh_build_ms
         ));
         choose_animation(common, &mut loaded, time.is_some(), console)?;
-        let camera = camera(common, &mut loaded, time.is_some())?;
+        let camera_number = camera_number(common, &loaded.cameras)?;
+        let camera = camera(common, &mut loaded, camera_number, time.is_some())?;
         let Loaded { mut scene, cameras, animation, files, bvh_build_ms, .. } = loaded;
         let own_lights = common.lights.is_empty() && !scene.lights().is_empty();
         if !common.lights.is_empty() {
@@ -115,6 +123,7 @@ impl RenderJob {
             shadows: common.shadows(),
             layers: common.transparency_depth,
             bvh_build_ms,
+            load_ms: 0.0,
             own_lights,
             exposure: match common.exposure {
                 Exposure::Stops(stops) => stops,
@@ -124,6 +133,7 @@ impl RenderJob {
             surrounded,
             animation,
             cameras,
+            camera_number,
             #[cfg(feature = "viewer")]
             files,
             common: common.clone(),
@@ -131,6 +141,7 @@ impl RenderJob {
         if let Some(time) = time {
             job.play(time)?;
         }
+        job.load_ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(job)
     }
 
@@ -146,7 +157,7 @@ impl RenderJob {
         for (index, camera) in pose.cameras {
             self.cameras[index].camera = camera;
         }
-        if let Some(named) = self.cameras.get(self.common.camera.camera.unwrap_or(0)) {
+        if let Some(named) = self.cameras.get(self.camera_number) {
             self.camera = changed(named.fitted(aspect(self.size)), &self.common.camera, &self.scene);
         }
         Ok(())
@@ -269,6 +280,11 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
         Some("levels") => Ok(pool.install(|| demo::levels(&Parallel))?),
         Some("moving") => Ok(pool.install(|| demo::moving(&Parallel))?),
         Some(unknown) => Err(Error::Demo { name: unknown.into() }),
+        None if stream::is_stream(name) => {
+            let bytes = stream::read(name);
+            let bytes = bytes.map_err(|source| ImportError::Unreadable { path: name.clone(), source })?;
+            Ok(pool.install(|| import::load_bytes(name, &bytes, &Parallel, cache.as_ref()))?)
+        }
         None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
     }
 }
@@ -311,18 +327,24 @@ fn show_lights(scene: &mut Scene, common: &Common) -> Result<(), Error> {
     Ok(())
 }
 
-/// The camera of the scene that the options choose, with their changes.
-fn camera(common: &Common, loaded: &mut Loaded, plays: bool) -> Result<Camera, Error> {
+/// The number of the camera that the options choose: by its name, else by its number, else the first.
+fn camera_number(common: &Common, cameras: &[NamedCamera]) -> Result<usize, Error> {
+    let Some(asked) = &common.camera.camera else { return Ok(0) };
+    let number = asked.parse().ok().filter(|number| *number < cameras.len());
+    cameras.iter().position(|camera| camera.name == *asked).or(number).ok_or_else(|| Error::Camera {
+        scene: common.scene.clone(),
+        asked: asked.clone(),
+        names: cameras.iter().map(|camera| camera.name.clone()).collect(),
+    })
+}
+
+/// A camera of the scene, with the changes of the options.
+fn camera(common: &Common, loaded: &mut Loaded, number: usize, plays: bool) -> Result<Camera, Error> {
     let (options, aspect) = (&common.camera, aspect(common.size));
-    let named = loaded.cameras.get(options.camera.unwrap_or(0));
-    let chosen = match (options.camera, named) {
-        (_, Some(named)) => named.fitted(aspect),
-        (Some(asked), None) => {
-            let have = loaded.cameras.len();
-            return Err(Error::Camera { scene: common.scene.clone(), asked, have });
-        }
+    let chosen = match loaded.cameras.get(number) {
+        Some(named) => named.fitted(aspect),
         // The camera of the import is for 16 to 9.
-        (None, None) => match loaded.animation.as_ref().filter(|_| plays) {
+        None => match loaded.animation.as_ref().filter(|_| plays) {
             Some(animation) => import::framing_played(&mut loaded.scene, animation, aspect)?,
             None => import::framing(&loaded.scene, aspect),
         },

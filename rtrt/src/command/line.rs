@@ -2,13 +2,16 @@
 
 #[cfg(feature = "viewer")]
 use super::options::ViewOptions;
-use super::options::{BenchOptions, RenderOptions, VerifyOptions};
+use super::options::{BenchOptions, DoctorOptions, RenderOptions, VerifyOptions};
 use super::version;
 #[cfg(feature = "viewer")]
 use super::view::keys;
 use clap_complete::Shell;
 
 /// Real-time ray tracing with the same bits on every machine.
+///
+/// `rtrt SCENE` shows a scene in a window, and `rtrt SCENE -o FILE` renders it. The environment variable
+/// RTRT_CONFIG names a file with defaults: an option a line, as on the command line.
 ///
 /// Exit codes: 0 ok, 1 render failed, 2 usage, 3 input unreadable or invalid, 4 backend or
 /// adapter not available, 5 backends or pictures differ, 130 interrupted.
@@ -36,7 +39,7 @@ pub enum Command {
     #[command(after_long_help = keys())]
     View(ViewOptions),
     /// List adapters, instruction sets, and the choice of --backend auto
-    Doctor,
+    Doctor(DoctorOptions),
     /// Print a script that completes commands in a shell
     Completions {
         /// The shell
@@ -49,6 +52,7 @@ pub enum Command {
 const EXAMPLES: &str = "\
 Examples:
   rtrt render demo:matchbox -o matchbox.png
+  rtrt scene.glb
   rtrt render scene.glb -o picture.png --size 1920x1080 --samples 16
   rtrt verify scene.glb
   rtrt doctor";

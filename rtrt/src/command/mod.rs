@@ -1,20 +1,24 @@
 //! The command, one file for each subcommand.
 
+mod arguments;
 mod bench;
 mod clipped;
 mod compare;
 mod console;
+mod defaults;
 mod doctor;
 mod error;
 mod exr;
 mod job;
 mod line;
+mod memory;
 mod names;
 mod options;
 mod output;
 mod parse;
 mod render;
 mod report;
+mod stream;
 mod surroundings;
 mod usage;
 mod verify;
@@ -22,11 +26,17 @@ mod version;
 #[cfg(feature = "viewer")]
 mod view;
 
-use clap::CommandFactory;
+use clap::{CommandFactory, Parser};
 pub use error::Error;
 pub use line::Command;
+use std::ffi::OsString;
 use std::io;
-pub use usage::refused;
+use usage::refused;
+
+/// The command in these arguments.
+pub fn parsed(arguments: impl IntoIterator<Item = OsString>) -> Result<Command, Error> {
+    Command::try_parse_from(arguments::expanded(arguments)?).map_err(refused)
+}
 
 /// Runs the subcommand.
 pub fn run(command: &Command) -> Result<(), Error> {
@@ -36,7 +46,7 @@ pub fn run(command: &Command) -> Result<(), Error> {
         Command::Bench(options) => bench::run(options),
         #[cfg(feature = "viewer")]
         Command::View(options) => view::run(options),
-        Command::Doctor => doctor::run(),
+        Command::Doctor(options) => doctor::run(options),
         Command::Completions { shell } => {
             let mut script = vec![];
             clap_complete::generate(*shell, &mut Command::command(), "rtrt", &mut script);

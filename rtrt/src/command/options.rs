@@ -19,13 +19,11 @@ use std::path::PathBuf;
 /// Options of `rtrt render`.
 #[derive(Debug, Args)]
 pub struct RenderOptions {
-    /// Write the picture to this file: PNG; EXR, in linear color; or -, a PNG on standard output. In
-    /// names of files, {scene} becomes the scene's name, {frame} the frame's number with at least four
-    /// digits, and an n in braces the number alone
-    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "compare", "hash", "json"])]
+    // clap takes {n} for a line break, unless a style is inside of it.
+    #[arg(short, long, value_name = "FILE", help = "Write the picture to this file: PNG; EXR, in linear color; or -, a PNG on standard output. In names of files, {scene} becomes the scene's name, {frame} the frame's number with at least four digits, and {\u{1b}[0mn} the number alone", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "compare", "hash", "json"])]
     pub output: Option<PathBuf>,
     /// Bits per channel of the PNG
-    #[arg(long, default_value = "8", value_parser = one_of(["8", "16"]))]
+    #[arg(long, default_value = "8", value_parser = one_of(["8", "16"]), allow_negative_numbers = true)]
     pub bits: u32,
     /// Write the deferred buffers to this EXR file, with the layers color (linear), depth, normal,
     /// albedo, object, triangle (as stored, and as in the source), barycentrics, uv and shadow (the
@@ -38,10 +36,11 @@ pub struct RenderOptions {
     /// length of the block's list; tests is the number of boxes and triangles that a ray is tested with
     #[arg(long, value_name = "VIEW", value_parser = view())]
     pub debug: Option<debug::DebugView>,
-    /// The background, also behind transparent surfaces: a linear color; transparent, which gives
-    /// pixels without a surface an alpha of 0 and transparent surfaces one in between; or env, the
+    /// The background, also behind transparent surfaces: a linear color (0.1,0.2,0.5); a color of CSS
+    /// (navy, '#336', 'rgb(10 20 30)'), which the picture shows as it is; transparent, which
+    /// gives pixels without a surface an alpha of 0 and transparent surfaces one in between; or env, the
     /// environment, which is the default if there is one. It does not change reflections
-    #[arg(long, value_name = "R,G,B|transparent|env", value_parser = background, allow_hyphen_values = true)]
+    #[arg(long, value_name = "R,G,B|COLOR|transparent|env", value_parser = background, allow_hyphen_values = true)]
     pub background: Option<Background>,
     /// Compare the picture with this PNG file, pixel by pixel; exit code 5 means a difference
     #[arg(long, value_name = "FILE")]
@@ -98,6 +97,14 @@ pub struct BenchOptions {
     pub common: Common,
 }
 
+/// Options of `rtrt doctor`.
+#[derive(Debug, Args)]
+pub struct DoctorOptions {
+    /// Print the list as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Options of `rtrt view`.
 #[cfg(feature = "viewer")]
 #[derive(Debug, Args)]
@@ -130,13 +137,13 @@ pub struct ViewOptions {
 /// Options of all commands that render.
 #[derive(Debug, Clone, Args)]
 pub struct Common {
-    /// A .glb, .gltf or .obj file, demo:matchbox, demo:glass, demo:spheres, demo:levels or demo:moving
+    /// A .glb, .gltf or .obj file; - for standard input; demo:matchbox, demo:glass, demo:spheres, demo:levels or demo:moving
     pub scene: PathBuf,
     /// Width and height in pixels, each at most 16384
-    #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size)]
+    #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     pub size: [u32; 2],
     /// Sub-rays per pixel; the default is 4 for render and view, and 1 for verify and bench
-    #[arg(long, value_parser = one_of(["1", "4", "16"]))]
+    #[arg(long, value_parser = one_of(["1", "4", "16"]), allow_negative_numbers = true)]
     pub samples: Option<u32>,
     /// Shadows of lights with a radius: off; hard, from the center of the light; soft, blurred by the
     /// width of the penumbra; area, with another point of the light for each sub-ray; jitter, the same
@@ -155,7 +162,7 @@ pub struct Common {
     pub transparency_depth: u32,
     /// The lists of the camera's blocks: of objects; of parts of objects with at most so many triangles;
     /// the better of both for the scene (blocks); or no lists at all (none). The picture is the same
-    #[arg(long, value_name = "blocks|objects|TRIANGLES|none", default_value = "blocks", value_parser = structure)]
+    #[arg(long, value_name = "blocks|objects|TRIANGLES|none", default_value = "blocks", value_parser = structure, allow_negative_numbers = true)]
     pub structure: Structure,
     /// The objects that cast shadows of suns: all, or those within this distance of the camera
     #[arg(long, value_name = "all|DISTANCE", default_value = "all", value_parser = occluders, allow_negative_numbers = true)]
@@ -189,7 +196,7 @@ pub struct Common {
     pub tone_map: ToneMap,
     /// Play this animation of the file: its number, counted from 0, its name, or all at once. The default
     /// is the first one. Without --time the scene is at its start
-    #[arg(long, value_name = "N|NAME|all")]
+    #[arg(long, value_name = "N|NAME|all", allow_negative_numbers = true)]
     pub animation: Option<String>,
     /// Show the animation at this time, seconds after its start. Without it the scene is at rest. The
     /// default camera of a file without cameras has the whole animation in view
@@ -273,9 +280,9 @@ pub struct SurroundingsOptions {
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraOptions {
-    /// Use this camera of the scene, counted from 0
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub camera: Option<usize>,
+    /// Use this camera of the scene: its name, or its number, counted from 0
+    #[arg(long, value_name = "N|NAME", allow_negative_numbers = true)]
+    pub camera: Option<String>,
     /// The position of the camera; without --look-at it looks at the center of the scene
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub eye: Option<Vec3>,
@@ -304,13 +311,13 @@ pub struct BackendOptions {
     /// The GPU adapter whose name contains this text, or whose number in `rtrt doctor` it is; auto then
     /// takes no other. The environment variables WGPU_BACKEND (vulkan, metal, dx12) and WGPU_POWER_PREF
     /// (low, high) also choose among adapters
-    #[arg(long, value_name = "NAME", env = "WGPU_ADAPTER_NAME", hide_env_values = true)]
+    #[arg(long, value_name = "NAME", env = "WGPU_ADAPTER_NAME", hide_env_values = true, allow_negative_numbers = true)]
     pub adapter: Option<String>,
     /// Threads for loading, and for rendering on the CPU; the default is one for each hardware thread
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]
     pub threads: Option<u16>,
     /// SIMD lanes on the CPU; the default is the fastest
-    #[arg(long, value_parser = one_of(["1", "8", "16"]))]
+    #[arg(long, value_parser = one_of(["1", "8", "16"]), allow_negative_numbers = true)]
     pub lanes: Option<u32>,
 }
 

@@ -4,7 +4,7 @@ use super::Error;
 use super::parse::is_standard;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
-use rtrt::replace::{folder, replace};
+use rtrt::replace::{self, folder, replace};
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
@@ -42,7 +42,7 @@ pub fn check(path: &Path) -> Result<(), Error> {
     if !folder(path).is_dir() {
         return refused(io::ErrorKind::NotFound, "its folder does not exist");
     }
-    Ok(())
+    replace::check(path).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
 /// The pixels, row by row, as a PNG file.

@@ -6,6 +6,7 @@ use rtrt::choose::Choice;
 use rtrt::debug;
 use rtrt_core::backend::{Shadows, ToneMap};
 use rtrt_core::layout::LIGHT_LIMIT;
+use rtrt_core::num::srgb_decode;
 use rtrt_core::scene::{Light, LightKind, Mip, Occluders, Setup, Structure};
 use std::path::{Path, PathBuf};
 
@@ -182,17 +183,23 @@ pub enum Background {
     Environment,
 }
 
-/// `0.1,0.2,0.5`, `transparent` or `env`.
+/// `0.1,0.2,0.5`, `navy`, `#336`, `transparent` or `env`.
 pub fn background(text: &str) -> Result<Background, String> {
     match text {
         "transparent" => Ok(Background::Transparent),
         "env" => Ok(Background::Environment),
-        color => vector(color)
-            .ok()
-            .filter(|color| color.min_element() >= 0.0)
-            .map(|color| Background::Color(color.to_array()))
-            .ok_or("not three numbers of 0 or more, transparent or env".into()),
+        color => {
+            let linear = vector(color).ok().filter(|color| color.min_element() >= 0.0).map(|c| c.to_array());
+            let color = linear.or_else(|| css(color)).map(Background::Color);
+            color.ok_or("not three numbers of 0 or more, an opaque color of CSS, transparent or env".into())
+        }
     }
+}
+
+/// The linear light of an opaque color of CSS, which is sRGB.
+fn css(text: &str) -> Option<[f32; 3]> {
+    let color = csscolorparser::parse(text).ok().filter(|color| color.a >= 1.0)?;
+    Some([color.r, color.g, color.b].map(|channel| srgb_decode(channel.clamp(0.0, 1.0))))
 }
 
 /// Degrees, to radians.
@@ -379,6 +386,26 @@ mod tests {
             assert!(angle(bad).is_err(), "{bad}");
         }
         assert_eq!(angle("90"), Ok(core::f32::consts::FRAC_PI_2));
+    }
+
+    #[test]
+    fn colors_of_css_are_the_pixels() {
+        let shown = |text: &str| match background(text) {
+            Ok(Background::Color(color)) => color.map(|c| (rtrt_core::num::srgb_encode(c) * 255.0 + 0.5) as u8),
+            other => panic!("{text}: {other:?}"),
+        };
+        for step in 0..=255 {
+            assert_eq!(shown(&format!("rgb({step} {step} 0)")), [step, step, 0]);
+        }
+        // The names are those of CSS Color Module Level 4.
+        assert_eq!(shown("navy"), [0, 0, 128]);
+        assert_eq!(shown("RebeccaPurple"), [0x66, 0x33, 0x99]);
+        assert_eq!([shown("#369"), shown("#336699")], [[0x33, 0x66, 0x99]; 2]);
+        assert_eq!(background("0.5,0,1"), Ok(Background::Color([0.5, 0.0, 1.0])));
+        assert_eq!(background("transparent"), Ok(Background::Transparent));
+        for bad in ["", "bleu", "#12", "#33669980", "rgb(1 2 3 / 50%)", "-1,0,0"] {
+            assert!(background(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

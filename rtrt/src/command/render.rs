@@ -6,7 +6,8 @@ use super::compare::{self, compare};
 use super::console::Console;
 use super::exr;
 use super::job::{RenderJob, open};
-use super::names::{filled, is_numbered};
+use super::memory::peak_rss_bytes;
+use super::names::{self, filled, is_numbered};
 use super::options::RenderOptions;
 use super::output::{self, png};
 use super::parse::Background;
@@ -37,6 +38,13 @@ struct RenderReport<'a> {
     /// Wall-clock time of the frame, including the upload of the scene.
     frame_ms: f64,
     bvh_build_ms: f64,
+    load_ms: f64,
+    /// Wall-clock time since the command began.
+    total_ms: f64,
+    /// The bytes of the scene.
+    scene_bytes: usize,
+    /// The peak memory of the process; null on systems without that figure.
+    peak_rss_bytes: Option<u64>,
     /// Stops by which light was raised.
     exposure: f32,
     triangles: u64,
@@ -51,6 +59,7 @@ struct RenderReport<'a> {
 
 /// Renders.
 pub fn run(options: &RenderOptions) -> Result<(), Error> {
+    let began = Instant::now();
     check(options)?;
     let console = Console::new(options.common.talk, 2 + 3 * u64::from(options.frames));
     let start = options.common.start().or((options.frames > 1).then_some(0.0));
@@ -73,7 +82,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Error> {
             job.play(start + f64::from(frame) / options.fps)?;
         }
         console.step(format_args!("rendering frame {frame} on {machine}"));
-        render(options, &job, frame, (&mut *backend, &machine), &mut picture, &console)?;
+        render(options, &job, frame, (&mut *backend, &machine), &mut picture, &console, began)?;
     }
     Ok(())
 }
@@ -86,6 +95,7 @@ fn render(
     (backend, machine): (&mut dyn Backend, &Machine),
     picture: &mut Picture,
     console: &Console,
+    began: Instant,
 ) -> Result<(), Error> {
     let is_first = frame == 0 && options.debug.is_none();
     let start = Instant::now();
@@ -111,6 +121,10 @@ fn render(
             stages_ms: PerStage(picture.stages_ms),
             frame_ms,
             bvh_build_ms: job.bvh_build_ms,
+            load_ms: job.load_ms,
+            total_ms: began.elapsed().as_secs_f64() * 1e3,
+            scene_bytes: job.scene.bytes(),
+            peak_rss_bytes: peak_rss_bytes(),
             exposure: job.exposure,
             triangles: job.scene.triangles(),
             drawn_triangles: job.scene.drawn_triangles(),
@@ -146,6 +160,8 @@ fn check(options: &RenderOptions) -> Result<(), Error> {
     if options.background.is_some() && options.debug.is_some() {
         return Err(Error::Usage("--debug has no background"));
     }
+    let named = [output, options.aov.as_deref(), options.compare.as_deref()];
+    named.into_iter().flatten().try_for_each(names::check)?;
     let mut files = output.into_iter().chain(options.aov.as_deref());
     if options.frames > 1 && !files.clone().all(is_numbered) {
         return Err(Error::Usage("every frame needs a file of its own: add {frame} or {n} to the names"));

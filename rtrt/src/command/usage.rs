@@ -28,7 +28,8 @@ fn message_and_hint(text: &str) -> (String, String) {
 
 #[cfg(test)]
 mod tests {
-    use crate::command::{Command, refused};
+    use super::refused;
+    use crate::command::Command;
     use clap::Parser;
 
     #[test]

@@ -3,7 +3,7 @@
 use super::color::srgb_to_linear;
 use super::{ImportError, file};
 use glam::DVec3;
-use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use rtrt_core::scene::{Cube, Light, Panorama, Scene, SceneError, studio};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -208,6 +208,9 @@ fn read(path: &Path) -> Result<Panorama, ImportError> {
 }
 
 fn decode(bytes: &[u8]) -> Result<Panorama, String> {
+    if bytes.is_empty() {
+        return Err("it is empty".into());
+    }
     let format = match image::guess_format(bytes) {
         _ if bytes.starts_with(b"#?") => ImageFormat::Hdr,
         Ok(format @ (ImageFormat::OpenExr | ImageFormat::Png | ImageFormat::Jpeg)) => format,
@@ -219,7 +222,7 @@ fn decode(bytes: &[u8]) -> Result<Panorama, String> {
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(12 * u64::from(MAX_SIDE) * u64::from(MAX_SIDE));
     reader.limits(limits);
-    let picture = reader.decode().map_err(|error| error.to_string().replace('\n', " "))?;
+    let picture = reader.decode().map_err(|error| damaged(&error))?;
     let (width, height) = (picture.width(), picture.height());
     let rgb = if matches!(format, ImageFormat::Hdr | ImageFormat::OpenExr) {
         picture.into_rgb32f().pixels().map(|pixel| pixel.0).collect()
@@ -227,6 +230,17 @@ fn decode(bytes: &[u8]) -> Result<Panorama, String> {
         linear(picture)
     };
     Ok(Panorama { width, height, rgb })
+}
+
+/// Why a picture cannot be read, in a line.
+fn damaged(error: &ImageError) -> String {
+    let detail = error.to_string().replace('\n', " ");
+    match error {
+        ImageError::Limits(_) => format!("it has more than {MAX_SIDE} columns or rows ({detail})"),
+        ImageError::IoError(_) => format!("it ends too early, or is damaged ({detail})"),
+        ImageError::Unsupported(_) => format!("it is of a kind that is not read ({detail})"),
+        _ => format!("it is damaged ({detail})"),
+    }
 }
 
 /// The linear light of a picture's pixels.

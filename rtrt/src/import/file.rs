@@ -26,8 +26,13 @@ struct Known {
 impl Files {
     /// [`read`], and adds the file to the list.
     pub fn read(&self, path: &Path, limit: u64) -> io::Result<Vec<u8>> {
-        self.0.borrow_mut().read.insert(path.to_owned());
+        self.add(path);
         read(path, limit)
+    }
+
+    /// Adds a file that was read.
+    pub fn add(&self, path: &Path) {
+        self.0.borrow_mut().read.insert(path.to_owned());
     }
 
     /// The files in order.

@@ -56,14 +56,33 @@ pub fn load(path: &Path, join: &impl Join) -> Result<Loaded, ImportError> {
 /// # Errors
 /// As for [`load`]. A cache that cannot be written is a warning.
 pub fn load_cached(path: &Path, join: &impl Join, cache: Option<&Cache>) -> Result<Loaded, ImportError> {
-    let mut builder = builder::Builder::new(path, join, cache);
-    let bytes = builder.files.read(path, file::LONGEST);
+    let bytes = file::read(path, file::LONGEST);
     let bytes = bytes.map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
+    load_bytes(path, &bytes, join, cache)
+}
+
+/// [`load_cached`] of the bytes of a scene that is in no file. Messages call it `path`, and files that it names are
+/// looked for beside that.
+///
+/// # Errors
+/// As for [`load`].
+pub fn load_bytes(
+    path: &Path,
+    bytes: &[u8],
+    join: &impl Join,
+    cache: Option<&Cache>,
+) -> Result<Loaded, ImportError> {
+    let mut builder = builder::Builder::new(path, join, cache);
+    builder.files.add(path);
+    if bytes.trim_ascii().is_empty() {
+        return Err(builder.invalid("it is empty".into()));
+    }
     let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let (cameras, animation) = match ending.as_deref() {
-        Some("glb" | "gltf") => gltf::load(&mut builder, &bytes)?,
-        Some("obj") => (obj::load(&mut builder, &bytes)?, None),
-        _ if gltf::looks_like(&bytes) => gltf::load(&mut builder, &bytes)?,
+        Some("glb" | "gltf") => gltf::load(&mut builder, bytes)?,
+        Some("obj") => (obj::load(&mut builder, bytes)?, None),
+        _ if gltf::looks_like(bytes) => gltf::load(&mut builder, bytes)?,
+        _ if obj::looks_like(bytes) => (obj::load(&mut builder, bytes)?, None),
         _ => return Err(ImportError::Format { path: path.to_owned() }),
     };
     let scene = builder.scene;

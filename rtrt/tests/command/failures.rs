@@ -41,6 +41,11 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         "--frames -1",
         "--threads -1",
         "--transparency-depth -1",
+        "--samples -1",
+        "--lanes -1",
+        "--bits -1",
+        "--size -1x5",
+        "--structure -1",
     ] {
         let output = folder.run(&format!("render scene.obj -o out.png --backend cpu --quiet {wrong}"));
         let said = stderr(&output);
@@ -64,6 +69,8 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         "render scene.obj -o - --json",
         "render scene.obj -o out.exr --aov out.exr",
         "render demo:matchbox --aov {scene}.exr --compare matchbox.exr",
+        "render scene.obj -o {scnee}.png",
+        "render scene.obj --aov {}.exr",
         "",
     ] {
         assert_eq!(code(&folder.run(wrong)), 2, "{wrong}");
@@ -136,6 +143,18 @@ fn a_picture_that_cannot_be_written_is_exit_code_1_and_leaves_nothing() {
         assert!(stderr(&output).contains(name), "{}", stderr(&output));
     }
     assert_eq!(folder.files(), ["folder.png"]);
+}
+
+/// A folder in which nobody can make files.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_folder_that_cannot_be_written_to_is_found_before_anything_is_rendered() {
+    let folder = Folder::new("unwritable");
+    for place in ["-o /proc/out.png", "--aov /proc/out.exr"] {
+        let output = folder.run(&format!("render missing.obj {place} --size 8x8"));
+        assert_eq!(code(&output), 1, "{place}: {}", stderr(&output));
+        assert!(stderr(&output).contains("cannot write the picture: /proc/out"), "{}", stderr(&output));
+    }
 }
 
 #[test]

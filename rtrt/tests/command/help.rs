@@ -9,6 +9,8 @@ fn help_has_examples_that_run() {
     let help = stdout(&folder.run("render --help"));
     let examples: Vec<&str> = help.lines().filter_map(|line| line.trim().strip_prefix("rtrt ")).collect();
     assert_eq!(examples.len(), 5);
+    let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("with at least four digits, and {n} the number alone"), "{help}");
     for example in examples {
         // On a smaller scene, with the reference that one of them is compared with.
         stdout(&folder.run("render scene.obj --size 8x8 --backend cpu -o yesterday.png"));
@@ -42,4 +44,5 @@ fn shells_complete_and_there_is_a_manual() {
     for part in [".TH rtrt 1", ".TH rtrt-render 1", ".TH rtrt-verify 1", "\\-\\-transparency\\-depth"] {
         assert!(manual.contains(part), "{part}");
     }
+    assert!(manual.contains("{n} the number alone") && !manual.contains("[0m"));
 }

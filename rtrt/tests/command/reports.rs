@@ -68,12 +68,16 @@ fn render_prints_the_documented_keys() {
         "frame_ms",
         "hash",
         "lanes",
+        "load_ms",
         "objects",
         "output",
+        "peak_rss_bytes",
         "samples",
+        "scene_bytes",
         "size",
         "stages_ms",
         "threads",
+        "total_ms",
         "triangles",
     ];
     assert_eq!(keys(&report), expected);
@@ -82,6 +86,10 @@ fn render_prints_the_documented_keys() {
     assert_eq!([&report["lanes"], &report["threads"], &report["samples"]], [8, 2, 4]);
     assert_eq!(report["triangles"], 3);
     assert!(report["buffers"].is_null() && report["output"].is_null());
+    let number = |key: &str| report[key].as_f64().unwrap();
+    assert!(number("total_ms") > number("load_ms") + number("frame_ms"));
+    assert!(number("scene_bytes") > 0.0);
+    assert!(cfg!(not(target_os = "linux")) || number("peak_rss_bytes") > number("scene_bytes"));
 }
 
 #[test]
@@ -98,6 +106,7 @@ fn bench_prints_the_documented_keys() {
         "hash",
         "host_ms",
         "lanes",
+        "load_ms",
         "objects",
         "peak_rss_bytes",
         "primary_and_shadow_rays_per_second",
@@ -131,7 +140,16 @@ fn bench_prints_the_documented_keys() {
 
 #[test]
 fn doctor_says_what_auto_would_choose() {
-    let lines = stdout(&Folder::new("doctor").run("doctor"));
+    let folder = Folder::new("doctor");
+    let lines = stdout(&folder.run("doctor"));
     assert!(lines.contains("cpu, scalar, 1 lane"), "{lines}");
     assert!(lines.lines().last().unwrap().starts_with("auto chooses "), "{lines}");
+    let report = json(&folder.run("doctor --json"));
+    let expected = ["adapters", "auto", "cpu", "defaults", "left_out", "shaders", "version"];
+    assert_eq!(keys(&report), expected);
+    assert_eq!(report["cpu"][0]["lanes"], 1);
+    assert!(lines.contains(report["auto"]["why"].as_str().unwrap()));
+    for adapter in report["adapters"].as_array().unwrap() {
+        assert!(lines.contains(adapter["name"].as_str().unwrap()), "{lines}");
+    }
 }

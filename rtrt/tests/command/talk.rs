@@ -31,6 +31,21 @@ fn quiet_says_nothing_and_verbose_says_more() {
     assert!(stderr(&folder.run("render missing.obj --quiet -o out.png")).starts_with("error: "));
 }
 
+/// Libraries print what they like on standard error, such as Mesa without a window system.
+#[test]
+fn no_library_says_anything() {
+    let folder = folder("libraries");
+    let said = |line: &str| {
+        let mut command = folder.command(line);
+        command.env_remove("XDG_RUNTIME_DIR").env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+        stderr(&command.output().unwrap())
+    };
+    assert_eq!(said("doctor"), "");
+    assert_eq!(said("render scene.obj --size 8x8 -q -o out.png"), "");
+    let usual = said("render scene.obj --size 8x8 -o out.png");
+    assert!(usual.starts_with("backend: ") && usual.lines().count() == 1, "{usual}");
+}
+
 #[test]
 fn a_missing_texture_is_named_and_seen() {
     let folder = folder("missing");

@@ -41,8 +41,9 @@ mod viewer;
 mod watch;
 mod window;
 
-use super::Error;
 use super::options::ViewOptions;
+use super::stream::is_stream;
+use super::{Error, names};
 pub use controls::keys;
 use failure::{panics_caught, reason};
 use input::Replay;
@@ -55,6 +56,10 @@ use winit::event_loop::EventLoop;
 /// Opens a window, and shows the scene until it is closed.
 pub fn run(options: &ViewOptions) -> Result<(), Error> {
     let refused = |why| Error::Window { scene: options.common.scene.clone(), why };
+    names::check(&options.output)?;
+    if options.watch && is_stream(&options.common.scene) {
+        return Err(Error::Usage("--watch needs a file: standard input and pipes can be read only once"));
+    }
     let replay = options.replay.as_deref().map(replay).transpose()?;
     // Before the scene is loaded: loading is in vain without a display.
     let events = panics_caught(|| EventLoop::new().map_err(|error| reason(&error))).map_err(refused)?;

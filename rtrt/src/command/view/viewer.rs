@@ -10,6 +10,7 @@ use super::reproduce::{self, EnvironmentShot, Shot};
 use crate::command::Error;
 use crate::command::console::Console;
 use crate::command::job::RenderJob;
+use crate::command::arguments;
 use crate::command::names::{filled, is_numbered};
 use crate::command::options::{self, Common};
 use crate::command::output::{self, png};
@@ -178,7 +179,7 @@ impl Viewer {
             failure: None,
             is_closed: false,
             options: common,
-            passed_on: reproduce::passed_on(std::env::args_os()),
+            passed_on: reproduce::passed_on(arguments::expanded(std::env::args_os())?),
             job,
         })
     }

@@ -20,6 +20,15 @@ use rtrt_core::layout::Attribute;
 use rtrt_core::scene::Join;
 use std::collections::HashMap;
 
+/// Whether the bytes begin as OBJ does: after empty lines and comments, with one of its usual words.
+pub(super) fn looks_like(bytes: &[u8]) -> bool {
+    const WORDS: [&[u8]; 9] = [b"v", b"vt", b"vn", b"f", b"o", b"g", b"s", b"mtllib", b"usemtl"];
+    let lines = bytes.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let first = lines.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"#"));
+    let word = first.and_then(|line| line.split(u8::is_ascii_whitespace).next());
+    word.is_some_and(|word| WORDS.contains(&word))
+}
+
 /// Adds the file's meshes to the scene. OBJ has no cameras.
 pub(super) fn load<J: Join>(
     builder: &mut Builder<'_, J>,
