@@ -113,10 +113,8 @@ mod tests {
     fn the_line_decides_before_the_file() {
         let command = Command::command();
         let render = command.find_subcommand("render").unwrap();
-        let default = |name: &str, value: Option<&str>| Setting {
-            name: name.into(),
-            value: value.map(Into::into),
-        };
+        let default =
+            |name: &str, value: Option<&str>| Setting { name: name.into(), value: value.map(Into::into) };
         let kept = |line: &str| {
             let defaults = vec![
                 default("size", Some("64x64")),

@@ -68,8 +68,7 @@ mod tests {
         let text = "# mine\n\n--size 64x48\n  --environment=my sky.hdr\n--quiet\n";
         let read: Vec<_> = parse(text, &command).unwrap().into_iter().map(|d| (d.name, d.value)).collect();
         let value = |text: &str| Some(text.to_owned());
-        let expected =
-            [("size", value("64x48")), ("environment", value("my sky.hdr")), ("quiet", None)];
+        let expected = [("size", value("64x48")), ("environment", value("my sky.hdr")), ("quiet", None)];
         assert_eq!(read, expected.map(|(name, value)| (name.to_owned(), value)));
         for (text, why) in [
             ("size 3", "line 1: \"size\" is no option"),

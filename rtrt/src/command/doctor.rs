@@ -62,10 +62,11 @@ pub fn run(options: &DoctorOptions) -> Result<(), Error> {
 }
 
 fn report() -> Result<DoctorReport, Error> {
-    let cpu = [1, 8, 16].map(|lanes| match Cpu::new(rtrt_cpu::Options { lanes: Some(lanes), threads: None }) {
-        Ok(cpu) => Offer::Available(Machine::from(cpu.describe())),
-        Err(error) => Offer::Missing { lanes, error: error.to_string() },
-    });
+    let cpu =
+        [1, 8, 16].map(|lanes| match Cpu::new(rtrt_cpu::Options { lanes: Some(lanes), threads: None }) {
+            Ok(cpu) => Offer::Available(Machine::from(cpu.describe())),
+            Err(error) => Offer::Missing { lanes, error: error.to_string() },
+        });
     let adapters = rtrt_gpu::adapters().into_iter().enumerate().map(|(number, adapter)| AdapterReport {
         number,
         kind: adapter.kind.to_string(),

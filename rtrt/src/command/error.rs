@@ -229,7 +229,9 @@ impl Error {
         match self {
             Self::Line { hint, .. } => hint,
             Self::Demo { .. } => DEMOS,
-            Self::Camera { .. } => "--camera takes a name, or a number from 0; --eye and --look-at need no camera",
+            Self::Camera { .. } => {
+                "--camera takes a name, or a number from 0; --eye and --look-at need no camera"
+            }
             Self::Animation { .. } => "--animation takes a number, a name, or all",
             Self::Defaults { .. } => {
                 "the file that RTRT_CONFIG names has an option a line, such as --size 640x360"
@@ -274,7 +276,9 @@ const DEMOS: &str = "try demo:matchbox, demo:glass, demo:spheres, demo:levels or
 /// What to try instead of a scene or an environment that cannot be loaded.
 fn of_import(error: &ImportError) -> &'static str {
     match error {
-        ImportError::Unreadable { path, .. } if is_url(path) => "fetch it first: rtrt reads files, and no URLs",
+        ImportError::Unreadable { path, .. } if is_url(path) => {
+            "fetch it first: rtrt reads files, and no URLs"
+        }
         ImportError::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
             "names begin at the folder that the command runs in; demo:matchbox needs no file"
         }

@@ -311,7 +311,13 @@ pub struct BackendOptions {
     /// The GPU adapter whose name contains this text, or whose number in `rtrt doctor` it is; auto then
     /// takes no other. The environment variables WGPU_BACKEND (vulkan, metal, dx12) and WGPU_POWER_PREF
     /// (low, high) also choose among adapters
-    #[arg(long, value_name = "NAME", env = "WGPU_ADAPTER_NAME", hide_env_values = true, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "NAME",
+        env = "WGPU_ADAPTER_NAME",
+        hide_env_values = true,
+        allow_negative_numbers = true
+    )]
     pub adapter: Option<String>,
     /// Threads for loading, and for rendering on the CPU; the default is one for each hardware thread
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]

@@ -391,7 +391,9 @@ mod tests {
     #[test]
     fn colors_of_css_are_the_pixels() {
         let shown = |text: &str| match background(text) {
-            Ok(Background::Color(color)) => color.map(|c| (rtrt_core::num::srgb_encode(c) * 255.0 + 0.5) as u8),
+            Ok(Background::Color(color)) => {
+                color.map(|c| (rtrt_core::num::srgb_encode(c) * 255.0 + 0.5) as u8)
+            }
             other => panic!("{text}: {other:?}"),
         };
         for step in 0..=255 {

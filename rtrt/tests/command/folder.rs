@@ -26,7 +26,11 @@ impl Folder {
 
     pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rtrt"));
-        command.current_dir(&self.0).args(line.split_whitespace()).env_remove("RTRT_REQUIRE_GPU").env_remove("RTRT_CONFIG");
+        command
+            .current_dir(&self.0)
+            .args(line.split_whitespace())
+            .env_remove("RTRT_REQUIRE_GPU")
+            .env_remove("RTRT_CONFIG");
         command
     }
 
