@@ -22,6 +22,7 @@ use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::schedule::{Pass, steps};
 use rtrt_core::stage::context::Context;
 use rtrt_core::stage::light::{IncomingLight, ShadowTerms};
+use rtrt_core::stage::peel::LayerSum;
 use rtrt_core::stage::surface::Surfaces;
 use rtrt_core::stage::visibility::{directions, hit};
 use rtrt_core::stage::{
@@ -66,6 +67,8 @@ impl Backend for OneByOne {
         now.resize(frame);
         // A hit at 0 says that nothing has been looked for yet.
         now.hits.fill(Hit::zeroed());
+        // Behind the colors is what goes through the layers so far.
+        now.colors.resize(2 * frame.rays as usize, [1.0; 4]);
         let mut shadows = vec![0; (ShadowBuffer::new(frame).words_per_ray() * frame.rays) as usize];
         [picture.width, picture.height] = request.size;
         picture.pixels.resize((frame.width * frame.height) as usize, 0);
@@ -90,7 +93,8 @@ impl Backend for OneByOne {
                 first_layer = now.clone();
             }
         }
-        let Deferred { colors, layers, .. } = now;
+        let Deferred { mut colors, layers, .. } = now;
+        colors.truncate(frame.rays as usize);
         picture.deferred = request.deferred.then_some(Deferred { lists, colors, layers, ..first_layer });
         Ok(())
     }
@@ -140,7 +144,7 @@ fn run(
         }
         Pass::Detail => {
             let vertices = context.vertices(scene.attributes());
-            surfaces[at] = detail::detail(maps, &vertices, &closest, &found).lane(0);
+            surfaces[at] = detail::detail(frame, maps, &vertices, &closest, &found).lane(0);
         }
         Pass::Occlusion => {
             let (word, bit) = occlusion::place(frame, unit, light);
@@ -185,12 +189,20 @@ fn run(
             if pass == Pass::Blend {
                 layers[(unit * *layer_count + *layer_count - frame.layers) as usize] = hits[at];
             }
-            colors[at] = if frame.has_layers() { peel::blend(frame, colors[at], shaded) } else { shaded };
+            colors[at] = if frame.has_layers() {
+                let through = at + frame.rays as usize;
+                let sum = LayerSum::load(frame, colors[at], colors[through]).blend(frame, &shaded);
+                colors[through] = sum.through_record();
+                sum.color
+            } else {
+                shaded.record()
+            };
         }
         Pass::Resolve => {
             let grid = frame.grid();
             let color = |ray: RayIndex| colors[ray.0 as usize];
-            pixels[at] = resolve::resolve::<f32>((), frame, |_| grid.pixel(unit), color).0;
+            let through = |ray: RayIndex| colors[(ray.0 + frame.rays) as usize];
+            pixels[at] = resolve::resolve::<f32>((), frame, |_| grid.pixel(unit), color, through).0;
         }
         Pass::EndCovered => {}
         // It filters every block, draws nothing, and prepares and bins before all passes.

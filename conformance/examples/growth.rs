@@ -64,7 +64,7 @@ fn cubes(count: u32) -> Scene {
             Mat4::from_translation(random.vector(8.0)) * turn * Mat4::from_scale(Vec3::splat(size)),
         );
     }
-    build.light(Light::sun(Vec3::new(0.3, -1.0, -0.4)).color(Vec3::splat(0.8))).scene
+    build.light(Light::sun(Vec3::new(0.3, -1.0, -0.4)).color(Vec3::splat(2.5))).scene
 }
 
 /// The pixels, and the median time of each stage.

@@ -27,7 +27,7 @@ fn main() {
             (build.instance(cube, start), start, motion)
         })
         .collect();
-    let sun = Light::sun(Vec3::new(0.3, -1.0, -0.4)).color(Vec3::splat(0.8));
+    let sun = Light::sun(Vec3::new(0.3, -1.0, -0.4)).color(Vec3::splat(2.5));
     let mut scene = build.light(sun).scene;
     let camera = Camera {
         eye: Vec3::new(0.0, 20.0, 70.0),

@@ -68,8 +68,8 @@ fn scene(time: f64) -> (Scene, MeshIndex) {
             build.scene.hide(instance).unwrap();
         }
     }
-    let sun = Light::sun(Vec3::new(0.3, -1.0, -0.4)).color(Vec3::splat(0.6));
-    let lamp = Light::point(Vec3::new(2.0, 5.0, 3.0)).color(Vec3::splat(0.7)).reach(20.0);
+    let sun = Light::sun(Vec3::new(0.3, -1.0, -0.4)).color(Vec3::splat(1.9));
+    let lamp = Light::point(Vec3::new(2.0, 5.0, 3.0)).color(Vec3::splat(2.2)).reach(20.0);
     (build.shape(Shape::floor(9.0, -3.0)).light(sun).light(lamp).scene, cloth)
 }
 

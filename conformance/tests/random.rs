@@ -51,7 +51,7 @@ fn transform(random: &mut Random) -> Mat4 {
 }
 
 fn light(random: &mut Random) -> Light {
-    let color = (random.vector(0.5) + 0.5) * 0.5;
+    let color = (random.vector(0.5) + 0.5) * 1.5;
     let radius = if random.below(3) == 0 { any_size(random, -2.0, -0.2) } else { 0.0 };
     if random.below(3) == 0 {
         return Light::sun(random.vector(1.0) + Vec3::splat(1e-3)).color(color).radius(radius);

@@ -120,12 +120,28 @@ const SURFACE: &[&str] = &[
     "second_uv.u",
     "second_uv.v",
     "second_footprint",
+    "variance",
+    "coat_normal",
+    "tangent",
 ];
-const LIT: &[&str] = &["diffuse.r", "diffuse.g", "diffuse.b", "specular.r", "specular.g", "specular.b"];
+const LIT: &[&str] = &[
+    "diffuse.r",
+    "diffuse.g",
+    "diffuse.b",
+    "specular.r",
+    "specular.g",
+    "specular.b",
+    "grazing.r",
+    "grazing.g",
+    "grazing.b",
+    "coating.r",
+    "coating.g",
+    "coating.b",
+];
 const COLOR: &[&str] = &["r", "g", "b", "a"];
 const ENTRY: &[&str] = &["key", "instance"];
 /// The fields that are whole numbers.
-const WHOLE: &[&str] = &["", "instance", "triangle", "material", "color"];
+const WHOLE: &[&str] = &["", "instance", "triangle", "material", "color", "coat_normal", "tangent"];
 
 /// Empty deferred buffers, for a picture without any.
 static NONE: Deferred = Deferred {

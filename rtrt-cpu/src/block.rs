@@ -46,7 +46,7 @@ impl Block {
         self.transmittance.resize(RAYS * frame.transmittance_words() as usize, 0);
         let penumbras = usize::from(frame.shadow_kind() == ShadowKind::Penumbra);
         self.hits.resize(penumbras * RAYS * HIT, 0);
-        self.colors.resize(penumbras * RAYS, [0.0; 4]);
+        self.colors.resize(penumbras * 2 * RAYS, [0.0; 4]);
         self.cells.resize(penumbras * RAYS * cells::count(frame), 0);
         self.summaries.resize(penumbras * frame.lights as usize, PenumbraSummary::NONE);
         self.is_done = false;
@@ -84,7 +84,7 @@ impl LaneTask for RunBlock<'_, '_> {
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
         let Self { context, steps, index, block, mut records, filter } = self;
         let Block { tile, transmittance, hits, colors, cells, summaries, is_done } = block;
-        let mut local = [[0.0; 4]; RAYS];
+        let mut local = [[0.0; 4]; 2 * RAYS];
         // Where no step waits for other blocks, colors need no memory but the stack's.
         let colors = if colors.is_empty() { &mut local[..] } else { colors };
         let mut rays = Rays { colors, transmittance, hits, cells };
@@ -96,7 +96,7 @@ impl LaneTask for RunBlock<'_, '_> {
                 Pass::Resolve => {
                     resolve_block::<L>(token, context, index, rays.colors, tile);
                     if let Some(records) = &mut records {
-                        records.colors.copy_from_slice(rays.colors);
+                        records.colors.copy_from_slice(&rays.colors[..RAYS]);
                     }
                 }
                 _ if was_done => {}
@@ -185,6 +185,8 @@ fn resolve_block<L: Wide>(
     tile: &mut [u32],
 ) {
     let grid = context.trace.frame.grid();
+    // Behind the colors is what goes through colored layers.
+    let (colors, throughs) = colors.split_at(RAYS);
     // A power of two.
     let side = grid.block_pixels();
     let (across, down) = (side - 1, side.trailing_zeros());
@@ -197,6 +199,8 @@ fn resolve_block<L: Wide>(
             |lane| [left + ((first + lane as u32) & across), top + ((first + lane as u32) >> down)],
             #[inline(always)]
             |ray| colors[(ray.0 % BLOCK_RAYS) as usize],
+            #[inline(always)]
+            |ray| throughs[(ray.0 % BLOCK_RAYS) as usize],
         );
         let bits = bits.row();
         for (lane, pixel) in pixels.iter_mut().enumerate() {

@@ -14,7 +14,7 @@ use rtrt_core::schedule::{Pass, Step};
 use rtrt_core::stage::context::Context;
 use rtrt_core::stage::light::{IncomingLight, ShadowTerms};
 use rtrt_core::stage::occlusion::Arrival;
-use rtrt_core::stage::peel::{blend, is_covered, peel};
+use rtrt_core::stage::peel::{LayerSum, is_covered, peel};
 use rtrt_core::stage::shade::shade;
 use rtrt_core::stage::surface::Surfaces;
 use rtrt_core::stage::visibility::{directions, hit, visibility};
@@ -219,14 +219,14 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     #[inline(always)]
     fn detail(&mut self) {
         let FrameContext { trace, attributes, maps } = self.context;
-        let vertices = trace.vertices(attributes);
+        let (frame, vertices) = (trace.frame, trace.vertices(attributes));
         let Self { closest, surfaces, .. } = self;
         L::outlined(
             self.token,
             #[inline(always)]
             || {
                 for g in 0..G {
-                    surfaces[g] = detail::detail(maps, &vertices, &closest[g], &surfaces[g]);
+                    surfaces[g] = detail::detail(frame, maps, &vertices, &closest[g], &surfaces[g]);
                 }
             },
         );
@@ -356,7 +356,10 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     fn shade(&self, step: Step, frame: &Frame, colors: &mut [[f32; 4]]) {
         let Self { directions, surfaces, incoming, token, .. } = self;
         let maps = &self.context.maps;
+        // Behind the colors is what goes through colored layers.
+        let (colors, throughs) = colors.split_at_mut(RAYS);
         let colors = &mut colors[self.first..];
+        let throughs = if frame.has_colored_layers() { &mut throughs[self.first..] } else { throughs };
         L::outlined(
             *token,
             #[inline(always)]
@@ -364,24 +367,31 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
                 for g in 0..G {
                     let colors = &mut colors[g * L::WIDTH..];
                     let shaded = shade(frame, maps, directions[g], &surfaces[g], &incoming[g]);
-                    let sum = if !frame.has_layers() {
-                        shaded
-                    } else if step.pass == Pass::Shade {
-                        blend(frame, [L::splat(*token, 0.0); 4], shaded)
-                    } else {
-                        let [before] = L::gather_fours(
+                    if !frame.has_layers() {
+                        store(&shaded.record(), colors);
+                        continue;
+                    }
+                    let mut before = LayerSum::new(*token);
+                    if step.pass == Pass::Blend {
+                        let [color] = L::gather_fours(
                             *token,
                             #[inline(always)]
                             |lane| [colors[lane]],
                         );
-                        blend(frame, before, shaded)
-                    };
-                    let [red, green, blue, alpha] = groups(
-                        #[inline(always)]
-                        |channel| sum[channel].row(),
-                    );
-                    for (lane, color) in colors[..L::WIDTH].iter_mut().enumerate() {
-                        *color = [red.at(lane), green.at(lane), blue.at(lane), alpha.at(lane)];
+                        let mut through = before.color;
+                        if frame.has_colored_layers() {
+                            [through] = L::gather_fours(
+                                *token,
+                                #[inline(always)]
+                                |lane| [throughs[g * L::WIDTH + lane]],
+                            );
+                        }
+                        before = LayerSum::load(frame, color, through);
+                    }
+                    let sum = before.blend(frame, &shaded);
+                    store(&sum.color, colors);
+                    if frame.has_colored_layers() {
+                        store(&sum.through_record(), &mut throughs[g * L::WIDTH..]);
                     }
                 }
             },
@@ -433,6 +443,18 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     }
 }
 
+/// Writes the records of a group, lane after lane.
+#[inline(always)]
+fn store<L: Lane>(numbers: &[L; 4], records: &mut [[f32; 4]]) {
+    let [red, green, blue, alpha] = groups(
+        #[inline(always)]
+        |channel| numbers[channel].row(),
+    );
+    for (lane, record) in records[..L::WIDTH].iter_mut().enumerate() {
+        *record = [red.at(lane), green.at(lane), blue.at(lane), alpha.at(lane)];
+    }
+}
+
 /// The words of a ray, among those of rays that follow one another.
 fn of_ray(words: &mut [u32], ray: usize, count: u32) -> &mut [u32] {
     &mut words[ray * count as usize..][..count as usize]
@@ -452,5 +474,8 @@ fn no_surface<L: Lane>(token: L::Token) -> Surfaces<L> {
         footprint: zero,
         second_uv: [zero; 2],
         second_footprint: zero,
+        variance: zero,
+        coat_normal: none,
+        tangent: none,
     }
 }

@@ -30,7 +30,7 @@ pub(crate) struct Device {
 }
 
 /// Bytes of the smallest buffer: the largest element of any fits.
-const LARGEST: u64 = 512;
+const LARGEST: u64 = 2048;
 const _: () =
     assert!(size_of::<MaterialRecord>() <= LARGEST as usize && size_of::<View>() <= LARGEST as usize);
 

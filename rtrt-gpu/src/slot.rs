@@ -103,7 +103,8 @@ pub(crate) const TABLE: [Row; Slot::COUNT] = {
         row::<u32>(Slot::FilterBlocks, "filter blocks", Count::Frame(penumbra_blocks)),
         row::<u32>(Slot::Transmittance, "transmittance", Ray(|frame| shadow_words(frame)[1])),
         row::<Lit>(Slot::Lit, "lit", Ray(|_| 1)),
-        row::<[f32; 4]>(Slot::Colors, "colors", Ray(|_| 1)),
+        // Behind the colors is what goes through colored layers.
+        row::<[f32; 4]>(Slot::Colors, "colors", Ray(|frame| 1 + u64::from(frame.has_colored_layers()))),
         row::<Hit>(Slot::Layers, "layers", Ray(|frame| frame.layers_behind().into())),
         row::<u32>(Slot::Pixels, "pixels", Count::Frame(|frame| all(Unit::Pixel, frame))),
     ]

@@ -9,7 +9,7 @@ use rtrt_core::stage::surface::{Surfaces, Vertices};
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
-/// Adds normal maps and second texture coordinates to each surface.
+/// Adds normal maps, second texture coordinates, coats' normals and tangents to each surface.
 #[spirv(compute(threads(64), entry_point_name = "detail"))]
 pub fn detail(
     #[spirv(global_invocation_id)] id: UVec3,
@@ -28,7 +28,7 @@ pub fn detail(
         let vertices = Vertices { instances, mesh_data, attributes };
         let best = ClosestHit::new(&hits[index as usize]);
         let surface = Surfaces::new(&surfaces[index as usize]);
-        let found = stage::detail::detail(&maps, &vertices, &best, &surface);
+        let found = stage::detail::detail(frame, &maps, &vertices, &best, &surface);
         surfaces[index as usize] = found.lane(0);
     }
 }

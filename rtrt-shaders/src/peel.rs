@@ -1,6 +1,7 @@
 //! Layers: one invocation a ray.
 
 use crate::index;
+use crate::shade::store;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::kernel::geometry::Geometry;
@@ -10,6 +11,7 @@ use rtrt_core::layout::{Frame, Hit, Instance, Lit, MaterialRecord, Node, Surface
 use rtrt_core::stage;
 use rtrt_core::stage::context::Context;
 use rtrt_core::stage::light::IncomingLight;
+use rtrt_core::stage::peel::LayerSum;
 use rtrt_core::stage::raster::is_untraced;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
@@ -77,6 +79,9 @@ pub fn blend(
         let surface = Surfaces::new(&surfaces[index as usize]);
         let arriving = IncomingLight::new(&lit[index as usize]);
         let shaded = stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving);
-        colors[index as usize] = stage::peel::blend(frame, colors[index as usize], shaded);
+        let color = colors[index as usize];
+        let through =
+            if frame.has_colored_layers() { colors[(frame.rays + index) as usize] } else { [0.0; 4] };
+        store(frame, colors, index, &LayerSum::load(frame, color, through).blend(frame, &shaded));
     }
 }

@@ -21,6 +21,7 @@ pub fn resolve(
     if index < count {
         let pixel = |_: usize| grid.pixel(first + index);
         let color = |ray: RayIndex| colors[(ray.0 - frame.first_ray) as usize];
-        pixels[index as usize] = stage::resolve::resolve::<f32>((), frame, pixel, color).0;
+        let through = |ray: RayIndex| colors[(ray.0 - frame.first_ray + frame.rays) as usize];
+        pixels[index as usize] = stage::resolve::resolve::<f32>((), frame, pixel, color, through).0;
     }
 }

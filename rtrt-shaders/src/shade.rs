@@ -6,9 +6,18 @@ use rtrt_core::kernel::texture::Maps;
 use rtrt_core::layout::{Frame, Lit, MaterialRecord, Surface, View};
 use rtrt_core::stage;
 use rtrt_core::stage::light::IncomingLight;
+use rtrt_core::stage::peel::LayerSum;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
+
+/// Keeps what a ray has seen. What goes through colored layers is behind the colors of all rays of the dispatch.
+pub fn store(frame: &Frame, colors: &mut [[f32; 4]], index: u32, sum: &LayerSum<f32>) {
+    colors[index as usize] = sum.color;
+    if frame.has_colored_layers() {
+        colors[(frame.rays + index) as usize] = sum.through_record();
+    }
+}
 
 /// The color that each ray brings back.
 #[spirv(compute(threads(64), entry_point_name = "shade"))]
@@ -30,7 +39,10 @@ pub fn shade(
         let surface = Surfaces::new(&surfaces[index as usize]);
         let arriving = IncomingLight::new(&lit[index as usize]);
         let shaded = stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving);
-        colors[index as usize] =
-            if frame.has_layers() { stage::peel::blend(frame, [0.0; 4], shaded) } else { shaded };
+        if frame.has_layers() {
+            store(frame, colors, index, &LayerSum::new(()).blend(frame, &shaded));
+        } else {
+            colors[index as usize] = shaded.record();
+        }
     }
 }

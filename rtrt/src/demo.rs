@@ -19,6 +19,7 @@ use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::scene::{Camera, Join, Light, Material, Projection};
 use shape::Shape;
+use std::f32::consts::PI;
 
 /// The name of the scene in place of a path.
 pub const MATCHBOX: &str = "demo:matchbox";
@@ -49,9 +50,9 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.17, 0.175, 0.19);
     scene.background = vec3(0.60, 0.76, 0.95);
-    scene.add_light(Light::sun(vec3(1.0, -0.31, 0.08)).color(vec3(1.6, 1.4, 1.08)));
+    scene.add_light(Light::sun(vec3(1.0, -0.31, 0.08)).color(vec3(1.6, 1.4, 1.08) * PI));
     let below = BULB - Vec3::Y * 0.12;
-    let point = |position, color, reach| Light::point(position).color(color).reach(reach);
+    let point = |position: Vec3, color: Vec3, reach| Light::point(position).color(color * PI).reach(reach);
     scene.add_light(point(below, vec3(0.95, 0.66, 0.36), 6.5));
     scene.add_light(point(vec3(-1.6, 2.4, 4.0), vec3(0.36, 0.40, 0.48), 9.0));
     let camera = Camera {

@@ -215,6 +215,11 @@ fn physically_based_keys_are_metalness_and_roughness() {
         MaterialRecord::EMISSION,
     ];
     assert_eq!(maps.map(has), [false, true, true, false, true]);
+    let scene = files("newmtl t\nPr 0.5\nPc 0.75\nPcr 0.25\nPs 0.5\n");
+    let material = scene.scene.materials()[0];
+    assert_eq!((material.coat, material.coat_roughness, material.sheen), (0.75, 0.25, [0.5; 3]));
+    let given = MaterialRecord::HAS_COAT | MaterialRecord::HAS_SHEEN;
+    assert_eq!((material.extensions, scene.warnings.len()), (given, 0));
     // A normal map in place of heights, with its strength; then heights, which are named.
     let scene = files("newmtl t\nmap_Bump -bm 0.5 normals.png\n");
     assert_eq!((scene.scene.materials()[0].bump, scene.warnings.len()), (0.5, 0));
@@ -397,6 +402,98 @@ fn specular_glossiness_has_a_diffuse_color_and_a_highlight() {
     let material = scene.materials()[0];
     assert_eq!((material.base, material.specular), ([0.8, 0.1, 0.1], [0.5, 0.25, 0.0]));
     assert_eq!((material.roughness, material.metallic), (0.25, 0.0));
+}
+
+/// The record of a material of a glTF file with a texture, and the warnings.
+fn extended(test: &str, material: &str) -> (MaterialRecord, Vec<String>) {
+    let image = png(1, &[[255, 128, 64, 128]]);
+    let members = format!(
+        r#""nodes":[{{"mesh":0}}],"materials":[{material}],"textures":[{{"source":0}}],"images":[{{"uri":"t.png"}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":6}}],
+        "bufferViews":[{{"buffer":0,"byteLength":72}}]"#
+    );
+    let file = gltf(&members, &floats(&CORNERS));
+    let path = folder(test, &[("x.gltf", &file), ("t.png", &image)]).join("x.gltf");
+    let loaded = load(&path, &Sequential).unwrap();
+    (loaded.scene.materials()[0], loaded.warnings)
+}
+
+#[test]
+fn extensions_of_materials_are_read() {
+    let of = |name: &str, properties: &str| {
+        let (material, warnings) =
+            extended(name, &format!(r#"{{"extensions":{{"KHR_materials_{name}":{{{properties}}}}}}}"#));
+        assert_eq!(warnings, [""; 0], "{name}");
+        material
+    };
+    let has = |material: &MaterialRecord, maps: &[usize]| {
+        (5..MaterialRecord::TEXTURES).all(|map| (material.textures[map].levels > 0) == maps.contains(&map))
+    };
+    let none = of("ior", "");
+    assert_eq!((none.extensions, none.strength, none.specular), (0, 1.0, [0.04; 3]));
+    assert_eq!(of("ior", r#""ior":3"#).specular, [0.25; 3]);
+    // 0 stands for what mirrors everything.
+    assert_eq!(of("ior", r#""ior":0"#).specular, [1.0; 3]);
+    let m =
+        of("specular", r#""specularFactor":0.5,"specularColorFactor":[2,1,0],"specularTexture":{"index":0}"#);
+    assert_eq!(
+        (m.strength, m.specular, m.extensions),
+        (0.5, [0.08, 0.04, 0.0], MaterialRecord::SPECULAR_MAPS)
+    );
+    assert!(has(&m, &[MaterialRecord::SPECULAR]));
+    let m = of(
+        "clearcoat",
+        r#""clearcoatFactor":0.75,"clearcoatRoughnessFactor":0.25,"clearcoatRoughnessTexture":{"index":0},
+        "clearcoatNormalTexture":{"index":0,"scale":0.5}"#,
+    );
+    assert_eq!((m.coat, m.coat_roughness, m.coat_bump), (0.75, 0.25, 0.5));
+    assert_eq!(m.extensions, MaterialRecord::HAS_COAT);
+    assert!(has(&m, &[MaterialRecord::COAT_ROUGHNESS, MaterialRecord::COAT_NORMAL]));
+    assert_eq!(of("clearcoat", r#""clearcoatRoughnessFactor":0.25"#).extensions, 0);
+    let m = of(
+        "sheen",
+        r#""sheenColorFactor":[1,0.5,0],"sheenRoughnessFactor":0.5,"sheenColorTexture":{"index":0}"#,
+    );
+    assert_eq!((m.sheen, m.sheen_roughness, m.extensions), ([1.0, 0.5, 0.0], 0.5, MaterialRecord::HAS_SHEEN));
+    assert!(has(&m, &[MaterialRecord::SHEEN]));
+    let m = of(
+        "anisotropy",
+        r#""anisotropyStrength":0.5,"anisotropyRotation":0,"anisotropyTexture":{"index":0}"#,
+    );
+    assert_eq!((m.brushed, m.brushed_turn, m.extensions), (0.5, [1.0, 0.0], MaterialRecord::IS_BRUSHED));
+    assert!(has(&m, &[MaterialRecord::BRUSHED]));
+    let m = of(
+        "iridescence",
+        r#""iridescenceFactor":1,"iridescenceIor":1.5,"iridescenceThicknessTexture":{"index":0}"#,
+    );
+    assert_eq!((m.film, m.film_ior, m.film_thickness), (1.0, 1.5, [100.0, 400.0]));
+    assert_eq!(m.extensions, MaterialRecord::HAS_FILM);
+    assert!(has(&m, &[MaterialRecord::FILM_THICKNESS]));
+    let m = of("pbrSpecularGlossiness", r#""glossinessFactor":0.5,"specularGlossinessTexture":{"index":0}"#);
+    assert_eq!((m.roughness, m.metallic, m.strength), (1.0, 0.0, 1.0));
+    assert!(has(&m, &[MaterialRecord::SPECULAR_COLOR]) && m.textures[MaterialRecord::ROUGHNESS].levels > 0);
+}
+
+#[test]
+fn glass_says_what_of_it_is_approximated() {
+    let glass = |more: &str| {
+        let transmission = r#""KHR_materials_transmission":{"transmissionFactor":0.5}"#;
+        let pbr = r#""pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":"#;
+        extended("glass", &format!(r#"{{{pbr}{more},{transmission}}}}}"#))
+    };
+    let (material, warnings) = glass(r#"0},"extensions":{"KHR_materials_ior":{"ior":1.5}"#);
+    assert_eq!((material.transmission, warnings.len()), (0.5, 0));
+    assert_eq!(material.extensions, MaterialRecord::TRANSMITS | MaterialRecord::IGNORES_ALPHA);
+    let (_, warnings) = glass(r#"0.5},"extensions":{"KHR_materials_volume":{"thicknessFactor":1}"#);
+    assert_eq!(warnings, ["not drawn: refraction (glass is drawn as thin panes), the blur of rough glass"]);
+}
+
+#[test]
+fn glowing_surfaces_light_nothing_and_a_warning_says_so() {
+    let (material, warnings) = extended("glow", r#"{"emissiveFactor":[1,0.5,0]}"#);
+    assert_eq!(material.emission, [1.0, 0.5, 0.0]);
+    assert_eq!(warnings, ["not drawn: the light that glowing surfaces shed"]);
 }
 
 #[test]

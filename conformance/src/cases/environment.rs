@@ -103,7 +103,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 /// The scene in the middle of a sky with a sun, and a ground, both of noise.
-fn around(build: Build, width: u32, height: u32) -> Scene {
+pub(super) fn around(build: Build, width: u32, height: u32) -> Scene {
     let mut random = Random(99);
     let light = |i: u32| {
         let (x, y) = (i % width, i / width);

@@ -6,6 +6,7 @@ use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{COLOR_LIMIT, LIGHT_LIMIT};
 use rtrt_core::scene::{Light, Material, Scene};
+use std::f32::consts::PI;
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.5, 0.0]), ..Case::USUAL };
 
@@ -48,7 +49,7 @@ pub(super) const CASES: &[Case] = &[
                 .metallic(0.5)
                 .roughness(0.0)
                 .emission([LIGHT_LIMIT; 3])
-                .specular([COLOR_LIMIT, 0.0, -COLOR_LIMIT], None);
+                .specular([COLOR_LIMIT, 0.0, 0.5]);
             let mut build = Build::default().shape_of(Shape::floor(2.0, -0.5), dazzling);
             let dull = Material::new([1.0, 0.5, 0.0]);
             build = build.shape_of(Shape::ball(6).at([0.5, 0.0, 0.0], 0.4), dull);
@@ -174,7 +175,7 @@ pub(super) const CASES: &[Case] = &[
         name: "light/brighter_than_white",
         claim: "Light beyond white, and of its own, ends at white alike.",
         scene: || {
-            let color = Vec3::new(30.0, 2.0, 0.5);
+            let color = Vec3::new(30.0, 2.0, 0.5) * PI;
             let strong = Light::point(Vec3::new(1.0, 2.0, 2.0)).color(color);
             let glowing = Material::new([0.2; 3]).roughness(0.5).emission([0.1, 5.0, 0.3]);
             Build::default()
@@ -189,7 +190,8 @@ pub(super) const CASES: &[Case] = &[
         name: "light/black_and_negative",
         claim: "Lights without color add nothing; one that takes light away does so alike.",
         scene: || {
-            let dark = |x: f32, color: f32| Light::point(Vec3::new(x, 1.0, 1.0)).color(Vec3::splat(color));
+            let dark =
+                |x: f32, color: f32| Light::point(Vec3::new(x, 1.0, 1.0)).color(Vec3::splat(color * PI));
             lit([dark(1.0, 0.0), dark(-1.0, -0.5), Light::point([0.0, 2.0, 1.0])])
         },
         ..FROM_ABOVE
@@ -197,7 +199,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 fn square(position: [f32; 3], reach: Option<f32>) -> Light {
-    Light::point(position).color(Vec3::new(1.0, 0.9, 0.7)).reach(reach).inverse_square(true)
+    Light::point(position).color(Vec3::new(1.0, 0.9, 0.7) * PI).reach(reach).inverse_square(true)
 }
 
 /// A ball on a floor.
@@ -213,7 +215,7 @@ fn many(count: u32) -> Scene {
         Build::default().shape(Shape::floor(3.0, -1.0)).shape(Shape::cube().at([0.3, -0.5, 0.0], 0.4));
     for i in 0..count {
         let position = random.vector(2.0) + Vec3::Y * 1.2;
-        let color = (random.vector(0.5) + 0.5) / 10.0;
+        let color = (random.vector(0.5) + 0.5) * (0.1 * PI);
         let reach = (i % 3 == 0).then_some(2.5);
         build = build.light(match i % 5 {
             4 => Light::sun(position - Vec3::Y * 4.0).color(color),
@@ -233,7 +235,7 @@ fn meadow_of_lights() -> Scene {
     }
     let light = |i: u32| {
         let position = Vec3::new(2.0 + 0.01 * i as f32, -0.94, 0.03 * i as f32);
-        Light::point(position).color(Vec3::splat(0.05))
+        Light::point(position).color(Vec3::splat(0.05 * PI))
     };
     (0..32).map(light).fold(build, Build::light).scene
 }

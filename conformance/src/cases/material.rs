@@ -7,7 +7,7 @@ use glam::{Mat4, Vec3};
 use rtrt_core::layout::{Texture, Wrap};
 use rtrt_core::scene::{Content, Image, Light, Material, MaterialIndex, Mesh, Scene};
 
-const NEAR: Case = Case { camera: look([0.3, 0.8, 3.4], [0.0; 3]), ..Case::USUAL };
+pub(super) const NEAR: Case = Case { camera: look([0.3, 0.8, 3.4], [0.0; 3]), ..Case::USUAL };
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -55,7 +55,7 @@ pub(super) const CASES: &[Case] = &[
         claim: "A mesh without tangents keeps its normals, whatever its material says.",
         scene: || {
             let mut build = Build::default();
-            let map = numbers(&mut build, 9, bump_texel);
+            let map = normals(&mut build, 9, bump_texel);
             let material = painted([0.7, 0.7, 0.6]).normal_map(map, 1.0);
             build.shape_of(Shape::ball(6), material).light(Light::point([2.0, 2.0, 3.0])).scene
         },
@@ -149,18 +149,23 @@ fn painted(base: [f32; 3]) -> Material {
 }
 
 /// A square image of texels that look random.
-fn noise(side: u32, texel: impl Fn(&mut Random) -> [u8; 4]) -> Image {
+pub(super) fn noise(side: u32, texel: impl Fn(&mut Random) -> [u8; 4]) -> Image {
     let mut random = Random(u64::from(side));
     Image { width: side, height: side, rgba: (0..side * side).flat_map(|_| texel(&mut random)).collect() }
 }
 
 /// The same as a texture of numbers.
-fn numbers(build: &mut Build, side: u32, texel: impl Fn(&mut Random) -> [u8; 4]) -> Texture {
+pub(super) fn numbers(build: &mut Build, side: u32, texel: impl Fn(&mut Random) -> [u8; 4]) -> Texture {
     build.scene.add_map(&noise(side, texel), [Wrap::Repeat; 2], Content::Numbers).expect("room")
 }
 
+/// The same as a normal map.
+pub(super) fn normals(build: &mut Build, side: u32, texel: impl Fn(&mut Random) -> [u8; 4]) -> Texture {
+    build.scene.add_map(&noise(side, texel), [Wrap::Repeat; 2], Content::Normals).expect("room")
+}
+
 /// Up to about 45° off.
-fn bump_texel(random: &mut Random) -> [u8; 4] {
+pub(super) fn bump_texel(random: &mut Random) -> [u8; 4] {
     let mut lean = || 128 + (random.below(160) as i32 - 80);
     let (x, y) = (lean(), lean());
     [x as u8, y as u8, 220, 255]
@@ -169,7 +174,7 @@ fn bump_texel(random: &mut Random) -> [u8; 4] {
 /// A ball and a tile with tangents, of a material with a normal map.
 fn relief(scale: f32, places: &[Mat4]) -> Scene {
     let mut build = Build::default();
-    let map = numbers(&mut build, 12, bump_texel);
+    let map = normals(&mut build, 12, bump_texel);
     let material = painted([0.8, 0.75, 0.7]).normal_map(map, scale);
     let material = build.scene.add_material(material).expect("a case's material");
     // The tile's texture is mirrored, the ball's is not.
@@ -192,7 +197,7 @@ fn second_set() -> Scene {
     let color = build.scene.add_texture(&image, [Wrap::Repeat; 2]).expect("room");
     let spots = noise(5, |random| [random.bits() as u8, 0, 40, 255]);
     let glow = build.scene.add_texture(&spots, [Wrap::Clamp; 2]).expect("room");
-    let relief = numbers(&mut build, 8, bump_texel);
+    let relief = normals(&mut build, 8, bump_texel);
     let material = painted([1.0; 3])
         .emission([1.0; 3])
         .base_color_map(color)
@@ -215,7 +220,7 @@ fn second_set() -> Scene {
 /// Small tiles, each of a material of its own, some of them without this or that map.
 fn many() -> Scene {
     let mut build = Build::default();
-    let relief = numbers(&mut build, 8, bump_texel);
+    let relief = normals(&mut build, 8, bump_texel);
     let rough = numbers(&mut build, 7, |random| [random.bits() as u8; 4]);
     let image = noise(10, |random| [0; 4].map(|_: u8| random.bits() as u8));
     let color = build.scene.add_texture(&image, [Wrap::Mirror; 2]).expect("room");

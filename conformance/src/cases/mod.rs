@@ -4,6 +4,7 @@ mod area;
 mod bin;
 mod camera;
 mod environment;
+mod extension;
 mod light;
 mod material;
 mod motion;
@@ -28,6 +29,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         sphere::CASES,
         texture::CASES,
         material::CASES,
+        extension::CASES,
         shadow::CASES,
         area::CASES,
         soft::CASES,

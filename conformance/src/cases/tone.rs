@@ -2,9 +2,11 @@
 
 use crate::case::{Case, look};
 use crate::shape::{Build, Shape};
+use glam::Vec3;
 use rtrt_core::backend::{Shadows, ToneMap};
 use rtrt_core::layout::Backdrop;
 use rtrt_core::scene::{Light, Material, Scene};
+use std::f32::consts::PI;
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -53,5 +55,5 @@ fn balls() -> Scene {
         let material = Material::new(color).roughness(0.5);
         build = build.shape_of(Shape::ball(8).at([x, 0.0, 0.0], 0.5), material);
     }
-    build.light(Light::point([1.0, 0.9, 0.6]).color([3.0, 2.6, 2.0]).inverse_square(true)).scene
+    build.light(Light::point([1.0, 0.9, 0.6]).color(Vec3::new(3.0, 2.6, 2.0) * PI).inverse_square(true)).scene
 }

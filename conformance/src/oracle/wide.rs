@@ -15,8 +15,9 @@
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, dvec2};
 use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::{Grid, RayIndex};
-use rtrt_core::layout::{Hit, Instance, Kind, Lit, NONE, Surface};
+use rtrt_core::layout::{Hit, Instance, Kind, Lit, MaterialRecord, NONE, Surface};
 use rtrt_core::scene::{Light, LightKind, Occluders, Projection, Scene, Setup};
+use std::f64::consts::PI;
 
 /// How many rays and shadow rays could be judged, of how many. All of them were right.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -132,7 +133,7 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
                 return Err(format!("ray {index} at {at:?}: light {which} is lit: {}, not {lit}", !lit));
             }
         }
-        judge_light(scene, surface, masks, &deferred.lit[index as usize])
+        judge_light(scene, surface, -ray.direction, masks, &deferred.lit[index as usize])
             .map_err(|why| format!("ray {index} at {at:?}: {why}"))?;
     }
     Ok(judged)
@@ -357,12 +358,21 @@ fn reaches(masks: &[u32], light: u32) -> bool {
     masks[(light / 32) as usize] >> (light % 32) & 1 == 1
 }
 
-/// Whether the light that arrives at a surface is what the lights of its mask make of the
-/// cosine and the distance.
-fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Result<(), String> {
+/// Whether the light that arrives at a surface is what the lights of its mask make of the cosine, the distance,
+/// and, of materials without a map of roughness, the lobe.
+fn judge_light(
+    scene: &Scene,
+    surface: &Surface,
+    to_viewer: DVec3,
+    masks: &[u32],
+    lit: &Lit,
+) -> Result<(), String> {
     let place = DVec3::from(surface.origin.map(f64::from));
     let normal = DVec3::from(surface.normal.map(f64::from));
-    let (mut sum, mut doubt) = (DVec3::ZERO, DVec3::splat(1e-9));
+    let material = &scene.materials()[surface.material as usize - 1];
+    let alpha_squared =
+        (f64::from(material.roughness).powi(4) + f64::from(surface.variance)).clamp(LEAST_ALPHA_SQUARED, 1.0);
+    let (mut sums, mut doubts) = ([DVec3::ZERO; 3], [DVec3::splat(1e-9); 3]);
     for (light, _) in scene.lights().iter().zip(0..).filter(|(_, which)| reaches(masks, *which)) {
         let is_far = light.kind == LightKind::Sun;
         let way = if is_far { -light.direction.as_dvec3() } else { light.position.as_dvec3() - place };
@@ -379,14 +389,40 @@ fn judge_light(scene: &Scene, surface: &Surface, masks: &[u32], lit: &Lit) -> Re
         };
         let (cone, steepness) = cone(light, way);
         let color = light.color.as_dvec3() * full;
-        sum += color * share * cone * (normal.dot(way) / distance).max(0.0);
-        doubt += color.abs() * 1e-5 * steepness;
+        let shares = responses(normal, way.normalize(), to_viewer.normalize(), alpha_squared);
+        // A narrow lobe magnifies the errors of directions.
+        let widths = [1.0, alpha_squared.sqrt(), alpha_squared.sqrt()];
+        for i in 0..3 {
+            sums[i] += color * share * cone * shares[i];
+            doubts[i] += color.abs() * 1e-5 * steepness * shares[i].max(1.0) / widths[i];
+        }
     }
-    let found = DVec3::from(lit.diffuse.map(f64::from));
-    if (found - sum).abs().cmple(doubt + sum.abs() * 1e-4).all() {
-        return Ok(());
+    let has_map = material.textures[MaterialRecord::ROUGHNESS].levels > 0;
+    let found = [lit.diffuse, lit.specular, lit.grazing].map(|color| DVec3::from(color.map(f64::from)));
+    for ((found, sum), doubt) in found.into_iter().zip(sums).zip(doubts).take(if has_map { 1 } else { 3 }) {
+        if !(found - sum).abs().cmple(doubt + sum.abs() * 1e-4).all() {
+            return Err(format!("{found} of light arrives, not {sum}"));
+        }
     }
-    Err(format!("{found} of light arrives, not {sum}"))
+    Ok(())
+}
+
+/// The least width of a lobe, squared.
+const LEAST_ALPHA_SQUARED: f64 = 1.0 / 262_144.0;
+
+/// What a surface makes of light of unit strength, as glTF's Appendix B has it: the share that its diffuse color
+/// multiplies, that of the color mirrored head-on, and that of the one mirrored at grazing angles. Directions
+/// have unit length.
+fn responses(normal: DVec3, to_light: DVec3, to_viewer: DVec3, alpha_squared: f64) -> [f64; 3] {
+    let half = (to_light + to_viewer).normalize();
+    let cosine = normal.dot(to_light).max(0.0);
+    let viewed = normal.dot(to_viewer).clamp(0.0, 1.0);
+    let spread = normal.dot(half).max(0.0).powi(2) * (alpha_squared - 1.0) + 1.0;
+    let root = |cosine: f64| (cosine * cosine * (1.0 - alpha_squared) + alpha_squared).sqrt();
+    let visibility = 0.5 / (cosine * root(viewed) + viewed * root(cosine)).max(1e-30);
+    let lobe = (alpha_squared / (PI * spread * spread) * visibility * cosine).min(65_536.0);
+    let grazing = (1.0 - to_viewer.dot(half)).powi(5);
+    [cosine * (1.0 - grazing) / PI, lobe * (1.0 - grazing), lobe * grazing]
 }
 
 /// The share of a light that its cone lets through on the way to it, and how much the cone

@@ -10,24 +10,29 @@ pub use fixture::{Fixture, Given};
 
 use crate::grid::RayIndex;
 use crate::kernel::area::{disc, light_offset};
+use crate::kernel::brushed::{Brushed, bent};
 use crate::kernel::cone::cone;
 use crate::kernel::environment::{arriving, mirrored, octahedral};
 use crate::kernel::falloff::falloff;
 use crate::kernel::interpolate::Weights;
+use crate::kernel::microfacet::{Microfacets, alpha_squared, lambert, widened};
 use crate::kernel::mip::{footprint, levels};
 use crate::kernel::offset::offset;
 use crate::kernel::penumbra::penumbra_radius;
 use crate::kernel::ray::{Ray, normal, point, vector};
-use crate::kernel::reflect::{blinn_phong, lambert, shininess};
 use crate::kernel::screen_bounds::{screen_bounds, sphere_in_block};
 use crate::kernel::shadow_distance::is_near;
+use crate::kernel::sheen::Sheen;
 use crate::kernel::slab::{RelativeBox, intersects, slab};
 use crate::kernel::sphere::{self, Chord, ENTRY, EXIT};
+use crate::kernel::split_sum::albedo;
 use crate::kernel::tangent;
 use crate::kernel::texture::{Maps, MaterialLookup, TexCoords, finest, sample};
+use crate::kernel::thin_film::Film;
 use crate::kernel::tone_map::tone_map;
 use crate::kernel::transmittance::{Transmittance, color};
 use crate::kernel::triangle::{Intersection, Triangle, intersect};
+use crate::kernel::variance::{self, Curve};
 use crate::kernel::view::{camera_ray, light_block};
 use crate::lane::{Bits, Lane, Select, V3};
 use crate::layout::{FinestLevel, Instance, MaterialRecord, ToneMap};
@@ -89,13 +94,26 @@ names! {
     "inverse square falloff",
     "cone",
     "lambert",
-    "blinn_phong",
-    "shininess",
+    "diffuse share",
+    "microfacets",
+    "brushed microfacets",
+    "bent normal",
+    "width of a lobe",
+    "widened roughness",
+    "albedo",
+    "reflectance",
+    "sheen",
+    "albedo of a sheen",
+    "thin film",
+    "variance of a triangle",
+    "variance of a sphere",
+    "variance of a map",
     "mip footprint",
     "mip levels",
     "texture",
     "finest level",
     "packed tangent",
+    "packed direction",
     "bump",
     "octahedral",
     "mirrored environment",
@@ -159,6 +177,11 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index:
     transmittance.add([u, v, w, w * 0.5]);
     transmittance.add([v, w, u, u * 0.5]);
     let weights = Weights::new(u, v);
+    let width = alpha_squared(w, u * 0.25);
+    let answer = Microfacets::new(ball, facing, width).respond(unit, lambert(ball, unit), v);
+    let brushed = Brushed::new(ball, tangent, facing, width, u).respond(unit, lambert(ball, unit), v);
+    let (white, fibers) = (albedo(u, w), Sheen::new(ball, facing, w));
+    let curve = Curve { edges: [ball, unit], turns: [tangent, facing], normal: ball + unit, area: v };
     [
         bits(num::recip(x)),
         bits(num::rsqrt(x)),
@@ -217,8 +240,20 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index:
         bits(flush(falloff(&views[SPOT], distance))),
         bits(flush(cone(&views[SPOT], unit))),
         bits(lambert(unit, facing)),
-        bits(flush(blinn_phong(ball, unit, facing, v * 8192.0))),
-        bits(shininess(w)),
+        bits(answer.diffuse),
+        fold(bits(answer.specular), bits(answer.grazing)),
+        fold(bits(brushed.specular), bits(brushed.grazing)),
+        folded(flush3(bent(ball, tangent, facing, u, v))),
+        bits(width),
+        bits(flush(widened(w, u))),
+        fold(bits(flush(white.sum)), bits(flush(white.grazing))),
+        bits(flush(white.reflectance(u, v, white.boost()))),
+        bits(fibers.respond(unit, lambert(ball, unit))),
+        bits(flush(fibers.albedo(w))),
+        folded(Film { ior: u * 2.0 + 1.0, thickness: v * 2048.0 }.reflectance(w, V3 { x: u, y: v, z: w })),
+        bits(variance::of_curve(w, u, &curve)),
+        bits(variance::of_sphere(u, v)),
+        bits(variance::of_map(u, v)),
         bits(flush(footprint(u, v, w))),
         fold(fold(bits(mip.fine), bits(mip.coarse)), bits(flush(mip.share))),
         colored(sample::<L, { MaterialRecord::COLOR }, true>(maps, &materials, &tex_coords)),
@@ -228,6 +263,7 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index:
             |lane| finest_level(maps, words, index + lane as u32),
         ),
         folded(unpacked::<L>(token, words, index)),
+        folded(flush3(tangent::unpack_direction::<L>(tangent::pack_direction(way)))),
         folded(flush3(tangent::bumped(ball, tangent, bitangent, u.lt(v), [u, v, w]))),
         {
             let [u, v] = octahedral(unit);

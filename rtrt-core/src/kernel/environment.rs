@@ -9,7 +9,7 @@
 use crate::kernel::texture::Maps;
 use crate::lane::{Bits, Lane, Row, Select, V3};
 use crate::layout::Sky;
-use crate::num::{clamp, floor, flush, recip, to_integer};
+use crate::num::{clamp, floor, flush, from_integer, recip, to_integer};
 
 /// Side of the square that holds the light on a surface from its whole hemisphere.
 pub const IRRADIANCE_SIDE: u32 = 16;
@@ -43,13 +43,18 @@ pub fn octahedral<L: Lane>(direction: V3<L>) -> [L; 2] {
     [folded(x, z) * 0.5 + 0.5, folded(z, x) * 0.5 + 0.5]
 }
 
+/// The side of the squares of rough surfaces is at least this: a square for mirrors is half as large as the one
+/// before, down to it.
+pub const LEAST_SIDE: u32 = 32;
+
 /// The light that a surface of this roughness (0 ..= 1) mirrors from a direction of any
 /// length, linear RGB: bilinear in the two squares between whose roughness it lies, then a
-/// linear mix of the two.
+/// linear mix of the two. The lobe of the last square has the width α = 1, that of each one before half of the
+/// next one's; the first is sharp.
 #[inline(always)]
 pub fn mirrored<L: Lane>(maps: &Maps<'_>, sky: Sky, direction: V3<L>, roughness: L) -> V3<L> {
     let last = (sky.levels - 1) as f32;
-    let level = clamp(roughness, 0.0, 1.0) * last;
+    let level = level(roughness, last);
     let fine = floor(level);
     let coarse = (fine + 1.0).min(fine.broadcast(last));
     let place = octahedral(turned(sky, direction));
@@ -64,6 +69,24 @@ pub fn mirrored<L: Lane>(maps: &Maps<'_>, sky: Sky, direction: V3<L>, roughness:
         },
     )
     .scale(direction.x.broadcast(sky.intensity))
+}
+
+/// The square of a surface of this roughness, whole numbers for squares, `0 ..= last`.
+///
+/// ```text
+/// last + log₂ α,   α = roughness²
+/// ```
+///
+/// with a line between powers of two in place of the logarithm: a number's bits, read as an integer, are that.
+#[inline(always)]
+fn level<L: Lane>(roughness: L, last: f32) -> L {
+    /// One bit of the mantissa's upper 15.
+    const STEP: f32 = 1.0 / 32_768.0;
+    let roughness = clamp(roughness, 0.0, 1.0);
+    let alpha = (roughness * roughness).to_bits();
+    // Without the last 8 bits, for which there is no room in a number.
+    let log = from_integer::<L>((alpha >> 8) - alpha.broadcast(127 << 15)) * STEP;
+    clamp(log + last, 0.0, last)
 }
 
 /// The light on a surface with this normal from its whole hemisphere, by Lambert's cosine, as
@@ -101,7 +124,8 @@ impl<L: Lane> Site<L> {
     fn new(sky: Sky, place: [L; 2], level: L) -> Self {
         let halvings = to_integer(level);
         let shrunk = L::from_bits(halvings.broadcast(127 << 23) - (halvings << 23));
-        let mut site = Self::of_side(place, shrunk * sky.side as f32, 0);
+        let side = (shrunk * sky.side as f32).max(shrunk.broadcast(LEAST_SIDE as f32));
+        let mut site = Self::of_side(place, side, 0);
         site.table = (halvings + halvings.broadcast(sky.first)).row();
         site
     }
@@ -176,5 +200,15 @@ mod tests {
         assert_eq!([x, y, z], [1.0, 0.5, -0.25]);
         let V3 { x, y, z } = turned(Sky::default(), V3::<f32>::splat((), [0.25, 0.5, 1.0]));
         assert_eq!([x, y, z], [0.25, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn widths_of_lobes_double_from_square_to_square() {
+        let at = |alpha: f32| level(crate::num::sqrt(alpha), 6.0);
+        for (alpha, expected) in [(1.0, 6.0), (0.5, 5.0), (0.25, 4.0), (0.375, 4.5), (1.0 / 64.0, 0.0)] {
+            assert!((at(alpha) - expected).abs() < 1e-4, "{alpha} {}", at(alpha));
+        }
+        assert_eq!([level(0.0_f32, 6.0), level(1e-30, 6.0), level(7.0, 6.0)], [0.0, 0.0, 6.0]);
+        assert!((0.0..=6.0).contains(&level(f32::NAN, 6.0)));
     }
 }

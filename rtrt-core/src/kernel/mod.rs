@@ -1,6 +1,7 @@
 //! One idea a file: pure functions that stages are composed of.
 
 pub(crate) mod area;
+pub(crate) mod brushed;
 #[doc(hidden)]
 pub mod canary;
 pub mod closest_hit;
@@ -11,19 +12,22 @@ pub mod geometry;
 pub mod hit_filter;
 pub(crate) mod interpolate;
 pub mod lists;
+pub(crate) mod microfacet;
 pub(crate) mod mip;
 pub(crate) mod offset;
 pub mod packet;
 pub mod penumbra;
 pub mod project;
 pub mod ray;
-pub(crate) mod reflect;
 pub mod screen_bounds;
 pub mod shadow_distance;
+pub(crate) mod sheen;
 pub mod slab;
 pub mod sphere;
+pub(crate) mod split_sum;
 pub(crate) mod tangent;
 pub mod texture;
+pub(crate) mod thin_film;
 pub mod tiles;
 pub mod tone_map;
 pub mod transmittance;
@@ -31,4 +35,5 @@ pub mod transparency;
 pub mod traverse;
 pub mod triangle;
 pub(crate) mod unique_gather;
+pub(crate) mod variance;
 pub mod view;

@@ -1,7 +1,7 @@
 //! Tangents in one word, and the normal that a normal map makes.
 
-use crate::lane::{Lane, Select, V3};
-use crate::num::{TINY, normalize};
+use crate::lane::{Bits, Lane, Select, V3};
+use crate::num::{TINY, clamp, floor, from_integer, normalize, recip, to_integer};
 
 /// The bit of a packed tangent that says that there is one.
 pub const PRESENT: u32 = 1 << 31;
@@ -11,6 +11,8 @@ pub const MIRRORED: u32 = 1 << 30;
 pub const MOST: u32 = (1 << 15) - 1;
 /// What a packed coordinate is multiplied with to be within 0 ..= 2.
 const STEP: f32 = 2.0 / 32_767.0;
+/// A step of a direction's 16 bits.
+const UNIT: f32 = 2.0 / 65_535.0;
 
 /// The two coordinates of a packed tangent, −1 ..= 1, and the sign of its bitangent: 1 or −1;
 /// all 0 if there is none.
@@ -26,6 +28,27 @@ pub fn unpack(packed: u32) -> [f32; 3] {
     }
     let sign = if packed & MIRRORED == 0 { 1.0 } else { -1.0 };
     [(packed & MOST) as f32 * STEP - 1.0, (packed >> 15 & MOST) as f32 * STEP - 1.0, sign]
+}
+
+/// A direction of any length in one word: the coordinates of the octahedral map, 16 bits each, the first one lowest.
+#[inline(always)]
+pub fn pack_direction<L: Lane>(v: V3<L>) -> L::Bits {
+    let shrink = recip(v.x.abs() + v.y.abs() + v.z.abs());
+    let (x, y) = (v.x * shrink, v.y * shrink);
+    let (zero, one) = (x.broadcast(0.0), x.broadcast(1.0));
+    let folded = |a: L, b: L| {
+        let over = one - b.abs();
+        v.z.lt(zero).select(a.lt(zero).select(-over, over), a)
+    };
+    let byte = |c: L| to_integer(floor(clamp(c * 0.5 + 0.5, 0.0, 1.0) * 65_535.0 + 0.5));
+    byte(folded(x, y)) | (byte(folded(y, x)) << 16)
+}
+
+/// The direction that is packed so, of unit length: at most 0.005° off.
+#[inline(always)]
+pub fn unpack_direction<L: Lane>(packed: L::Bits) -> V3<L> {
+    let at = |bits: L::Bits| from_integer::<L>(bits & packed.broadcast(0xffff)) * UNIT - 1.0;
+    normalize(direction(at(packed), at(packed >> 16)))
 }
 
 /// The direction at these coordinates of the octahedral map; its length is within 0.57 ..= 1.
@@ -67,6 +90,21 @@ pub fn bumped<L: Lane>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_packed_direction_comes_back() {
+        for i in 0..2000_u32 {
+            let turn = f64::from(i) * 2.399_963;
+            let z = (f64::from(i) + 0.5) / 1000.0 - 1.0;
+            let r = (1.0 - z * z).sqrt();
+            let v = [r * turn.cos(), r * turn.sin(), z].map(|c| c as f32);
+            let back = unpack_direction::<f32>(pack_direction(V3::<f32>::splat((), v).scale(3.0))).lane(0);
+            let off: f32 = v.iter().zip(back).map(|(a, b)| (a - b) * (a - b)).sum();
+            assert!(off < 1e-8, "{v:?} {back:?}");
+        }
+        let none = unpack_direction::<f32>(pack_direction(V3::<f32>::splat((), [0.0; 3])));
+        assert!(none.lane(0).iter().all(|c| c.is_finite()));
+    }
 
     #[test]
     fn a_flat_map_changes_nothing_and_behind_a_bump_is_a_dent() {

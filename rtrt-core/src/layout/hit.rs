@@ -49,16 +49,27 @@ pub struct Surface {
     pub second_uv: [f32; 2],
     /// Side of the footprint in them.
     pub second_footprint: f32,
+    /// How much the normals within the footprint vary; see [`variance`](crate::kernel::variance).
+    pub variance: f32,
+    /// The normal of a clear coat, in frames that have coats; see `kernel::tangent::pack_direction`.
+    pub coat_normal: u32,
+    /// The direction along which a brushed surface is steeper, in frames that have such.
+    pub tangent: u32,
 }
-const _: () = assert!(size_of::<Surface>() == 56 && offset_of!(Surface, footprint) == 40);
+const _: () = assert!(size_of::<Surface>() == 68 && offset_of!(Surface, footprint) == 40);
 
-/// The light that arrives at a surface, before its material colors it.
+/// The light that arrives at a surface, before its material colors it: sums over lights of illuminance (color ×
+/// falloff × Lambert's cosine), linear RGB, each times a share (see [`microfacet`](crate::kernel::microfacet)).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Lit {
-    /// Sum over lights of color × falloff × Lambert's cosine, linear RGB.
+    /// Of `(1 − (1 − v·h)⁵) / π`, which the diffuse color multiplies.
     pub diffuse: [f32; 3],
-    /// Sum over lights of color × falloff × cosine × Blinn-Phong lobe, linear RGB.
+    /// Of the lobe × `(1 − (1 − v·h)⁵)`, which the color mirrored head-on multiplies.
     pub specular: [f32; 3],
+    /// Of the lobe × `(1 − v·h)⁵`, which is mirrored at grazing angles.
+    pub grazing: [f32; 3],
+    /// What coats and sheens send to the viewer.
+    pub coating: [f32; 3],
 }
-const _: () = assert!(size_of::<Lit>() == 24);
+const _: () = assert!(size_of::<Lit>() == 48);

@@ -106,9 +106,9 @@ impl Texture {
 pub struct MaterialRecord {
     /// Linear RGB, multiplied with the texture and the vertex color.
     pub base: [f32; 3],
-    /// Blinn-Phong exponent, 1 ..= 8192, for a material without a roughness texture.
-    pub shininess: f32,
-    /// Linear RGB of the highlight where the surface is no metal and not rough.
+    /// How strongly it mirrors light where it is no metal, 0 ..= 1: the share that it mirrors at grazing angles.
+    pub strength: f32,
+    /// Linear RGB that it mirrors head-on where it is no metal, each 0 ..= 1, times `strength`.
     pub specular: [f32; 3],
     /// Metalness, 0 ..= 1, multiplied with the roughness texture's blue.
     pub metallic: f32,
@@ -132,17 +132,42 @@ pub struct MaterialRecord {
     /// 1 for a surface that the camera sees from both sides. 0 culls back faces for the camera: triangles
     /// whose corners are clockwise, and the inside of spheres. Shadows do not depend on it.
     pub double_sided: u32,
+    /// What it has beyond metallic-roughness: the sum of [`MaterialRecord::SPECULAR_MAPS`] and so on.
+    pub extensions: u32,
+    /// The share of it that a clear coat covers, 0 ..= 1, multiplied with the red of its texture.
+    pub coat: f32,
+    /// 0 ..= 1, multiplied with the green of its texture.
+    pub coat_roughness: f32,
+    /// How strongly the normal map of the coat turns its normals.
+    pub coat_bump: f32,
+    /// Linear RGB of the sheen, multiplied with its texture.
+    pub sheen: [f32; 3],
+    /// 0 ..= 1, multiplied with the alpha of its texture.
+    pub sheen_roughness: f32,
+    /// How much rougher it is along a tangent, 0 ..= 1, multiplied with the blue of its texture.
+    pub brushed: f32,
+    /// Cosine and sine of the angle from the mesh's tangent to that one.
+    pub brushed_turn: [f32; 2],
+    /// The share of it that a thin film covers, 0 ..= 1, multiplied with the red of its texture.
+    pub film: f32,
+    /// The film's index of refraction.
+    pub film_ior: f32,
+    /// Nanometers: where the green of its texture is 0, and where it is 1.
+    pub film_thickness: [f32; 2],
+    /// The share of light that goes through it in place of being scattered, 0 ..= 1, multiplied with the red of its
+    /// texture.
+    pub transmission: f32,
     /// [`MaterialRecord::COLOR`] and so on.
     pub textures: [Texture; MaterialRecord::TEXTURES],
 }
 const _: () =
-    assert!(size_of::<MaterialRecord>() == 76 + 5 * 60 && offset_of!(MaterialRecord, textures) == 76);
+    assert!(size_of::<MaterialRecord>() == 140 + 16 * 60 && offset_of!(MaterialRecord, textures) == 140);
 
 impl MaterialRecord {
     /// [`MaterialRecord::unlit`] of a surface that shows shadows and nothing else.
     pub const CATCHES_SHADOWS: u32 = 2;
     /// Textures of a material.
-    pub const TEXTURES: usize = 5;
+    pub const TEXTURES: usize = 16;
     /// The texture of the base color, sRGB.
     pub const COLOR: usize = 0;
     /// The normal map: the normal's coordinates along tangent, bitangent and normal, −1 ..= 1
@@ -154,4 +179,44 @@ impl MaterialRecord {
     pub const OCCLUSION: usize = 3;
     /// The texture of the emission, sRGB.
     pub const EMISSION: usize = 4;
+    /// The texture of the strength of what is mirrored (alpha).
+    pub const SPECULAR: usize = 5;
+    /// The texture of the color that is mirrored head-on, sRGB.
+    pub const SPECULAR_COLOR: usize = 6;
+    /// The texture of the share that a coat covers (red).
+    pub const COAT: usize = 7;
+    /// The texture of the coat's roughness (green).
+    pub const COAT_ROUGHNESS: usize = 8;
+    /// The normal map of the coat.
+    pub const COAT_NORMAL: usize = 9;
+    /// The texture of the sheen's color, sRGB.
+    pub const SHEEN: usize = 10;
+    /// The texture of the sheen's roughness (alpha).
+    pub const SHEEN_ROUGHNESS: usize = 11;
+    /// The texture of the direction (red and green, −1 ..= 1 as 0 ..= 255) and the strength (blue) of a brushed
+    /// surface.
+    pub const BRUSHED: usize = 12;
+    /// The texture of the share that a film covers (red).
+    pub const FILM: usize = 13;
+    /// The texture of the film's thickness (green).
+    pub const FILM_THICKNESS: usize = 14;
+    /// The texture of the share of light that goes through (red).
+    pub const TRANSMISSION: usize = 15;
+
+    /// Has textures of what it mirrors.
+    pub const SPECULAR_MAPS: u32 = 1;
+    /// Has a clear coat.
+    pub const HAS_COAT: u32 = 2;
+    /// Has a sheen.
+    pub const HAS_SHEEN: u32 = 4;
+    /// Is brushed.
+    pub const IS_BRUSHED: u32 = 8;
+    /// Has a thin film.
+    pub const HAS_FILM: u32 = 16;
+    /// Lets light through.
+    pub const TRANSMITS: u32 = 32;
+    /// Blends because it lets light through; its alpha counts as 1.
+    pub const IGNORES_ALPHA: u32 = 64;
+    /// Catches shadows: [`MaterialRecord::unlit`] is [`MaterialRecord::CATCHES_SHADOWS`].
+    pub const IS_SHADOW_CATCHER: u32 = 128;
 }

@@ -1,6 +1,7 @@
 //! Viewpoints (the camera and the lights) and the numbers of a frame.
 
 use crate::grid::{BlockIndex, Grid};
+use crate::layout::MaterialRecord;
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;
 
@@ -141,8 +142,8 @@ pub struct Sky {
     /// The word that holds the start of the sharpest square. Those of the others follow it, the last one for
     /// diffuse surfaces. 0 for no environment.
     pub first: u32,
-    /// Texels along a side of the sharpest square, without its border: a power of two. Each
-    /// square is half as large as the one before.
+    /// Texels along a side of the sharpest square, without its border: a power of two, at least 64. Each square is
+    /// half as large as the one before, but has at least 32.
     pub side: u32,
     /// Squares for reflections, from smooth to rough; at least two.
     pub levels: u32,
@@ -218,7 +219,7 @@ pub struct Frame {
     /// The largest coordinate of anything in the frame, in magnitude: instances, camera,
     /// lights. Rounding errors of culling are relative to it.
     pub magnitude: f32,
-    /// 1 where a material asks for normal maps or a second set of texture coordinates.
+    /// 1 where a material asks for normal maps, a second set of texture coordinates, a coat's normals or tangents.
     pub details: u32,
     /// The environment, see [`Sky`]: where it starts.
     pub sky_first: u32,
@@ -255,8 +256,17 @@ pub struct Frame {
     /// How rough a mirror would have to be to show the environment as blurred as it is behind
     /// everything, 0 ..= 1.
     pub backdrop_blur: f32,
+    /// What any of the materials has beyond metallic-roughness (see
+    /// [`MaterialRecord`]).
+    pub extensions: u32,
+    /// Unused: a uniform block is a multiple of 16 bytes.
+    pub unused_0: u32,
+    /// Unused.
+    pub unused_1: u32,
+    /// Unused.
+    pub unused_2: u32,
 }
-const _: () = assert!(size_of::<Frame>() == 144 && offset_of!(Frame, ambient_r) == 48);
+const _: () = assert!(size_of::<Frame>() == 160 && offset_of!(Frame, ambient_r) == 48);
 
 impl View {
     /// The camera's list for a block of the frame.
@@ -267,6 +277,12 @@ impl View {
 }
 
 impl Frame {
+    /// Whether any of the materials has one of these extensions.
+    #[inline(always)]
+    pub fn has(&self, extensions: u32) -> bool {
+        self.extensions & extensions != 0
+    }
+
     /// Views of one light: the six faces of a cube, of which parallel light uses one.
     pub const VIEWS_PER_LIGHT: u32 = 6;
 
@@ -332,6 +348,11 @@ impl Frame {
     #[inline(always)]
     pub fn shows_sky(&self) -> bool {
         self.sky_first != 0 && self.backdrop == Backdrop::Environment as u32
+    }
+    /// Whether layers let colored light through, so that rays keep its share a channel behind their colors.
+    #[inline(always)]
+    pub fn has_colored_layers(&self) -> bool {
+        self.has_layers() && self.has(MaterialRecord::TRANSMITS)
     }
     /// Whether shadows are transmittances instead of bits.
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! From a panorama or a cube to the blurred squares of an environment map.
 
-use crate::kernel::environment::{IRRADIANCE_SIDE, octahedral};
+use crate::kernel::environment::{IRRADIANCE_SIDE, LEAST_SIDE, octahedral};
 use crate::lane::V3;
 use crate::layout::Sky;
 use crate::scene::brightness::{BRIGHTEST, usable};
@@ -34,10 +34,10 @@ pub struct PanoramaError {
     pub pixels: usize,
 }
 
-/// Squares for mirrors.
-const LEVELS: u32 = 6;
-/// Directions that a blurred texel is the mean of.
+/// Directions that a texel of a narrow lobe is the mean of.
 const SAMPLES: u32 = 64;
+/// The side of the square whose texels a texel of a wide lobe is the mean of.
+const WIDE_SOURCE: u32 = 64;
 
 impl Panorama {
     /// Appends the squares to `texels`, and says where they are.
@@ -85,17 +85,20 @@ fn append(half_turn: u32, toward: impl Fn(DVec3) -> DVec3, texels: &mut Vec<u32>
         sources.push(last.halved());
     }
     let first = texels.len();
-    texels.resize(first + LEVELS as usize + 1, 0);
-    for level in 0..=LEVELS {
+    let levels = side.ilog2() - 1;
+    texels.resize(first + levels as usize + 1, 0);
+    for level in 0..=levels {
         texels[first + level as usize] = texels.len() as u32;
-        let square = match level {
-            0 => Square::new(side, |at| sources[0].texel(at)),
-            LEVELS => diffuse(&sources),
-            _ => blurred(&sources, side >> level, f64::from(level) / f64::from(LEVELS - 1)),
+        let alpha = libm::exp2(f64::from(level + 1) - f64::from(levels));
+        let square = match side >> level {
+            _ if level == levels => mean(&sources, IRRADIANCE_SIDE, |cosine| cosine),
+            _ if level == 0 => Square::new(side, |at| sources[0].texel(at)),
+            side if side > LEAST_SIDE => blurred(&sources, side, alpha),
+            _ => mean(&sources, LEAST_SIDE, |cosine| lobe(cosine, alpha)),
         };
         texels.extend(square.texels.iter().map(|&texel| encode(texel)));
     }
-    Sky { first: first as u32, side, levels: LEVELS, ..Sky::default() }
+    Sky { first: first as u32, side, levels, ..Sky::default() }
 }
 
 /// The picture as a square; each texel is the mean of four places in it.
@@ -151,11 +154,17 @@ impl Square {
         self.texels[(y as usize + 1) * (self.side as usize + 2) + x as usize + 1]
     }
 
-    /// Half as large, each texel the mean of four.
+    /// Half as large, each texel the mean of four, by their solid angles: a sun stays as bright as it is.
     fn halved(&self) -> Self {
         Self::new(self.side / 2, |[x, y]| {
-            let at = |dx: u32, dy: u32| self.texel([2 * x + dx, 2 * y + dy]);
-            (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) * 0.25
+            let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+            for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let at = [2 * x + dx, 2 * y + dy];
+                let (_, angle) = toward_and_angle(self.side, at);
+                sum += self.texel(at) * angle;
+                total += angle;
+            }
+            sum / total
         })
     }
 
@@ -195,63 +204,77 @@ fn middle(side: u32, [x, y]: [u32; 2]) -> [f64; 2] {
     [x, y].map(|c| (f64::from(c) + 0.5) / f64::from(side))
 }
 
-/// The light that a surface of this roughness reflects, by the microfacet distribution of width
-/// `roughness²` (GGX; Walter et al. 2007), seen head-on (Karis, "Real Shading in Unreal
-/// Engine 4", 2013): the mean of the light from 64 directions, each taken from a square as
-/// coarse as the directions lie apart (Křivánek and Colbert, "Real-time Shading with Filtered
-/// Importance Sampling", 2008).
-fn blurred(sources: &[Square], side: u32, roughness: f64) -> Square {
-    let width = roughness * roughness;
+/// The direction of a texel's middle, and the solid angle of the texel, in proportion to that of others: 1/|p|³
+/// at the point `p` of the octahedron.
+fn toward_and_angle(side: u32, at: [u32; 2]) -> (DVec3, f64) {
+    let p = point(middle(side, at));
+    let length = libm::sqrt(p.length_squared());
+    (p / length, 1.0 / (length * length * length))
+}
+
+/// What light at this cosine from the mirrored ray counts for a lobe of this width: GGX (Walter et al. 2007) of
+/// the half vector, and the cosine, of a surface seen head-on (Karis, "Real Shading in Unreal Engine 4", 2013).
+fn lobe(cosine: f64, alpha: f64) -> f64 {
+    let half2 = (1.0 + cosine) * 0.5;
+    let spread = half2 * (alpha * alpha - 1.0) + 1.0;
+    cosine / (spread * spread)
+}
+
+/// The light that a surface with lobes of width `alpha` mirrors: the mean of the light from 64 directions, as
+/// [`lobe`] distributes them, each taken from a square as coarse as the directions lie apart (Křivánek and
+/// Colbert, "Real-time Shading with Filtered Importance Sampling", 2008).
+fn blurred(sources: &[Square], side: u32, alpha: f64) -> Square {
     let finest = f64::from(sources[0].side);
     // Directions around +y, their weights, and the squares that they are looked up in.
-    let lobe: Vec<(DVec3, f64, usize)> = (0..SAMPLES)
+    let directions: Vec<(DVec3, f64, usize)> = (0..SAMPLES)
         .filter_map(|i| {
             let (turn, height) =
                 (f64::from(i) / f64::from(SAMPLES), f64::from(i.reverse_bits()) / 4_294_967_296.0);
-            let cos2 = (1.0 - height) / (1.0 + (width * width - 1.0) * height);
+            let cos2 = (1.0 - height) / (1.0 + (alpha * alpha - 1.0) * height);
             let (cos, sin) = (libm::sqrt(cos2), libm::sqrt(1.0 - cos2));
             let (s, c) = libm::sincos(TAU * turn);
             let half = DVec3::new(sin * c, cos, sin * s);
             let light = half * (2.0 * half.y) - DVec3::Y;
-            let spread = cos2 * (width * width - 1.0) + 1.0;
-            let density = width * width / (PI * spread * spread) / 4.0;
+            let spread = cos2 * (alpha * alpha - 1.0) + 1.0;
+            let density = alpha * alpha / (PI * spread * spread) / 4.0;
             let apart = 1.0 / (f64::from(SAMPLES) * density);
-            let level = 0.5 * libm::log2(apart * finest * finest / (4.0 * PI)) + 0.5;
+            let level = 0.5 * libm::log2(apart * finest * finest / (4.0 * PI)) + 1.0;
             let level = (level.max(0.0) as usize).min(sources.len() - 1);
             (light.y > 0.0).then_some((light, light.y, level))
         })
         .collect();
-    let weight: f64 = lobe.iter().map(|(_, weight, _)| weight).sum();
+    let total: f64 = directions.iter().map(|(_, weight, _)| weight).sum();
     Square::new(side, |at| {
-        let up = direction(middle(side, at));
+        let (up, _) = toward_and_angle(side, at);
         let (right, ahead) = up.any_orthonormal_pair();
-        let light = lobe
+        let light = directions
             .iter()
             .map(|(d, weight, level)| sources[*level].toward(right * d.x + up * d.y + ahead * d.z) * *weight);
-        light.sum::<DVec3>() / weight
+        light.sum::<DVec3>() / total
     })
 }
 
-/// The light on surfaces, by their normals: the mean over the hemisphere, weighted by
-/// Lambert's cosine and by the solid angle of each texel, which is in proportion to 1/|p|³
-/// at the point `p` of the octahedron.
-fn diffuse(sources: &[Square]) -> Square {
-    let source = sources.iter().rev().find(|square| square.side >= 32).unwrap_or(&sources[0]);
+/// The mean of the light from the hemisphere around each direction, by a weight of the cosine to it: of all
+/// texels of a coarse source, by their solid angles.
+fn mean(sources: &[Square], side: u32, weight: impl Fn(f64) -> f64) -> Square {
+    let source = sources.iter().rev().find(|square| square.side >= WIDE_SOURCE).unwrap_or(&sources[0]);
     let places = (0..source.side).flat_map(|y| (0..source.side).map(move |x| [x, y]));
     let lights: Vec<(DVec3, f64, DVec3)> = places
         .map(|at| {
-            let p = point(middle(source.side, at));
-            let length = libm::sqrt(p.length_squared());
-            (p / length, 1.0 / (length * length * length), source.texel(at))
+            let (toward, angle) = toward_and_angle(source.side, at);
+            (toward, angle, source.texel(at))
         })
         .collect();
-    Square::new(IRRADIANCE_SIDE, |at| {
-        let normal = direction(middle(IRRADIANCE_SIDE, at));
+    Square::new(side, |at| {
+        let (middle, _) = toward_and_angle(side, at);
         let (mut sum, mut total) = (DVec3::ZERO, 0.0);
         for (toward, angle, light) in &lights {
-            let weight = normal.dot(*toward).max(0.0) * angle;
-            sum += *light * weight;
-            total += weight;
+            let cosine = middle.dot(*toward);
+            if cosine > 0.0 {
+                let weight = weight(cosine) * angle;
+                sum += *light * weight;
+                total += weight;
+            }
         }
         sum / total
     })

@@ -4,6 +4,7 @@ use crate::kernel::texture::{DECODE_WORDS, half};
 use crate::layout::{Texture, Wrap};
 use crate::num::{floor, srgb_decode, srgb_encode};
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// The meaning of the bytes of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -15,6 +16,10 @@ pub enum Content {
     SeeThrough,
     /// Numbers from 0 to 1, of 255 steps.
     Numbers,
+    /// Normals, whose coordinates −1 ..= 1 are 0 ..= 255. Texels of coarser levels have the direction of the mean
+    /// of the normals that they cover; alpha, which images of normals do not use, is how much those vary (see
+    /// [`of_map`](crate::kernel::variance::of_map)).
+    Normals,
 }
 
 /// A picture with alpha, 8 bits a channel.
@@ -83,19 +88,28 @@ impl Image {
         texels: &mut Vec<u32>,
     ) -> Result<Texture, ImageError> {
         self.check()?;
+        let mut normals = Vec::new();
         let first = texels.len();
         let levels = self.width.max(self.height).ilog2() as usize + 1;
         texels.resize(first + levels, 0);
         texels[first] = texels.len() as u32;
-        texels.extend(self.rgba.chunks_exact(4).map(|p| u32::from_le_bytes([p[0], p[1], p[2], p[3]])));
+        let is_normal = content == Content::Normals;
+        texels.extend(self.rgba.chunks_exact(4).map(|p| {
+            let alpha = if is_normal { 0 } else { p[3] };
+            u32::from_le_bytes([p[0], p[1], p[2], alpha])
+        }));
         let (mut size, mut start) = ([self.width, self.height], first + levels);
         for level in 1..levels {
             let finer = size;
             size = size.map(half);
-            let coarser: Vec<u32> = (0..size[1])
-                .flat_map(|y| (0..size[0]).map(move |x| [x, y]))
-                .map(|at| average(texels, content, start, finer, size, at))
-                .collect();
+            let places = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
+            let coarser: Vec<u32> = if is_normal {
+                let mean = |at| mean_normal(&texels[start..], &normals, finer, size, at);
+                normals = places.map(mean).collect();
+                normals.iter().copied().map(encode_normal).collect()
+            } else {
+                places.map(|at| average(texels, content, start, finer, size, at)).collect()
+            };
             start = texels.len();
             texels[first + level] = start as u32;
             texels.extend(coarser);
@@ -117,6 +131,59 @@ impl Image {
     }
 }
 
+/// The columns and rows of the finer level that one texel of the coarser covers.
+fn covered(finer: [u32; 2], coarser: [u32; 2], at: [u32; 2]) -> [Range<u32>; 2] {
+    [0, 1].map(|axis| {
+        let end = if at[axis] + 1 == coarser[axis] { finer[axis] } else { 2 * at[axis] + 2 };
+        2 * at[axis]..end.min(finer[axis]).max(2 * at[axis] + 1)
+    })
+}
+
+/// The mean of the normals of the finer level that one texel of the coarser covers. Those of the finest level,
+/// of length 1, are in `texels`, those of others in `normals`.
+fn mean_normal(
+    texels: &[u32],
+    normals: &[[f32; 3]],
+    finer: [u32; 2],
+    coarser: [u32; 2],
+    at: [u32; 2],
+) -> [f32; 3] {
+    let [columns, rows] = covered(finer, coarser, at);
+    let count = (columns.len() * rows.len()) as f32;
+    let mut sum = [0.0_f32; 3];
+    for place in rows.flat_map(|y| columns.clone().map(move |x| (y * finer[0] + x) as usize)) {
+        let normal = normals.get(place).copied().unwrap_or_else(|| decode_normal(texels[place]));
+        sum = [0, 1, 2].map(|axis| sum[axis] + normal[axis]);
+    }
+    sum.map(|sum| sum / count)
+}
+
+/// The normal of a texel of the finest level; straight up where it has no length.
+fn decode_normal(texel: u32) -> [f32; 3] {
+    let normal = [0, 8, 16].map(|shift| (texel >> shift & 255) as f32 / 127.5 - 1.0);
+    unit(normal).map_or([0.0, 0.0, 1.0], |(normal, _)| normal)
+}
+
+/// The vector at length 1, and its length; none for one that is too short.
+fn unit(v: [f32; 3]) -> Option<([f32; 3], f32)> {
+    let length = libm::sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    (length > 1e-3).then(|| (v.map(|c| c / length), length))
+}
+
+/// The texel of a mean of normals: its direction, and, as alpha, the deviation of the normals, 0 ..= 1. Of
+/// normals that vary by `v`, both axes summed, the mean is shorter than 1 by `v / 2`, to first order:
+///
+/// ```text
+/// v = 2 (1 − |mean|) / |mean|
+/// ```
+fn encode_normal(mean: [f32; 3]) -> u32 {
+    let (normal, length) = unit(mean).unwrap_or(([0.0, 0.0, 1.0], 0.0));
+    let deviation = libm::sqrtf((2.0 * (1.0 - length)).max(0.0) / length.max(1e-3)).min(1.0);
+    let byte = |share: f32| floor(share * 255.0 + 0.5) as u32;
+    let [r, g, b] = normal.map(|c| byte((c * 0.5 + 0.5).clamp(0.0, 1.0)));
+    r | g << 8 | b << 16 | byte(deviation) << 24
+}
+
 /// The average of the texels of the finer level that one texel of the coarser covers.
 fn average(
     texels: &[u32],
@@ -127,14 +194,11 @@ fn average(
     at: [u32; 2],
 ) -> u32 {
     let is_light = |channel: usize| channel < 3 && content != Content::Numbers;
-    let range = |axis: usize| {
-        let end = if at[axis] + 1 == coarser[axis] { finer[axis] } else { 2 * at[axis] + 2 };
-        2 * at[axis]..end.min(finer[axis]).max(2 * at[axis] + 1)
-    };
+    let [columns, rows] = covered(finer, coarser, at);
     // Of channels, and of what they count.
     let (mut sum, mut counts) = ([0.0_f32; 4], [0.0_f32; 4]);
-    for y in range(1) {
-        for x in range(0) {
+    for y in rows {
+        for x in columns.clone() {
             let texel = texels[start + (y * finer[0] + x) as usize];
             let seen = if content == Content::SeeThrough { (texel >> 24) as f32 } else { 1.0 };
             for (channel, sum) in sum.iter_mut().enumerate() {
@@ -193,6 +257,32 @@ mod tests {
         assert_eq!((texture.levels, texels.len()), (2, DECODE_WORDS + 2 + 3));
         // Half the light of white is 188 in sRGB, not 128.
         assert_eq!(texels[DECODE_WORDS + 2 + 2], 0xff_bc_bc_bc);
+    }
+
+    fn normals(width: u32, height: u32, rgba: Vec<u8>) -> Vec<u32> {
+        let mut texels = decode_words();
+        let image = Image { width, height, rgba };
+        let levels = image.append([Wrap::Repeat; 2], Content::Normals, &mut texels).unwrap().levels;
+        texels.split_off(DECODE_WORDS + levels as usize)
+    }
+
+    #[test]
+    fn normals_keep_their_mean_and_how_much_they_vary() {
+        let flat = normals(4, 4, [128, 128, 255, 77].repeat(16));
+        assert!(flat.iter().all(|&texel| texel & 0xff_00_00_00 == 0), "{flat:x?}");
+        // Two slopes of 0.5 that face each other: v = 2 (1/cos − 1) of an angle whose tangent is 0.5.
+        let sloped = normals(2, 1, vec![71, 128, 242, 255, 185, 128, 242, 255]);
+        let expected = (2.0 * (1.25_f32.sqrt() - 1.0)).sqrt();
+        let [x, y, z, alpha] = sloped[2].to_le_bytes().map(|byte| f32::from(byte) / 255.0);
+        assert!((x - 0.5).abs() < 0.01 && (y - 0.5).abs() < 0.01 && z > 0.99, "{x} {y} {z}");
+        assert!((alpha - expected).abs() < 0.01, "{alpha} {expected}");
+        // Small slopes too, which bytes of a mean could not tell: 2/127.5 either way.
+        let slight = normals(2, 1, vec![130, 128, 255, 0, 125, 128, 255, 0]);
+        let [.., alpha] = slight[2].to_le_bytes();
+        assert_eq!(alpha, 5);
+        // Where nothing is left of the mean, everything varies.
+        let [.., most] = normals(2, 1, vec![255, 128, 128, 0, 0, 128, 128, 0])[2].to_le_bytes();
+        assert_eq!(most, 255);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::scene::bvh::Bounds;
 use crate::scene::camera::{single, unit};
 use crate::scene::floor::floored;
 use bytemuck::Zeroable;
+use core::f32::consts::PI;
 use glam::{DVec3, Vec3};
 
 /// Where a light shines from.
@@ -21,7 +22,8 @@ pub enum LightKind {
 }
 
 /// A light. A constructor for each kind asks for what the kind cannot do without; setters change the
-/// rest, which is otherwise a white light that does not fade and casts hard shadows. Each field names
+/// rest, which is otherwise a white light that does not fade and casts hard shadows, as bright as shows a white
+/// surface that faces it as white. Each field names
 /// the kinds that read it.
 ///
 /// ```
@@ -39,9 +41,9 @@ pub struct Light {
     pub position: Vec3,
     /// Spots and suns: where the light goes, for a spot in the middle of its cone; any length but 0.
     pub direction: Vec3,
-    /// Linear RGB, within ± [`LIGHT_LIMIT`]: what a white surface reflects that faces a sun, or a point or spot with
-    /// `inverse_square` at a distance of 1: lux or candela divided by π. What
-    /// arrives at distance 0 otherwise.
+    /// Linear RGB, within ± [`LIGHT_LIMIT`]: the illuminance of a surface that faces the light. Lux for a sun, candela for
+    /// points and spots with `inverse_square`; otherwise what arrives at distance 0. A surface of the diffuse color `c`
+    /// shows `c / π` times it. π unless set.
     pub color: Vec3,
     /// Points and spots: world units, more than 0; beyond it the light is 0. `None` for no limit.
     pub reach: Option<f32>,
@@ -72,7 +74,7 @@ impl Light {
             kind: LightKind::Point,
             position: position.into(),
             direction: Vec3::ZERO,
-            color: Vec3::ONE,
+            color: Vec3::splat(PI),
             reach: None,
             inverse_square: false,
             inner: 0.0,

@@ -1,9 +1,9 @@
 //! Materials as people write them, and the records that backends read.
 
-use crate::kernel::reflect::shininess;
 use crate::layout::{AlphaKind, COLOR_LIMIT, LIGHT_LIMIT, MaterialRecord, Texture};
-use crate::scene::SceneError;
 use crate::scene::floor::floored;
+use crate::scene::{Anisotropy, Clearcoat, Iridescence, SceneError, Sheen};
+use bytemuck::Zeroable;
 use core::slice;
 use glam::Vec3;
 
@@ -27,19 +27,18 @@ pub enum AlphaMode {
     Shadows,
 }
 
-/// How a surface answers light: metallic-roughness, as in glTF, with a Blinn-Phong lobe.
+/// How a surface answers light: metallic-roughness, as in glTF.
 ///
 /// ```text
-/// highlight = (specular + (base − specular) · metallic) · (1 − roughness / 2)
-/// diffuse   = base · (1 − metallic / 2)
-/// exponent  = 2 / roughness⁴ − 2, within 1 ..= 8192
+/// diffuse  = base · (1 − metallic) · (1 − F) / π
+/// mirrored = F · D · V,   F = F₀ + (F₉₀ − F₀) · (1 − v·h)⁵
+///
+/// F₀  = specular · strength   towards base, by metallic
+/// F₉₀ = strength              towards 1, by metallic
 /// ```
 ///
-/// The exponent is the usual match between Blinn-Phong and a microfacet lobe of width
-/// `roughness²` (Walter et al. 2007). A metal keeps half of its diffuse color because
-/// without an environment there is nothing for it to mirror but the lights. Maps multiply
-/// base color, metalness and roughness before this is computed, for each ray (see
-/// [`crate::stage::shade`]).
+/// `D` is GGX of width `roughness²` and `V` Smith's visibility (glTF 2.0, Appendix B). Maps multiply base color,
+/// metalness and roughness before this is computed, for each ray (see [`crate::stage::shade`]).
 ///
 /// ```
 /// use rtrt_core::scene::{AlphaMode, Material};
@@ -60,16 +59,22 @@ pub struct Material {
     pub roughness: f32,
     /// The map that multiplies roughness (green) and metalness (blue).
     pub metallic_roughness_map: Option<Texture>,
-    /// Linear RGB within ± [`COLOR_LIMIT`] that a surface that is no metal mirrors head-on. 0.04 unless set.
+    /// Linear RGB, 0 ..= [`COLOR_LIMIT`], that a surface that is no metal mirrors head-on; beyond 1 it counts as 1.
+    /// `((ior − 1) / (ior + 1))²` of an index of refraction. 0.04 unless set, that of 1.5.
     pub specular: Vec3,
-    /// The exponent of the Blinn-Phong lobe, 0 ..= 8192, where there is no map of roughness. That of the
-    /// roughness unless set.
-    pub exponent: Option<f32>,
+    /// The share of light that a surface that is no metal mirrors at grazing angles, 0 ..= 1; multiplies
+    /// `specular`, too. 1 unless set.
+    pub specular_strength: f32,
+    /// The map whose alpha multiplies `specular_strength`.
+    pub specular_map: Option<Texture>,
+    /// The map that multiplies `specular`, sRGB.
+    pub specular_color_map: Option<Texture>,
     /// Light of its own, linear RGB within ± [`LIGHT_LIMIT`], multiplied with its map. Black unless set.
     pub emission: Vec3,
     /// The map of the emission, sRGB.
     pub emission_map: Option<Texture>,
-    /// The map of normals: coordinates along tangent, bitangent and normal, −1 ..= 1 as 0 ..= 255.
+    /// The map of normals, of [`Content::Normals`](crate::scene::Content): coordinates along tangent, bitangent and
+    /// normal.
     pub normal_map: Option<Texture>,
     /// How strongly the map turns normals, within ± [`COLOR_LIMIT`]. 1 unless set.
     pub normal_scale: f32,
@@ -87,6 +92,19 @@ pub struct Material {
     pub double_sided: bool,
     /// Whether the surface shows its base color whatever the light. False unless set.
     pub unlit: bool,
+    /// The share of light that goes through it, tinted by the base color, in place of being scattered, 0 ..= 1: the
+    /// surface is a thin pane. Of no effect with [`AlphaMode::Mask`]. 0 unless set.
+    pub transmission: f32,
+    /// The map that multiplies it (red).
+    pub transmission_map: Option<Texture>,
+    /// A clear coat. None unless set.
+    pub clearcoat: Option<Clearcoat>,
+    /// A sheen. None unless set.
+    pub sheen: Option<Sheen>,
+    /// Scratches along one direction. None unless set.
+    pub anisotropy: Option<Anisotropy>,
+    /// A thin film. None unless set.
+    pub iridescence: Option<Iridescence>,
 }
 
 impl Default for Material {
@@ -99,7 +117,9 @@ impl Default for Material {
             roughness: 1.0,
             metallic_roughness_map: None,
             specular: Vec3::splat(DIELECTRIC),
-            exponent: None,
+            specular_strength: 1.0,
+            specular_map: None,
+            specular_color_map: None,
             emission: Vec3::ZERO,
             emission_map: None,
             normal_map: None,
@@ -110,6 +130,12 @@ impl Default for Material {
             alpha_mode: AlphaMode::Opaque,
             double_sided: true,
             unlit: false,
+            transmission: 0.0,
+            transmission_map: None,
+            clearcoat: None,
+            sheen: None,
+            anisotropy: None,
+            iridescence: None,
         }
     }
 }
@@ -158,10 +184,52 @@ impl Material {
         Self { metallic_roughness_map: map.into(), ..self }
     }
 
-    /// The material whose highlights have this color and, with `Some`, this exponent.
+    /// The material that mirrors this color head-on where it is no metal.
     #[must_use]
-    pub fn specular(self, specular: impl Into<Vec3>, exponent: impl Into<Option<f32>>) -> Self {
-        Self { specular: specular.into(), exponent: exponent.into(), ..self }
+    pub fn specular(self, specular: impl Into<Vec3>) -> Self {
+        Self { specular: specular.into(), ..self }
+    }
+
+    /// The material that mirrors this share of light where it is no metal.
+    #[must_use]
+    pub fn specular_strength(self, specular_strength: f32) -> Self {
+        Self { specular_strength, ..self }
+    }
+
+    /// The material with maps of the strength (alpha) and of the color (sRGB) of what it mirrors.
+    #[must_use]
+    pub fn specular_maps(self, strength: Option<Texture>, color: Option<Texture>) -> Self {
+        Self { specular_map: strength, specular_color_map: color, ..self }
+    }
+
+    /// The material that lets this share of light through.
+    #[must_use]
+    pub fn transmission(self, transmission: f32, map: impl Into<Option<Texture>>) -> Self {
+        Self { transmission, transmission_map: map.into(), ..self }
+    }
+
+    /// The material with a clear coat.
+    #[must_use]
+    pub fn clearcoat(self, clearcoat: impl Into<Option<Clearcoat>>) -> Self {
+        Self { clearcoat: clearcoat.into(), ..self }
+    }
+
+    /// The material with a sheen.
+    #[must_use]
+    pub fn sheen(self, sheen: impl Into<Option<Sheen>>) -> Self {
+        Self { sheen: sheen.into(), ..self }
+    }
+
+    /// The material with scratches along one direction.
+    #[must_use]
+    pub fn anisotropy(self, anisotropy: impl Into<Option<Anisotropy>>) -> Self {
+        Self { anisotropy: anisotropy.into(), ..self }
+    }
+
+    /// The material with a thin film.
+    #[must_use]
+    pub fn iridescence(self, iridescence: impl Into<Option<Iridescence>>) -> Self {
+        Self { iridescence: iridescence.into(), ..self }
     }
 
     /// The material with light of its own.
@@ -228,16 +296,12 @@ impl Material {
             AlphaMode::Mask { cutoff } => (AlphaKind::Mask, cutoff),
             AlphaMode::Blend | AlphaMode::Shadows => (AlphaKind::Blend, 0.5),
         };
-        let maps = [
-            self.base_color_map,
-            self.normal_map,
-            self.metallic_roughness_map,
-            self.occlusion_map,
-            self.emission_map,
-        ];
+        let transmits = self.transmission > 0.0 && kind != AlphaKind::Mask;
+        let ignores_alpha = transmits && kind == AlphaKind::Opaque;
+        let kind = if transmits { AlphaKind::Blend } else { kind };
         let mut record = MaterialRecord {
             base: self.base_color.to_array(),
-            shininess: self.exponent.unwrap_or_else(|| shininess(self.roughness)),
+            strength: self.specular_strength,
             specular: self.specular.to_array(),
             metallic: self.metallic,
             emission: self.emission.to_array(),
@@ -252,10 +316,46 @@ impl Material {
             alpha_mode: kind as u32,
             cutoff,
             double_sided: u32::from(self.double_sided),
-            textures: maps.map(|map| map.unwrap_or(Texture::NONE)),
+            brushed_turn: [1.0, 0.0],
+            transmission: if transmits { self.transmission } else { 0.0 },
+            textures: [Texture::NONE; MaterialRecord::TEXTURES],
+            ..MaterialRecord::zeroed()
         };
         if self.alpha_mode == AlphaMode::Shadows {
             (record.base, record.alpha) = ([0.0; 3], 0.0);
+        }
+        for (place, map) in [
+            (MaterialRecord::COLOR, self.base_color_map),
+            (MaterialRecord::NORMAL, self.normal_map),
+            (MaterialRecord::ROUGHNESS, self.metallic_roughness_map),
+            (MaterialRecord::OCCLUSION, self.occlusion_map),
+            (MaterialRecord::EMISSION, self.emission_map),
+            (MaterialRecord::SPECULAR, self.specular_map),
+            (MaterialRecord::SPECULAR_COLOR, self.specular_color_map),
+            (MaterialRecord::TRANSMISSION, self.transmission_map),
+        ] {
+            record.textures[place] = map.unwrap_or(Texture::NONE);
+        }
+        if self.specular_map.is_some() || self.specular_color_map.is_some() {
+            record.extensions |= MaterialRecord::SPECULAR_MAPS;
+        }
+        if transmits {
+            record.extensions |= MaterialRecord::TRANSMITS;
+        }
+        if ignores_alpha {
+            record.extensions |= MaterialRecord::IGNORES_ALPHA;
+        }
+        if let Some(clearcoat) = &self.clearcoat {
+            clearcoat.record(&mut record);
+        }
+        if let Some(sheen) = &self.sheen {
+            sheen.record(&mut record);
+        }
+        if let Some(anisotropy) = &self.anisotropy {
+            anisotropy.record(&mut record);
+        }
+        if let Some(iridescence) = &self.iridescence {
+            iridescence.record(&mut record);
         }
         check(&mut record)?;
         Ok(record)
@@ -268,18 +368,31 @@ impl Material {
 /// A number is not finite, or out of its range.
 fn check(m: &mut MaterialRecord) -> Result<(), SceneError> {
     within("base color", &mut m.base, -COLOR_LIMIT, COLOR_LIMIT)?;
-    within("highlight", &mut m.specular, -COLOR_LIMIT, COLOR_LIMIT)?;
+    within("specular color", &mut m.specular, 0.0, COLOR_LIMIT)?;
     within("emission", &mut m.emission, -LIGHT_LIMIT, LIGHT_LIMIT)?;
+    within("color of the sheen", &mut m.sheen, 0.0, 1.0)?;
+    within("thickness of the film", &mut m.film_thickness, 0.0, 65_536.0)?;
+    within("rotation of scratches", &mut m.brushed_turn, -1.0, 1.0)?;
     for (what, value, low, high) in [
         ("metalness", &mut m.metallic, 0.0, 1.0),
         ("roughness", &mut m.roughness, 0.0, 1.0),
-        ("exponent", &mut m.shininess, 0.0, 8192.0),
+        ("specular strength", &mut m.strength, 0.0, 1.0),
         ("strength of occlusion", &mut m.occlusion, 0.0, 1.0),
         ("strength of the normal map", &mut m.bump, -COLOR_LIMIT, COLOR_LIMIT),
         ("alpha", &mut m.alpha, 0.0, COLOR_LIMIT),
         ("cutoff", &mut m.cutoff, -COLOR_LIMIT, COLOR_LIMIT),
+        ("share of the coat", &mut m.coat, 0.0, 1.0),
+        ("roughness of the coat", &mut m.coat_roughness, 0.0, 1.0),
+        ("strength of the coat's normal map", &mut m.coat_bump, -COLOR_LIMIT, COLOR_LIMIT),
+        ("roughness of the sheen", &mut m.sheen_roughness, 0.0, 1.0),
+        ("strength of scratches", &mut m.brushed, 0.0, 1.0),
+        ("share of the film", &mut m.film, 0.0, 1.0),
+        ("transmission", &mut m.transmission, 0.0, 1.0),
     ] {
         within(what, slice::from_mut(value), low, high)?;
+    }
+    if m.extensions & MaterialRecord::HAS_FILM != 0 {
+        within("index of refraction of the film", slice::from_mut(&mut m.film_ior), 1.0, 8.0)?;
     }
     for texture in &m.textures {
         let [u, v] = texture.turn;
@@ -326,7 +439,7 @@ mod tests {
             |m| &mut m.base_color.z,
             |m| &mut m.specular.y,
             |m| &mut m.emission.x,
-            |m| m.exponent.insert(1.0),
+            |m| &mut m.specular_strength,
             |m| &mut m.metallic,
             |m| &mut m.roughness,
             |m| &mut m.occlusion_strength,
@@ -358,16 +471,17 @@ mod tests {
     #[test]
     fn a_record_says_what_the_material_says() {
         let rough = Material::default().roughness(0.5).record().unwrap();
-        assert_eq!((rough.shininess, rough.specular), (shininess(0.5), [DIELECTRIC; 3]));
+        assert_eq!((rough.roughness, rough.specular, rough.strength), (0.5, [DIELECTRIC; 3], 1.0));
         assert_eq!((rough.alpha_mode, rough.double_sided, rough.unlit), (0, 1, 0));
         let leaf = Material::default().mask(0.25).double_sided(false).unlit(true).record().unwrap();
         assert_eq!((leaf.alpha_mode, leaf.cutoff), (AlphaKind::Mask as u32, 0.25));
         assert_eq!((leaf.double_sided, leaf.unlit), (0, 1));
         let ground = Material { alpha: 1.0, ..Material::shadow_catcher() }.record().unwrap();
         assert_eq!((ground.alpha_mode, ground.alpha, ground.unlit, ground.base), (2, 0.0, 2, [0.0; 3]));
-        let glass = Material::default().blend(0.3).specular([0.5; 3], 7.0).record().unwrap();
+        let glass =
+            Material::default().blend(0.3).specular([0.5; 3]).specular_strength(0.7).record().unwrap();
         assert_eq!((glass.alpha_mode, glass.alpha), (AlphaKind::Blend as u32, 0.3));
-        assert_eq!((glass.shininess, glass.specular), (7.0, [0.5; 3]));
+        assert_eq!((glass.strength, glass.specular), (0.7, [0.5; 3]));
         let map = Texture { levels: 3, ..Texture::NONE };
         let mapped = Material::default().normal_map(map, 2.0).record().unwrap();
         assert_eq!((mapped.textures[MaterialRecord::NORMAL], mapped.bump), (map, 2.0));

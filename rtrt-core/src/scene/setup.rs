@@ -190,6 +190,7 @@ impl Setup {
             first_seen,
             seen,
             details: u32::from(scene.has_details()),
+            extensions: scene.extensions(),
             sky_first: scene.sky().first,
             sky_side: scene.sky().side,
             sky_levels: scene.sky().levels,
@@ -239,7 +240,7 @@ mod tests {
         }
         scene.add_light(Light::sun(Vec3::Y + small).color(small).radius(1e-40));
         let mut material = Material::new([1e-40; 3]).roughness(0.5).emission(small.to_array());
-        material.exponent = Some(1e-40);
+        material.specular_strength = 1e-40;
         scene.add_material(material).unwrap();
         let camera = Camera {
             eye: small,
@@ -277,7 +278,7 @@ mod tests {
         assert_eq!(denormal(&[magnitude]), None);
         let material = &scene.materials()[0];
         let colors = [material.base, material.specular, material.emission];
-        assert_eq!((denormal(colors.as_flattened()), material.shininess), (None, 0.0));
+        assert_eq!((denormal(colors.as_flattened()), material.strength), (None, 0.0));
     }
 
     #[test]

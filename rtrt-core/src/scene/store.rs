@@ -508,9 +508,14 @@ impl Scene {
     pub(super) fn has_details(&self) -> bool {
         let asks = |m: &MaterialRecord| {
             m.textures[MaterialRecord::NORMAL].levels > 0
+                || m.extensions & (MaterialRecord::HAS_COAT | MaterialRecord::IS_BRUSHED) != 0
                 || m.textures.iter().any(|t| t.levels > 0 && t.set > 0)
         };
         self.material_records.iter().any(asks)
+    }
+    /// What any of the materials has beyond metallic-roughness.
+    pub(super) fn extensions(&self) -> u32 {
+        self.material_records.iter().fold(0, |all, material| all | material.extensions)
     }
     /// The most general alpha mode of all instances.
     pub(super) fn see_through(&self) -> AlphaKind {

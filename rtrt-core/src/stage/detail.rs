@@ -1,4 +1,5 @@
-//! Detail: a second set of texture coordinates, and normals from textures, where a material has them.
+//! Detail: a second set of texture coordinates, normals from textures, normals of coats and tangents of brushed
+//! surfaces, where a material has them.
 //!
 //! Runs after `surface`, and only in frames of scenes that have such materials
 //! ([`Frame::details`](crate::layout::Frame)). A normal is needed before light; all other textures are
@@ -7,16 +8,18 @@
 
 use crate::kernel::closest_hit::{ClosestHit, ClosestHitRows};
 use crate::kernel::interpolate::Weights;
-use crate::kernel::tangent::{bumped, direction, unpack};
+use crate::kernel::tangent::{bumped, direction, pack_direction, unpack};
 use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, sample};
+use crate::kernel::variance::of_map;
 use crate::lane::{Bits, Lane, Mask, Select, V3};
-use crate::layout::{Instance, MaterialRecord, NONE};
-use crate::num::{FLOOR, flush, flush3, recip, sqrt};
+use crate::layout::{Frame, Instance, MaterialRecord, NONE};
+use crate::num::{FLOOR, flush, flush3, normalize, recip, sqrt};
 use crate::stage::surface::{Identity, OfInstance, Space, Surfaces, Vertices, triangles};
 
 /// The surfaces with normal maps and second texture coordinates applied.
 #[inline(always)]
 pub fn detail<L: Lane>(
+    frame: &Frame,
     maps: &Maps<'_>,
     vertices: &Vertices<'_>,
     best: &ClosestHit<L>,
@@ -27,7 +30,7 @@ pub fn detail<L: Lane>(
         return *surfaces;
     }
     let second = with_second_set(vertices, best, surfaces);
-    Surfaces { normal: normal(maps, vertices, best, &second), ..second }
+    relief(frame, maps, vertices, best, &second)
 }
 
 /// The surfaces with their second set of texture coordinates, where their meshes have one.
@@ -107,31 +110,47 @@ fn second_set<L: Lane>(vertices: &Vertices<'_>, found: &ClosestHitRows<L>, lane:
     [[number(a), number(a + 1), number(b), number(b + 1)], [number(c), number(c + 1), area, 0.0]]
 }
 
-/// Whether a material has a normal map, and its scale.
+/// What asks for tangents: normal maps, with their scales, and brushed surfaces, with their direction.
 struct Bumps;
 
-impl MaterialField<2> for Bumps {
+impl MaterialField<7> for Bumps {
     #[inline(always)]
-    fn pick(material: &MaterialRecord) -> [f32; 2] {
-        [material.textures[MaterialRecord::NORMAL].levels as f32, material.bump]
+    fn pick(material: &MaterialRecord) -> [f32; 7] {
+        let levels = |map: usize| material.textures[map].levels as f32;
+        let [cosine, sine] = material.brushed_turn;
+        let brushed = (material.extensions & MaterialRecord::IS_BRUSHED) as f32;
+        let (normal, coat) = (levels(MaterialRecord::NORMAL), levels(MaterialRecord::COAT_NORMAL));
+        [normal, material.bump, coat, material.coat_bump, brushed, cosine, sine]
     }
 }
 
-/// The normals, turned by the normal maps of the materials that have one; see [`bumped`].
+/// The surfaces whose normals are turned by the normal maps of the materials that have one (see [`bumped`]), and
+/// vary by the maps' part, too; with the normals of coats, and the directions of brushed surfaces.
 #[inline(always)]
-fn normal<L: Lane>(
+fn relief<L: Lane>(
+    frame: &Frame,
     maps: &Maps<'_>,
     vertices: &Vertices<'_>,
     best: &ClosestHit<L>,
     surfaces: &Surfaces<L>,
-) -> V3<L> {
+) -> Surfaces<L> {
     let token = surfaces.footprint.token();
     let zero = surfaces.footprint.broadcast(0.0);
+    let has_coats = frame.has(MaterialRecord::HAS_COAT);
+    let is_brushed = frame.has(MaterialRecord::IS_BRUSHED);
+    let mut found_surfaces = *surfaces;
+    if has_coats {
+        let none = surfaces.material.broadcast(0);
+        let found = surfaces.material.gt(none);
+        found_surfaces.coat_normal = found.select(pack_direction(surfaces.normal), none);
+    }
     let chosen = MaterialLookup::new(surfaces.material);
-    let [levels, scale]: [L; 2] = chosen.numbers::<Bumps, 2>(token, maps);
-    let wanted = levels.gt(zero);
+    let [levels, scale, coat_levels, coat_scale, brushed, cosine, sine]: [L; 7] =
+        chosen.numbers::<Bumps, 7>(token, maps);
+    let (is_bumped, is_coat_bumped, brushed) = (levels.gt(zero), coat_levels.gt(zero), brushed.gt(zero));
+    let wanted = is_bumped | is_coat_bumped | brushed;
     if !wanted.any() {
-        return surfaces.normal;
+        return found_surfaces;
     }
     let found = best.rows();
     let [[nax, nay, naz, sa], [nbx, nby, nbz, ta], [ncx, ncy, ncz, sb], [tb, sc, tc, sign]] =
@@ -141,7 +160,7 @@ fn normal<L: Lane>(
         );
     let has = wanted & sign.abs().gt(zero);
     if !has.any() {
-        return surfaces.normal;
+        return found_surfaces;
     }
     let weights = Weights::new(best.u, best.v);
     let vertex_normal = weights.mix3(
@@ -161,10 +180,44 @@ fn normal<L: Lane>(
         (vertex_normal, along, up)
     };
     let behind = vertex_normal.dot(surfaces.normal).lt(zero);
-    let [x, y, z, _] = sample::<L, { MaterialRecord::NORMAL }, false>(maps, &chosen, &surfaces.tex_coords());
-    let map = [(x * 2.0 - 1.0) * scale, (y * 2.0 - 1.0) * scale, z * 2.0 - 1.0];
-    let turned = bumped(surfaces.normal, along, up, behind, map);
-    V3::select(has, flush3(turned), surfaces.normal)
+    let tex_coords = surfaces.tex_coords();
+    let bumps = has & is_bumped;
+    if bumps.any() {
+        let [x, y, z, deviation] = sample::<L, { MaterialRecord::NORMAL }, false>(maps, &chosen, &tex_coords);
+        let map = [(x * 2.0 - 1.0) * scale, (y * 2.0 - 1.0) * scale, z * 2.0 - 1.0];
+        let turned = flush3(bumped(surfaces.normal, along, up, behind, map));
+        found_surfaces.normal = V3::select(bumps, turned, surfaces.normal);
+        let variance = surfaces.variance + of_map(deviation, scale);
+        found_surfaces.variance = bumps.select(variance, surfaces.variance);
+    }
+    if has_coats {
+        let bumps = has & is_coat_bumped;
+        let [x, y, z, _] = sample::<L, { MaterialRecord::COAT_NORMAL }, false>(maps, &chosen, &tex_coords);
+        let map = [(x * 2.0 - 1.0) * coat_scale, (y * 2.0 - 1.0) * coat_scale, z * 2.0 - 1.0];
+        let turned = bumped(surfaces.normal, along, up, behind, map);
+        found_surfaces.coat_normal = bumps.select(pack_direction(turned), found_surfaces.coat_normal);
+    }
+    if is_brushed {
+        let [x, y, ..] = sample::<L, { MaterialRecord::BRUSHED }, false>(maps, &chosen, &tex_coords);
+        // White without a texture: the tangent itself.
+        let levels = chosen.numbers::<BrushedLevels, 1>(token, maps);
+        let has_map = levels[0].gt(zero);
+        let (x, y) = (has_map.select(x * 2.0 - 1.0, x), has_map.select(y * 2.0 - 1.0, zero));
+        let turned =
+            normalize(along).scale(x * cosine - y * sine) + normalize(up).scale(x * sine + y * cosine);
+        found_surfaces.tangent = (has & brushed).select(pack_direction(turned), found_surfaces.tangent);
+    }
+    found_surfaces
+}
+
+/// Whether a brushed surface has a texture of its direction.
+struct BrushedLevels;
+
+impl MaterialField<1> for BrushedLevels {
+    #[inline(always)]
+    fn pick(material: &MaterialRecord) -> [f32; 1] {
+        [material.textures[MaterialRecord::BRUSHED].levels as f32]
+    }
 }
 
 /// The normals of the corners of one lane's triangle, object space, beside and before two
@@ -229,7 +282,7 @@ mod tests {
         let maps = Maps { materials: scene.materials(), texels: scene.texels() };
         let (instances, mesh_data) = (context.geometry.instances, scene.mesh_data());
         let vertices = Vertices { instances, mesh_data, attributes: scene.attributes() };
-        [plain, detail(&maps, &vertices, &closest, &plain)].map(|surfaces| surfaces.lane(0))
+        [plain, detail(context.frame, &maps, &vertices, &closest, &plain)].map(|surfaces| surfaces.lane(0))
     }
 
     #[test]

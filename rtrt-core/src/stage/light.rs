@@ -1,14 +1,17 @@
 //! Light: the sum of all lights that reach a surface.
 
 use crate::grid::RayIndex;
+use crate::kernel::brushed::Brushed;
 use crate::kernel::cone::cone;
 use crate::kernel::falloff::falloff;
-use crate::kernel::reflect::{blinn_phong, lambert, shininess};
-use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, TexCoords, sample};
+use crate::kernel::microfacet::{Microfacets, alpha_squared, lambert};
+use crate::kernel::tangent::unpack_direction;
+use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, sample};
 use crate::kernel::transmittance::color;
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{Frame, Lit, MaterialRecord, View};
 use crate::num::{flush, flush3, normalize, sqrt};
+use crate::stage::coating::Coating;
 use crate::stage::occlusion::{LIGHTS_PER_WORD, to_light};
 use crate::stage::surface::Surfaces;
 
@@ -17,15 +20,24 @@ use crate::stage::surface::Surfaces;
 pub struct IncomingLight<L> {
     /// For the diffuse color.
     pub diffuse: V3<L>,
-    /// For the highlight.
+    /// For the color mirrored head-on.
     pub specular: V3<L>,
+    /// For what is mirrored at grazing angles.
+    pub grazing: V3<L>,
+    /// What coats and sheens send to the viewer.
+    pub coating: V3<L>,
 }
 
 impl IncomingLight<f32> {
     /// A lane of width 1 from its record.
     #[inline(always)]
     pub fn new(record: &Lit) -> Self {
-        Self { diffuse: V3::splat((), record.diffuse), specular: V3::splat((), record.specular) }
+        Self {
+            diffuse: V3::splat((), record.diffuse),
+            specular: V3::splat((), record.specular),
+            grazing: V3::splat((), record.grazing),
+            coating: V3::splat((), record.coating),
+        }
     }
 }
 
@@ -33,7 +45,8 @@ impl<L: Lane> IncomingLight<L> {
     /// Nothing.
     #[inline(always)]
     pub fn dark(token: L::Token) -> Self {
-        Self { diffuse: V3::splat(token, [0.0; 3]), specular: V3::splat(token, [0.0; 3]) }
+        let none = V3::splat(token, [0.0; 3]);
+        Self { diffuse: none, specular: none, grazing: none, coating: none }
     }
     /// The record of one lane.
     #[inline(always)]
@@ -43,7 +56,12 @@ impl<L: Lane> IncomingLight<L> {
     /// The lanes one by one. Take them out once, before a loop over lanes.
     #[inline(always)]
     pub fn rows(&self) -> IncomingLightRows<L> {
-        IncomingLightRows { diffuse: self.diffuse.row(), specular: self.specular.row() }
+        IncomingLightRows {
+            diffuse: self.diffuse.row(),
+            specular: self.specular.row(),
+            grazing: self.grazing.row(),
+            coating: self.coating.row(),
+        }
     }
 }
 
@@ -52,13 +70,20 @@ impl<L: Lane> IncomingLight<L> {
 pub struct IncomingLightRows<L: Lane> {
     diffuse: V3<L::Row>,
     specular: V3<L::Row>,
+    grazing: V3<L::Row>,
+    coating: V3<L::Row>,
 }
 
 impl<L: Lane> IncomingLightRows<L> {
     /// The record of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Lit {
-        Lit { diffuse: self.diffuse.at(lane), specular: self.specular.at(lane) }
+        Lit {
+            diffuse: self.diffuse.at(lane),
+            specular: self.specular.at(lane),
+            grazing: self.grazing.at(lane),
+            coating: self.coating.at(lane),
+        }
     }
 }
 
@@ -95,7 +120,7 @@ pub fn light<L: Lane>(
     surfaces: &Surfaces<L>,
 ) -> IncomingLight<L> {
     let answered = answered(frame, views, maps, shadows, first, direction, surfaces);
-    if frame.has_layers() {
+    if frame.has(MaterialRecord::IS_SHADOW_CATCHER) {
         caught(frame, views, maps, shadows, first, surfaces, &answered)
     } else {
         answered
@@ -127,11 +152,8 @@ fn caught<L: Lane>(
     let mut number = 0;
     while number < frame.lights {
         let view = &views[frame.light_view(number) as usize];
-        let (to_light, _) = to_light(frame, view, first, surfaces.origin);
-        let toward = normalize(to_light);
-        let strength = lambert(surfaces.normal, toward) * falloff(view, sqrt(to_light.dot(to_light)));
-        let strength = if view.cone_scale == 0.0 { strength } else { strength * cone(view, toward) };
-        let sent = flush3(V3::splat(token, view.color).scale(flush(strength)));
+        let beam = Beam::new(frame, view, first, surfaces.origin, surfaces.normal);
+        let sent = flush3(V3::splat(token, view.color).scale(flush(beam.strength * beam.cosine)));
         let passed = if frame.has_transmittance() {
             flush3(times(sent, color((shadows.transmittance)(number))))
         } else {
@@ -146,6 +168,30 @@ fn caught<L: Lane>(
     IncomingLight {
         diffuse: V3::select(catches, reached, light.diffuse),
         specular: V3::select(catches, missing, light.specular),
+        ..*light
+    }
+}
+
+/// How a light reaches surfaces.
+#[derive(Clone, Copy)]
+struct Beam<L> {
+    /// The direction to the light, of unit length.
+    toward: V3<L>,
+    /// Of the normal and `toward`, at least 0.
+    cosine: L,
+    /// The share that distance and cone leave.
+    strength: L,
+}
+
+impl<L: Lane> Beam<L> {
+    #[inline(always)]
+    fn new(frame: &Frame, light: &View, first: RayIndex, origin: V3<L>, normal: V3<L>) -> Self {
+        let (to_light, _) = to_light(frame, light, first, origin);
+        let toward = normalize(to_light);
+        let cosine = lambert(normal, toward);
+        let strength = falloff(light, sqrt(to_light.dot(to_light)));
+        let strength = if light.cone_scale == 0.0 { strength } else { strength * cone(light, toward) };
+        Self { toward, cosine, strength }
     }
 }
 
@@ -183,8 +229,21 @@ fn answered<L: Lane>(
     if !lit.any() {
         return sum;
     }
-    let shininess = exponent(maps, lit.select(surfaces.material, none), &surfaces.tex_coords());
-    let receiver = Receiver { first, direction, surfaces, shininess };
+    let materials = lit.select(surfaces.material, none);
+    let finish = Finish::new(frame, maps, materials, surfaces);
+    let alpha_squared = alpha_squared(finish.roughness, surfaces.variance);
+    let to_viewer = normalize(-direction);
+    let facets = Microfacets::new(surfaces.normal, to_viewer, alpha_squared);
+    let (origin, normal) = (surfaces.origin, surfaces.normal);
+    let mut receiver = Receiver { first, origin, normal, facets, finish, brushed: None, coating: None };
+    if frame.has(MaterialRecord::IS_BRUSHED) {
+        let tangent = unpack_direction(surfaces.tangent);
+        let brushed = Brushed::new(surfaces.normal, tangent, to_viewer, alpha_squared, finish.brushed);
+        receiver.brushed = Some(brushed);
+    }
+    if frame.has(MaterialRecord::HAS_COAT | MaterialRecord::HAS_SHEEN) {
+        receiver.coating = Some(Coating::new(frame, maps, materials, surfaces, to_viewer));
+    }
     let mut light = 0;
     while light < frame.lights {
         let transmittance = if frame.has_transmittance() {
@@ -199,41 +258,79 @@ fn answered<L: Lane>(
     sum
 }
 
-/// The exponents of the highlights of surfaces, by their materials; any number where there is no material.
-#[inline(always)]
-fn exponent<L: Lane>(maps: &Maps<'_>, materials: L::Bits, tex_coords: &TexCoords<L>) -> L {
-    let token = tex_coords.footprint[0].token();
-    let chosen = MaterialLookup::new(materials);
-    let [exponent, roughness, levels]: [L; 3] = chosen.numbers::<Gloss, 3>(token, maps);
-    let textured = levels.gt(levels.broadcast(0.0));
-    if !textured.any() {
-        return exponent;
-    }
-    let texture = sample::<L, { MaterialRecord::ROUGHNESS }, false>(maps, &chosen, tex_coords);
-    textured.select(shininess(roughness * texture[1]), exponent)
+/// What the highlights of surfaces depend on, by their materials; any numbers where there is no material.
+#[derive(Clone, Copy)]
+struct Finish<L> {
+    roughness: L,
+    /// The share that surfaces mirror at grazing angles if they are no metals.
+    strength: L,
+    /// How much rougher they are along their tangents.
+    brushed: L,
 }
 
-/// What the highlight of a material depends on.
-struct Gloss;
-
-impl MaterialField<3> for Gloss {
+impl<L: Lane> Finish<L> {
     #[inline(always)]
-    fn pick(material: &MaterialRecord) -> [f32; 3] {
-        let levels = material.textures[MaterialRecord::ROUGHNESS].levels as f32;
-        [material.shininess, material.roughness, levels]
+    fn new(frame: &Frame, maps: &Maps<'_>, materials: L::Bits, surfaces: &Surfaces<L>) -> Self {
+        let (token, tex_coords) = (surfaces.footprint.token(), surfaces.tex_coords());
+        let zero = surfaces.footprint.broadcast(0.0);
+        let chosen = MaterialLookup::new(materials);
+        let [roughness, strength]: [L; 2] = chosen.numbers::<Highlight, 2>(token, maps);
+        let [_, rough, ..] = sample::<L, { MaterialRecord::ROUGHNESS }, false>(maps, &chosen, &tex_coords);
+        let mut finish = Self { roughness: roughness * rough, strength, brushed: zero };
+        if frame.has(MaterialRecord::SPECULAR_MAPS) {
+            let [.., share] = sample::<L, { MaterialRecord::SPECULAR }, false>(maps, &chosen, &tex_coords);
+            finish.strength = strength * share;
+        }
+        if frame.has(MaterialRecord::IS_BRUSHED) {
+            finish.brushed = brushed(maps, &chosen, surfaces);
+        }
+        finish
+    }
+}
+
+/// How much rougher surfaces are along their tangents, 0 ..= 1; 0 for those without tangents.
+#[inline(always)]
+pub(super) fn brushed<L: Lane>(maps: &Maps<'_>, chosen: &MaterialLookup<L>, surfaces: &Surfaces<L>) -> L {
+    let tex_coords = surfaces.tex_coords();
+    let [strength]: [L; 1] = chosen.numbers::<Strength, 1>(surfaces.footprint.token(), maps);
+    let [_, _, share, _] = sample::<L, { MaterialRecord::BRUSHED }, false>(maps, chosen, &tex_coords);
+    let has_tangent = surfaces.tangent.gt(surfaces.tangent.broadcast(0));
+    has_tangent.select(strength * share, strength.broadcast(0.0))
+}
+
+/// What a highlight depends on.
+struct Highlight;
+
+impl MaterialField<2> for Highlight {
+    #[inline(always)]
+    fn pick(material: &MaterialRecord) -> [f32; 2] {
+        [material.roughness, material.strength]
+    }
+}
+
+/// How brushed a surface is.
+struct Strength;
+
+impl MaterialField<1> for Strength {
+    #[inline(always)]
+    fn pick(material: &MaterialRecord) -> [f32; 1] {
+        [material.brushed]
     }
 }
 
 /// What lights arrive at: surfaces, and the rays that hit them.
-struct Receiver<'a, L: Lane> {
+struct Receiver<L: Lane> {
     first: RayIndex,
-    direction: V3<L>,
-    surfaces: &'a Surfaces<L>,
-    /// The exponents of highlights.
-    shininess: L,
+    origin: V3<L>,
+    normal: V3<L>,
+    facets: Microfacets<L>,
+    finish: Finish<L>,
+    /// In frames that have such.
+    brushed: Option<Brushed<L>>,
+    coating: Option<Coating<L>>,
 }
 
-impl<L: Lane> Receiver<'_, L> {
+impl<L: Lane> Receiver<L> {
     /// `sum` plus what a light adds to it in the lanes whose `transmittance` is not 0: a color, or, in
     /// frames whose shadows are bits, 1.
     #[inline(always)]
@@ -244,24 +341,36 @@ impl<L: Lane> Receiver<'_, L> {
         transmittance: L::Bits,
         sum: &IncomingLight<L>,
     ) -> IncomingLight<L> {
-        let Self { first, direction, surfaces, shininess } = *self;
-        let token = surfaces.footprint.token();
+        let Self { first, origin, normal, facets, finish, brushed, coating } = *self;
+        let token = normal.x.token();
         let reached = transmittance.gt(transmittance.broadcast(0));
         if !reached.any() {
             return *sum;
         }
-        let (to_light, _) = to_light(frame, light, first, surfaces.origin);
-        let toward = normalize(to_light);
-        let strength = lambert(surfaces.normal, toward) * falloff(light, sqrt(to_light.dot(to_light)));
-        let strength = if light.cone_scale == 0.0 { strength } else { strength * cone(light, toward) };
+        let Beam { toward, cosine, strength } = Beam::new(frame, light, first, origin, normal);
         let strength = reached.select(strength, strength.broadcast(0.0));
-        let lobe = blinn_phong(surfaces.normal, toward, normalize(-direction), shininess);
         // Off its peak a lobe is so small that some devices keep its products and others do not.
-        let arriving = V3::splat(token, light.color).scale(strength);
+        let arriving = V3::splat(token, light.color).scale(flush(strength));
         let arriving =
             if frame.has_transmittance() { times(arriving, color(transmittance)) } else { arriving };
-        let diffuse = flush3(arriving);
-        IncomingLight { diffuse: sum.diffuse + diffuse, specular: sum.specular + flush3(diffuse.scale(lobe)) }
+        let arriving = flush3(arriving);
+        let mut response = facets.respond(toward, cosine, finish.strength);
+        if let Some(brushed) = brushed {
+            let is_brushed = finish.brushed.gt(cosine.broadcast(0.0));
+            let other = brushed.respond(toward, cosine, finish.strength);
+            response.specular = is_brushed.select(other.specular, response.specular);
+            response.grazing = is_brushed.select(other.grazing, response.grazing);
+        }
+        let mut sum = IncomingLight {
+            diffuse: sum.diffuse + flush3(arriving.scale(response.diffuse)),
+            specular: sum.specular + flush3(arriving.scale(response.specular)),
+            grazing: sum.grazing + flush3(arriving.scale(response.grazing)),
+            coating: sum.coating,
+        };
+        if let Some(coating) = coating {
+            sum.coating = sum.coating + flush3(times(arriving, coating.respond(frame, toward, cosine)));
+        }
+        sum
     }
 }
 
@@ -277,7 +386,7 @@ mod tests {
         let frame = Frame { lights: 1, mask_words: 1, layers, ..Frame::zeroed() };
         let mut views = [View::zeroed(); 7];
         views[1] = View { color: [0.5, 1.0, 2.0], ..light };
-        let materials = [MaterialRecord { shininess: 1.0, ..MaterialRecord::zeroed() }];
+        let materials = [MaterialRecord { roughness: 1.0, ..MaterialRecord::zeroed() }];
         let maps = Maps { materials: &materials, texels: &[] };
         let at = |v| V3::<f32>::splat((), v);
         let surfaces = Surfaces {
@@ -289,6 +398,9 @@ mod tests {
             footprint: 0.0,
             second_uv: [0.0; 2],
             second_footprint: 0.0,
+            variance: 0.0,
+            coat_normal: Word(0),
+            tangent: Word(0),
         };
         let shadows = ShadowTerms::new(|_| Word(shadow), |_| Word(shadow));
         light_of(&frame, &views, &maps, &shadows, &surfaces)
@@ -309,14 +421,16 @@ mod tests {
     }
 
     fn near(found: [f32; 3], share: f32) -> bool {
+        // A white surface sends 1/π of what arrives everywhere.
+        let share = share * core::f32::consts::FRAC_1_PI;
         found.iter().zip([0.5, 1.0, 2.0]).all(|(found, color)| (found - color * share).abs() < 1e-5)
     }
 
     #[test]
     fn light_falls_off_with_distance_and_by_the_cosine() {
-        // Half of its reach away, straight above: a half. Its lobe has the factor (1 + 8) / 8.
+        // Half of its reach away, straight above: a half, which a matte lobe sends back by 1/4π.
         let above = sent(lamp([0.0, 0.0, 4.0]), 1, 0);
-        assert!(near(above.diffuse, 0.5) && near(above.specular, 0.5 * 1.125), "{above:?}");
+        assert!(near(above.diffuse, 0.5) && near(above.specular, 0.125), "{above:?}");
         // 5 away, at a cosine of 4/5.
         let aside = sent(lamp([3.0, 0.0, 4.0]), 1, 0);
         assert!(near(aside.diffuse, (1.0 - 5.0 / 8.0) * 0.8), "{aside:?}");
@@ -359,6 +473,7 @@ mod tests {
         assert_eq!(sent(lamp([0.0, 0.0, 4.0]), 0, 0), Lit::zeroed());
         // A word of 10 bits a channel, each the square root of its share: red 1, green 1/4, blue 0.
         let [r, g, b] = sent(lamp([0.0, 0.0, 4.0]), 1023 | 512 << 10, 1).diffuse;
+        let [r, g] = [r, g].map(|c| c * core::f32::consts::PI);
         assert!((r - 0.25).abs() < 1e-6 && (g - 0.125).abs() < 1e-3 && b == 0.0, "{r} {g} {b}");
     }
 }

@@ -2,6 +2,7 @@
 //! the order of [`schedule`](crate::schedule).
 
 pub mod bin;
+mod coating;
 pub mod context;
 pub mod detail;
 #[cfg(test)]
@@ -47,8 +48,8 @@ mod tests {
             let shadows = super::light::ShadowTerms::new(|_| lit, |_| lit);
             let incoming = super::light::light(frame, context.views, &maps, &shadows, ray, direction, &seen);
             let color = super::shade::shade(frame, &maps, direction, &seen, &incoming);
-            let numbers = color.map(|channel| channel.lane(0));
-            let pixel = super::resolve::resolve::<L>((), frame, |_| [0, 0], |_| numbers);
+            let numbers = color.record().map(|channel| channel.lane(0));
+            let pixel = super::resolve::resolve::<L>((), frame, |_| [0, 0], |_| numbers, |_| [0.0; 4]);
             let sum = |v: V3<L>| (v.x.to_bits() + v.y.to_bits() + v.z.to_bits()).0;
             let (t, u) = (closest.t.to_bits().0, closest.u.to_bits().0);
             let numbers = numbers.map(f32::to_bits);

@@ -12,10 +12,11 @@ use crate::kernel::packet::PacketHits;
 use crate::kernel::ray::Ray;
 use crate::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
 use crate::kernel::triangle::Intersection;
-use crate::lane::{Bits, Lane, Mask, Select, groups};
+use crate::lane::{Bits, Lane, Mask, Select, V3, groups};
 use crate::layout::{AlphaKind, Frame, NONE};
 use crate::num::flush;
 use crate::stage::context::Context;
+use crate::stage::shade::Shaded;
 use crate::stage::visibility::{rays, trace, unfound};
 
 /// How much farther than a surface another one of the same instance is at least: 1 + 2⁻²⁰.
@@ -23,6 +24,8 @@ use crate::stage::visibility::{rays, trace, unfound};
 /// Rays through the edge between two triangles hit both; without this the edges in a transparent surface
 /// would be visible.
 const MIN_SEPARATION: f32 = 1.0 + 1.0 / 1_048_576.0;
+/// For the mean of three channels.
+const THIRD: f32 = 1.0 / 3.0;
 
 /// Accepts the least hit by `(t, instance, triangle)` behind a surface, outside the holes of masks. Hits on
 /// the surface's own instance must be [`MIN_SEPARATION`] behind it.
@@ -92,36 +95,93 @@ pub fn peel<L: Lane, const G: usize>(
     hits.closest
 }
 
-/// The color of a group of rays, where `before` is that of the layers before this one, and
-/// `shaded` that of this one. Alpha is how much is covered.
-///
-/// ```text
-/// share = (1 − covered) · alpha
-/// color + share · this color,  covered + share
-/// ```
-///
-/// which is the usual blending from back to front, summed in the order of the layers. The last
-/// layer of a ray counts as opaque, unless rays that hit nothing have an alpha of 0: it then covers what it hits.
-#[inline(always)]
-pub fn blend<L: Lane>(frame: &Frame, before: [L; 4], shaded: [L; 4]) -> [L; 4] {
-    let one = before[3].broadcast(1.0);
-    let done = is_covered(before[3]);
-    let alpha = if frame.layers != 1 {
-        shaded[3]
-    } else if !frame.shows_sky() {
-        shaded[3].gt(one.broadcast(0.0)).select(one, shaded[3])
-    } else {
-        one
-    };
-    let share = (one - before[3]) * alpha;
-    let sum = |before: L, shaded: L| done.select(before, before + flush(shaded * share));
-    let covered = alpha.ge(one).select(one, before[3] + share);
-    [
-        sum(before[0], shaded[0]),
-        sum(before[1], shaded[1]),
-        sum(before[2], shaded[2]),
-        done.select(before[3], covered),
-    ]
+/// What a group of rays has seen of the layers so far.
+#[derive(Clone, Copy)]
+pub struct LayerSum<L> {
+    /// Linear RGB, and how much is covered.
+    pub color: [L; 4],
+    /// The share of what is behind that reaches the camera, a channel. In frames without
+    /// [colored layers](Frame::has_colored_layers) it is what `color` does not cover.
+    pub through: V3<L>,
+}
+
+impl<L: Lane> LayerSum<L> {
+    /// Nothing seen yet.
+    #[inline(always)]
+    pub fn new(token: L::Token) -> Self {
+        Self { color: [L::splat(token, 0.0); 4], through: V3::splat(token, [1.0; 3]) }
+    }
+
+    /// That of rays whose records are a color, and, in frames with colored layers, what goes through.
+    #[inline(always)]
+    pub fn load(frame: &Frame, color: [L; 4], through: [L; 4]) -> Self {
+        if frame.has_colored_layers() {
+            return Self { color, through: V3 { x: through[0], y: through[1], z: through[2] } };
+        }
+        let uncovered = color[3].broadcast(1.0) - color[3];
+        Self { color, through: V3 { x: uncovered, y: uncovered, z: uncovered } }
+    }
+
+    /// The sum with a layer behind those before.
+    ///
+    /// ```text
+    /// color + through · alpha · this color
+    /// through · (1 − alpha · (1 − what this layer lets through))
+    /// ```
+    ///
+    /// which is the usual blending from back to front, summed in the order of the layers. The last layer of a ray
+    /// counts as opaque, unless rays that hit nothing have an alpha of 0: it then covers what it hits.
+    #[inline(always)]
+    pub fn blend(&self, frame: &Frame, shaded: &Shaded<L>) -> Self {
+        let Self { color: before, through } = *self;
+        let one = before[3].broadcast(1.0);
+        let done = is_covered(before[3]);
+        let is_last = frame.layers == 1;
+        let alpha = if !is_last {
+            shaded.alpha
+        } else if !frame.shows_sky() {
+            shaded.alpha.gt(one.broadcast(0.0)).select(one, shaded.alpha)
+        } else {
+            one
+        };
+        let sum = |before: L, through: L, shaded: L| {
+            done.select(before, before + flush(shaded * (through * alpha)))
+        };
+        let mut next = Self {
+            color: [
+                sum(before[0], through.x, shaded.color.x),
+                sum(before[1], through.y, shaded.color.y),
+                sum(before[2], through.z, shaded.color.z),
+                before[3],
+            ],
+            through,
+        };
+        if !frame.has_colored_layers() {
+            let covered = alpha.ge(one).select(one, before[3] + through.x * alpha);
+            next.color[3] = done.select(before[3], covered);
+            return next;
+        }
+        let most = shaded.through.x.max(shaded.through.y).max(shaded.through.z);
+        let is_clear = if is_last { one.broadcast(0.0) } else { most };
+        let ends = alpha.ge(one) & is_clear.le(one.broadcast(0.0));
+        let rest = |through: L, clear: L| {
+            let left = flush(through * (one - alpha * (one - clear)));
+            ends.select(one.broadcast(0.0), left)
+        };
+        let clear = shaded.through;
+        let left =
+            V3 { x: rest(through.x, clear.x), y: rest(through.y, clear.y), z: rest(through.z, clear.z) };
+        next.through = V3::select(done, through, left);
+        let covered = one - (next.through.x + next.through.y + next.through.z) * THIRD;
+        next.color[3] = done.select(before[3], ends.select(one, covered));
+        next
+    }
+
+    /// The record of what goes through.
+    #[inline(always)]
+    pub fn through_record(&self) -> [L; 4] {
+        [self.through.x, self.through.y, self.through.z, self.through.x.broadcast(0.0)]
+    }
 }
 
 /// Whether the layers so far cover everything behind them.
@@ -133,7 +193,7 @@ pub fn is_covered<L: Lane>(covered: L) -> L::Mask {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::Hit;
+    use crate::layout::{Hit, MaterialRecord};
     use crate::scene::{Material, Scene};
     use crate::stage::fixture::{Prepared, add_square, square_at};
     use bytemuck::Zeroable;
@@ -162,7 +222,11 @@ mod tests {
     #[test]
     fn layers_cover_what_those_before_left() {
         let frame = |layers| Frame { layers, ..Frame::zeroed() };
-        let first = blend(&frame(3), [0.0_f32; 4], [1.0, 0.5, 0.0, 0.5]);
+        let blend = |frame: &Frame, before: [f32; 4], [r, g, b, alpha]: [f32; 4]| {
+            let shaded = Shaded { color: V3 { x: r, y: g, z: b }, alpha, through: V3::splat((), [0.0; 3]) };
+            LayerSum::load(frame, before, [0.0; 4]).blend(frame, &shaded).color
+        };
+        let first = blend(&frame(3), [0.0; 4], [1.0, 0.5, 0.0, 0.5]);
         assert_eq!(first, [0.5, 0.25, 0.0, 0.5]);
         // Half of a half.
         assert_eq!(blend(&frame(2), first, [0.0, 1.0, 4.0, 0.5]), [0.5, 0.5, 1.0, 0.75]);
@@ -176,5 +240,26 @@ mod tests {
         let sky = Frame { sky_first: 1, ..frame(1) };
         assert_eq!(blend(&sky, first, [0.0, 1.0, 4.0, 0.0]), rest);
         assert!(is_covered(1.0_f32) && !is_covered(0.999_f32));
+    }
+
+    #[test]
+    fn glass_colors_what_is_behind_it() {
+        let frame = |layers| Frame { layers, extensions: MaterialRecord::TRANSMITS, ..Frame::zeroed() };
+        let at = |v| V3::<f32>::splat((), v);
+        let glass = Shaded { color: at([0.1; 3]), alpha: 1.0, through: at([0.75, 0.5, 0.0]) };
+        let wall = Shaded { color: at([0.5; 3]), alpha: 1.0, through: at([0.0; 3]) };
+        let first = LayerSum::new(()).blend(&frame(3), &glass);
+        assert_eq!((first.color[0], first.through.lane(0)), (0.1, [0.75, 0.5, 0.0]));
+        assert!((first.color[3] - 7.0 / 12.0).abs() < 1e-6);
+        let behind = first.blend(&frame(2), &wall);
+        assert_eq!(behind.color, [0.1 + 0.5 * 0.75, 0.1 + 0.5 * 0.5, 0.1, 1.0]);
+        assert_eq!(behind.through.lane(0), [0.0; 3]);
+        // Two panes, then half a pane, then nothing.
+        let second = first.blend(&frame(3), &glass);
+        assert_eq!(second.through.lane(0), [0.5625, 0.25, 0.0]);
+        let half = second.blend(&frame(3), &Shaded { alpha: 0.5, ..wall });
+        assert_eq!(half.through.lane(0), [0.28125, 0.125, 0.0]);
+        // The last layer counts as opaque.
+        assert_eq!(first.blend(&frame(1), &glass).color[3], 1.0);
     }
 }

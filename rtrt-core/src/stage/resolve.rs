@@ -2,7 +2,7 @@
 
 use crate::grid::{Grid, RayIndex};
 use crate::kernel::tone_map::tone_map;
-use crate::lane::{Lane, Mask, Select, V3};
+use crate::lane::{Lane, Mask, Select, V3, times};
 use crate::layout::{Backdrop, Frame};
 use crate::num::{floor, recip, srgb_encode, to_integer};
 
@@ -16,13 +16,15 @@ use crate::num::{floor, recip, srgb_encode, to_integer};
 ///
 /// Sub-rays' colors are multiplied by their alphas. With [`Backdrop::Nothing`] a pixel keeps its alpha, by which
 /// its color is not multiplied. `pixel(lane)` is the column and row of a pixel, `color(ray)` the color that a
-/// ray brought back.
+/// ray brought back. In frames with [colored layers](Frame::has_colored_layers) a share a channel takes the place of
+/// `1 − alpha`: `through(ray)`, what the layers of a ray let through.
 #[inline(always)]
 pub fn resolve<L: Lane>(
     token: L::Token,
     frame: &Frame,
     pixel: impl Fn(usize) -> [u32; 2],
     color: impl Fn(RayIndex) -> [f32; 4],
+    through: impl Fn(RayIndex) -> [f32; 4],
 ) -> L::Bits {
     let grid = frame.grid();
     let [[r, g, b, a]] = L::gather_fours(
@@ -40,9 +42,17 @@ pub fn resolve<L: Lane>(
         return encoded(shown, a);
     }
     let in_front = if (!is_covered).any() {
-        let rest = is_covered.select(one.broadcast(0.0), one - a);
+        let mut rest = V3 { x: one - a, y: one - a, z: one - a };
+        if frame.has_colored_layers() {
+            let [[x, y, z, _]] = L::gather_fours(
+                token,
+                #[inline(always)]
+                |lane| [average(grid, pixel(lane), &through)],
+            );
+            rest = V3 { x, y, z };
+        }
         let behind = V3::splat(token, [frame.background_r, frame.background_g, frame.background_b]);
-        V3::select(is_covered, shown, shown.scale(a)) + behind.scale(rest)
+        V3::select(is_covered, shown, shown.scale(a) + times(behind, rest))
     } else {
         shown
     };
@@ -97,7 +107,7 @@ fn byte<L: Lane>(value: L) -> L::Bits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::ToneMap;
+    use crate::layout::{MaterialRecord, ToneMap};
     use bytemuck::Zeroable;
 
     /// A frame of one pixel of one sample.
@@ -113,7 +123,7 @@ mod tests {
         let pixel = |colors: [[f32; 4]; 4]| {
             let color =
                 |ray: RayIndex| colors[(0..4).find(|i| grid.index([i % 2, i / 2]) == ray).unwrap() as usize];
-            resolve::<f32>((), &frame, |_| [0, 0], color).0.to_le_bytes()
+            resolve::<f32>((), &frame, |_| [0, 0], color, |_| [0.0; 4]).0.to_le_bytes()
         };
         let color = [0.25, 0.5, 0.75];
         let [r, g, b] = color.map(|value| (srgb_encode(value) * 255.0 + 0.5) as u8);
@@ -129,7 +139,8 @@ mod tests {
         for map in ToneMap::ALL.map(|(_, map)| map as u32) {
             let backdrop = Backdrop::Nothing as u32;
             let frame = Frame { exposure: 4.0, tone_map: map, backdrop, ..one() };
-            let pixel = |c: [f32; 4]| resolve::<f32>((), &frame, |_| [0, 0], |_| c).0.to_le_bytes();
+            let pixel =
+                |c: [f32; 4]| resolve::<f32>((), &frame, |_| [0, 0], |_| c, |_| [0.0; 4]).0.to_le_bytes();
             let V3 { x, y, z } = tone_map::<f32>(map, V3::splat((), color.map(|c| 4.0 * c)));
             let [r, g, b] = [x, y, z].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
             assert_eq!(pixel([0.09, 0.18, 0.36, 1.0]), [r, g, b, 255]);
@@ -143,11 +154,23 @@ mod tests {
         for (_, map) in ToneMap::ALL {
             let background = Frame { background_r: 0.25, background_g: 0.5, background_b: 1.0, ..one() };
             let frame = Frame { exposure: 64.0, tone_map: map as u32, ..background };
-            let pixel = |c: [f32; 4]| resolve::<f32>((), &frame, |_| [0, 0], |_| c).0.to_le_bytes();
+            let pixel =
+                |c: [f32; 4]| resolve::<f32>((), &frame, |_| [0, 0], |_| c, |_| [0.0; 4]).0.to_le_bytes();
             assert_eq!(pixel([0.0; 4]), [r, g, b, 255]);
             // A black surface that covers half of it.
             let [.., blue, alpha] = pixel([0.0, 0.0, 0.0, 0.5]);
             assert_eq!((blue.abs_diff((srgb_encode(0.5) * 255.0 + 0.5) as u8) <= 1, alpha), (true, 255));
         }
+    }
+
+    #[test]
+    fn glass_colors_the_background() {
+        let background = Frame { background_r: 1.0, background_g: 1.0, background_b: 1.0, ..one() };
+        let frame = Frame { layers: 1, extensions: MaterialRecord::TRANSMITS, ..background };
+        let through = [0.75, 0.25, 0.0, 0.0];
+        let covered = 1.0 - 1.0 / 3.0;
+        let pixel = resolve::<f32>((), &frame, |_| [0, 0], |_| [0.0, 0.0, 0.0, covered], |_| through);
+        let [r, g, b] = [0.75, 0.25, 0.0].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
+        assert_eq!(pixel.0.to_le_bytes(), [r, g, b, 255]);
     }
 }

@@ -9,6 +9,7 @@ use crate::kernel::ray::{normal, point, vector};
 use crate::kernel::sphere::{self, ENTRY};
 use crate::kernel::texture::TexCoords;
 use crate::kernel::unique_gather::UniqueGather;
+use crate::kernel::variance::{self, Curve};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Attribute, Instance, NONE, Surface, View};
 use crate::num::{TINY, clamp, floor, flush, flush3, from_integer, normalize, recip, sqrt, to_integer};
@@ -32,6 +33,12 @@ pub struct Surfaces<L: Lane> {
     pub second_uv: [L; 2],
     /// Side of the ray's footprint, in them.
     pub second_footprint: L,
+    /// How much the normals within the footprint vary; see [`variance`].
+    pub variance: L,
+    /// The normal of a clear coat, packed, where `detail` has found it.
+    pub coat_normal: L::Bits,
+    /// The direction along which a brushed surface is steeper, packed, where `detail` has found it.
+    pub tangent: L::Bits,
 }
 
 /// [`Surfaces`] whose lanes are in memory, one after another.
@@ -45,6 +52,9 @@ pub struct SurfaceRows<L: Lane> {
     footprint: L::Row,
     second_uv: [L::Row; 2],
     second_footprint: L::Row,
+    variance: L::Row,
+    coat_normal: <L::Bits as Bits>::Row,
+    tangent: <L::Bits as Bits>::Row,
 }
 
 impl<L: Lane> Surfaces<L> {
@@ -70,6 +80,9 @@ impl<L: Lane> Surfaces<L> {
             footprint: self.footprint.row(),
             second_uv: [self.second_uv[0].row(), self.second_uv[1].row()],
             second_footprint: self.second_footprint.row(),
+            variance: self.variance.row(),
+            coat_normal: self.coat_normal.row(),
+            tangent: self.tangent.row(),
         }
     }
 }
@@ -87,6 +100,9 @@ impl<L: Lane> SurfaceRows<L> {
             footprint: self.footprint.at(lane),
             second_uv: [self.second_uv[0].at(lane), self.second_uv[1].at(lane)],
             second_footprint: self.second_footprint.at(lane),
+            variance: self.variance.at(lane),
+            coat_normal: self.coat_normal.at(lane),
+            tangent: self.tangent.at(lane),
         }
     }
 }
@@ -104,6 +120,9 @@ impl Surfaces<f32> {
             footprint: record.footprint,
             second_uv: record.second_uv,
             second_footprint: record.second_footprint,
+            variance: record.variance,
+            coat_normal: crate::lane::Word(record.coat_normal),
+            tangent: crate::lane::Word(record.tangent),
         }
     }
 }
@@ -220,6 +239,9 @@ pub fn surface<L: Lane>(
             footprint: zero,
             second_uv: [zero; 2],
             second_footprint: zero,
+            variance: zero,
+            coat_normal: none,
+            tangent: none,
         };
     }
     let vertices = Vertices { instances: geometry.instances, mesh_data: geometry.mesh_data, attributes };
@@ -241,15 +263,13 @@ pub fn surface<L: Lane>(
         |lane| colors(&vertices, &found, lane),
     );
     let space = Space::of(&vertices, best.t, best.instance, &found);
-    let a = space.point(V3 { x: ax, y: ay, z: az });
-    let b = space.point(V3 { x: bx, y: by, z: bz });
-    let c = space.point(V3 { x: cx, y: cy, z: cz });
+    let own = [V3 { x: ax, y: ay, z: az }, V3 { x: bx, y: by, z: bz }, V3 { x: cx, y: cy, z: cz }];
+    let normals =
+        [V3 { x: nax, y: nay, z: naz }, V3 { x: nbx, y: nby, z: nbz }, V3 { x: ncx, y: ncy, z: ncz }];
+    let [a, b, c] = [space.point(own[0]), space.point(own[1]), space.point(own[2])];
     let weights = Weights::new(best.u, best.v);
-    let mut smooth = space.normal(weights.mix3(
-        V3 { x: nax, y: nay, z: naz },
-        V3 { x: nbx, y: nby, z: nbz },
-        V3 { x: ncx, y: ncy, z: ncz },
-    ));
+    let own_normal = weights.mix3(normals[0], normals[1], normals[2]);
+    let mut smooth = space.normal(own_normal);
     let mut uv_area = (sb - sa) * (tc - ta) - (sc - sa) * (tb - ta);
     let mut uv = [weights.mix(sa, sb, sc), weights.mix(ta, tb, tc)];
     let mut place = weights.mix3(a, b, c);
@@ -282,6 +302,17 @@ pub fn surface<L: Lane>(
     if camera.by_angle == 1 {
         pixel = pixel * grazing(flat, direction);
     }
+    let turns = [normals[1] - normals[0], normals[2] - normals[0]];
+    let mut variance = zero;
+    let curved = is_curved(&turns);
+    if curved.any() {
+        let edges = [own[1] - own[0], own[2] - own[0]];
+        let curve = Curve { edges, turns, normal: own_normal, area: space.own_area(edges, area) };
+        variance = curved.select(variance::of_curve(pixel, area, &curve), zero);
+    }
+    if round.any() {
+        variance = round.select(variance::of_sphere(pixel, area), variance);
+    }
     Surfaces {
         origin: V3::select(missed, nothing, offset(place, flat)),
         normal: V3::select(missed, nothing, smooth),
@@ -291,7 +322,18 @@ pub fn surface<L: Lane>(
         footprint: missed.select(zero, flush(footprint(pixel, uv_area, area))),
         second_uv: [zero; 2],
         second_footprint: zero,
+        variance: missed.select(zero, variance),
+        coat_normal: none,
+        tangent: none,
     }
+}
+
+/// Whether normals differ between the corners of a triangle.
+#[inline(always)]
+fn is_curved<L: Lane>(turns: &[V3<L>; 2]) -> L::Mask {
+    let [d, t] = turns;
+    let zero = d.x.broadcast(0.0);
+    zero.lt(d.x.abs() + d.y.abs() + d.z.abs() + t.x.abs() + t.y.abs() + t.z.abs())
 }
 
 /// The different triangles that the lanes in `wanted` have hit.
@@ -385,6 +427,16 @@ impl<L: Lane> Space<L> {
     #[inline(always)]
     fn point(&self, p: V3<L>) -> V3<L> {
         if self.all_same { p } else { V3::select(self.same, p, point(&self.to_world, p)) }
+    }
+
+    /// Twice the area of triangles with these edges in their own space, and this area in the world.
+    #[inline(always)]
+    fn own_area(&self, edges: [V3<L>; 2], area: L) -> L {
+        if self.all_same {
+            return area;
+        }
+        let across = edges[0].cross(edges[1]);
+        sqrt(across.dot(across))
     }
 
     /// A direction in world space.

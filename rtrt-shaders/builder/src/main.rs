@@ -20,7 +20,7 @@ mod pointers;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::{env, fs, io};
+use std::{env, fs, io, process};
 
 use anyhow::{Context, Result, bail, ensure};
 use cargo_gpu_install::install::Install;
@@ -29,10 +29,18 @@ use spirv_builder::{Capability, SpirvBuilder};
 /// SPIR-V 1.3, which every device of Vulkan 1.1 and later accepts.
 const TARGET: &str = "spirv-unknown-vulkan1.1";
 
+/// The environment variable of the compiler's stack, bytes.
+const STACK: &str = "RUST_MIN_STACK";
 /// The environment variable that names the compiler.
 const COMPILER: &str = "RTRT_RUST_GPU";
 
 fn main() -> Result<()> {
+    if env::var_os(STACK).is_none() {
+        // The compiler recurses along a kernel, and all that a kernel calls is inlined.
+        let mut again = Command::new(env::current_exe()?);
+        let status = again.args(env::args_os().skip(1)).env(STACK, "268435456").status()?;
+        process::exit(status.code().unwrap_or(1));
+    }
     let check = match env::args().skip(1).collect::<Vec<_>>().as_slice() {
         [] => false,
         [argument] if argument == "--check" => true,

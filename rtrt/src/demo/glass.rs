@@ -7,6 +7,7 @@ use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::scene::{Camera, Join, Light, Material, MaterialIndex, Projection};
+use std::f32::consts::PI;
 use std::path::Path;
 
 /// The lower and the upper corner of the room.
@@ -43,8 +44,8 @@ pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.15, 0.155, 0.17);
     scene.background = vec3(0.55, 0.70, 0.90);
-    scene.add_light(Light::sun(vec3(1.0, -0.52, -0.42)).color(vec3(22.0, 20.5, 18.0)));
-    scene.add_light(Light::point(vec3(0.8, 3.0, 2.6)).color(vec3(0.16, 0.16, 0.19)).reach(9.0));
+    scene.add_light(Light::sun(vec3(1.0, -0.52, -0.42)).color(vec3(22.0, 20.5, 18.0) * PI));
+    scene.add_light(Light::point(vec3(0.8, 3.0, 2.6)).color(vec3(0.16, 0.16, 0.19) * PI).reach(9.0));
     let camera = Camera {
         eye: vec3(1.15, 1.75, 3.9),
         look_at: vec3(0.05, 0.98, -0.8),

@@ -8,6 +8,7 @@ use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Camera, Join, Light, Material, Projection};
+use std::f32::consts::PI;
 use std::path::Path;
 
 /// The name of the scene in place of a path.
@@ -45,7 +46,7 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut scene = builder.scene;
     scene.background = vec3(0.55, 0.70, 0.90);
     scene.ambient = vec3(0.2, 0.21, 0.23);
-    scene.add_light(Light::sun(vec3(-0.6, -1.0, -0.7)).color(vec3(1.0, 0.96, 0.88)));
+    scene.add_light(Light::sun(vec3(-0.6, -1.0, -0.7)).color(vec3(1.0, 0.96, 0.88) * PI));
     let camera = Camera {
         eye: vec3(0.0, 3.2, 6.5),
         look_at: vec3(0.0, 0.6, -4.0),

@@ -8,6 +8,7 @@ use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::scene::{
     Camera, InstanceIndex, Join, Light, Material, MaterialIndex, MeshIndex, Motion, Projection,
 };
+use std::f32::consts::PI;
 
 /// The name of the scene in place of a path.
 pub const MOVING: &str = "demo:moving";
@@ -45,8 +46,8 @@ pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.16, 0.17, 0.19);
     scene.background = vec3(0.55, 0.70, 0.90);
-    scene.add_light(Light::sun(vec3(0.4, -1.0, -0.35)).color(vec3(0.95, 0.9, 0.8)).radius(0.02));
-    scene.add_light(Light::point(vec3(-3.0, 4.5, 3.0)).color(vec3(0.5, 0.4, 0.3)).reach(12.0));
+    scene.add_light(Light::sun(vec3(0.4, -1.0, -0.35)).color(vec3(0.95, 0.9, 0.8) * PI).radius(0.02));
+    scene.add_light(Light::point(vec3(-3.0, 4.5, 3.0)).color(vec3(0.5, 0.4, 0.3) * PI).reach(12.0));
     let camera = Camera {
         eye: vec3(3.2, 5.4, 9.5),
         look_at: vec3(0.0, 0.6, -0.4),

@@ -7,6 +7,7 @@ use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Quat, Vec3, vec3};
 use rtrt_core::layout::Texture;
 use rtrt_core::scene::{Camera, Join, Light, Material, MaterialIndex, Projection};
+use std::f32::consts::PI;
 
 /// The name of the scene in place of a path.
 pub const SPHERES: &str = "demo:spheres";
@@ -28,8 +29,8 @@ pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.16, 0.17, 0.19);
     scene.background = vec3(0.55, 0.70, 0.90);
-    scene.add_light(Light::sun(vec3(0.7, -1.0, -0.5)).color(vec3(1.15, 1.08, 0.95)));
-    scene.add_light(Light::point(vec3(-1.2, 2.4, 2.6)).color(vec3(0.55, 0.42, 0.28)).reach(8.0));
+    scene.add_light(Light::sun(vec3(0.7, -1.0, -0.5)).color(vec3(1.15, 1.08, 0.95) * PI));
+    scene.add_light(Light::point(vec3(-1.2, 2.4, 2.6)).color(vec3(0.55, 0.42, 0.28) * PI).reach(8.0));
     let camera = Camera {
         eye: vec3(0.4, 2.3, 5.2),
         look_at: vec3(0.0, 0.72, 0.0),

@@ -152,12 +152,12 @@ const ODD: Texture = Texture {
     shift: [0.3, -0.2],
 };
 
-/// Where the environment of three squares lies.
+/// Where the environment of two squares lies.
 pub(super) const SKY: Sky =
-    Sky { first: DECODE_WORDS as u32 + 128, side: 8, levels: 3, turn: [0.8, -0.6], intensity: 1.5 };
+    Sky { first: DECODE_WORDS as u32 + 128, side: 32, levels: 2, turn: [0.8, -0.6], intensity: 1.5 };
 
 /// Words of [`TEXELS`].
-const WORDS: usize = 1024;
+const WORDS: usize = 3072;
 
 /// Words that look random, where the tables of [`WIDE`], [`ODD`] and [`SKY`] lead; before them, what
 /// bytes stand for.
@@ -176,7 +176,7 @@ const fn texels() -> [u32; WORDS] {
     }
     texels = table(texels, WIDE.first, &[32, 8, 2, 1]);
     texels = table(texels, ODD.first, &[15, 2, 1]);
-    table(texels, SKY.first, &[10 * 10, 6 * 6, 4 * 4, (IRRADIANCE_SIDE + 2) * (IRRADIANCE_SIDE + 2)])
+    table(texels, SKY.first, &[34 * 34, 34 * 34, (IRRADIANCE_SIDE + 2) * (IRRADIANCE_SIDE + 2)])
 }
 
 /// Says at `first` where parts of these sizes start that follow it and one another.

@@ -40,10 +40,15 @@ impl Scene {
             }
         }
         let [r, g, b] = material.base;
+        // Of a shadow, glass takes what it does not let through.
+        let opaque = material.extensions & MaterialRecord::IGNORES_ALPHA != 0;
+        let alpha = if opaque { 1.0 } else { material.alpha };
+        let mean = ((r + g + b) / 3.0).clamp(0.0, 1.0);
+        let alpha = alpha * (1.0 - material.transmission * (1.0 - material.metallic) * mean);
         let record = Transparency {
             alpha_mode: material.alpha_mode,
             cutoff: material.cutoff,
-            base: [r, g, b, material.alpha],
+            base: [r, g, b, alpha],
             first_vertex: self.meshes[mesh as usize].transparencies[set],
             texture: FinestLevel::new(&map),
         };

@@ -1,9 +1,21 @@
 //! The names of extensions.
 
+/// Scratches along one direction.
+pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy";
+/// A clear coat.
+pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
 /// Instances of a node's mesh.
 pub(super) const GPU_INSTANCING: &str = "EXT_mesh_gpu_instancing";
+/// The index of refraction of a material.
+pub(super) const IOR: &str = "KHR_materials_ior";
+/// A thin film.
+pub(super) const IRIDESCENCE: &str = "KHR_materials_iridescence";
 /// Levels of detail of nodes.
 pub(super) const LOD: &str = "MSFT_lod";
+/// A sheen.
+pub(super) const SHEEN: &str = "KHR_materials_sheen";
+/// Strength and color of what a material mirrors.
+pub(super) const SPECULAR: &str = "KHR_materials_specular";
 /// Offset, rotation and scale of a texture.
 pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
@@ -11,8 +23,14 @@ pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 pub(super) const SUPPORTED: &[&str] = &[
     GPU_INSTANCING,
     "KHR_lights_punctual",
+    ANISOTROPY,
+    CLEARCOAT,
     "KHR_materials_emissive_strength",
+    IOR,
+    IRIDESCENCE,
     "KHR_materials_pbrSpecularGlossiness",
+    SHEEN,
+    SPECULAR,
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume",

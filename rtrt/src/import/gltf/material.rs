@@ -1,20 +1,24 @@
 //! Materials and their textures.
 
 use super::buffer::Buffers;
-use super::extensions::{LOD, TEXTURE_TRANSFORM};
+use super::extended::{Properties, Used};
+use super::extensions::{ANISOTROPY, CLEARCOAT, IOR, IRIDESCENCE, LOD, SHEEN, SPECULAR, TEXTURE_TRANSFORM};
 use super::primitive::Coordinates;
 use crate::import::builder::Builder;
 use crate::import::placement::Placement;
 use crate::import::{ImportError, error::quoted, picture};
+use glam::Vec3;
 use gltf_json::deserialize::from_value;
-use gltf_json::extensions::material::{PbrSpecularGlossiness, Volume};
+use gltf_json::extensions::material::Volume;
 use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material;
 use gltf_json::texture::{self, Info, WrappingMode};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, Value, image};
 use rtrt_core::layout::{COLOR_LIMIT, Filter, LIGHT_LIMIT, Texture, Wrap};
-use rtrt_core::scene::{Content, Image, Join, Material, MaterialIndex};
+use rtrt_core::scene::{
+    Anisotropy, Clearcoat, Content, Image, Iridescence, Join, Material, MaterialIndex, Sheen,
+};
 use std::collections::HashMap;
 
 /// The materials and textures of a file. Each is added when it is first used.
@@ -23,9 +27,18 @@ pub(super) struct Materials<'a> {
     buffers: &'a Buffers<'a>,
     /// The materials by index; none is the default material.
     made: HashMap<Option<usize>, (MaterialIndex, Coordinates)>,
-    /// The images by index and content: mip levels of colors and of numbers are computed differently.
+    /// The images by index and kind: mip levels of colors and of numbers are computed differently.
     /// Samplers share an image.
-    images: HashMap<(usize, Content), Texture>,
+    images: HashMap<(usize, Kind), Texture>,
+}
+
+/// What is made of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Kind {
+    /// A texture as it is.
+    Plain(Content),
+    /// The roughness of a glossiness, which is its alpha times a factor, given by its bits.
+    Glossiness { factor: u32 },
 }
 
 impl<'a> Materials<'a> {
@@ -52,82 +65,235 @@ impl<'a> Materials<'a> {
             }
             None => &none,
         };
-        let pbr = &source.pbr_metallic_roughness;
-        let extensions = source.extensions.as_ref();
-        let glossy = extensions.and_then(|e| e.pbr_specular_glossiness.as_ref());
-        if glossy.is_some_and(|glossy| glossy.specular_glossiness_texture.is_some()) {
-            builder.not_drawn.insert("textures of specular color and glossiness");
-        }
-        let (color_texture, roughness_texture) = match glossy {
-            Some(glossy) => (&glossy.diffuse_texture, &None),
-            None => (&pbr.base_color_texture, &pbr.metallic_roughness_texture),
-        };
-        let none = || Ok(None);
-        // The textures with their sets of texture coordinates.
-        let found = [
-            color_texture.as_ref().map_or_else(none, |info| {
-                self.texture(builder, info.index, base_color_content(source), &texture_use(info))
-            })?,
-            source.normal_texture.as_ref().map_or_else(none, |info| {
-                let others = info.extensions.as_ref().and_then(|e| e.others.get(TEXTURE_TRANSFORM));
-                self.texture(builder, info.index, Content::Numbers, &texture_use_of(info.tex_coord, others))
-            })?,
-            roughness_texture.as_ref().map_or_else(none, |info| {
-                self.texture(builder, info.index, Content::Numbers, &texture_use(info))
-            })?,
-            source.occlusion_texture.as_ref().map_or_else(none, |info| {
-                let others = info.extensions.as_ref().and_then(|e| e.others.get(TEXTURE_TRANSFORM));
-                self.texture(builder, info.index, Content::Numbers, &texture_use_of(info.tex_coord, others))
-            })?,
-            source.emissive_texture.as_ref().map_or_else(none, |info| {
-                self.texture(builder, info.index, Content::Color, &texture_use(info))
-            })?,
-        ];
         let mut coordinates = Coordinates::default();
-        let maps = found.map(|found| {
-            found.map(|(texture, set)| Texture { set: coordinates.slot(set).unwrap_or(0), ..texture })
-        });
-        let [base_color_map, normal_map, metallic_roughness_map, occlusion_map, emission_map] = maps;
-        if found.iter().flatten().any(|(_, set)| !coordinates.sets.contains(&Some(*set))) {
-            builder.not_drawn.insert("a third set of texture coordinates in one material");
-        }
-        coordinates.bump = normal_map.map(|map| map.set);
-        if extensions.is_some_and(|e| e.others.contains_key(LOD)) {
+        let material = self.surface(builder, source, &mut coordinates)?;
+        let material = self.usual_maps(builder, source, &mut coordinates, material)?;
+        let material = self.extended(builder, source, &mut coordinates, material)?;
+        let slot = |map: Option<Texture>| map.map(|map| map.set);
+        coordinates.bump = slot(material.normal_map)
+            .or(slot(material.clearcoat.and_then(|coat| coat.normal_map)))
+            .or(material.anisotropy.map(|anisotropy| slot(anisotropy.map).unwrap_or(0)));
+        if source.extensions.as_ref().is_some_and(|e| e.others.contains_key(LOD)) {
             builder.not_drawn.insert("levels of detail of materials");
         }
+        let made = (builder.add_material(material)?, coordinates);
+        self.made.insert(key, made.clone());
+        Ok(made)
+    }
+
+    /// Base color, metalness, roughness and alpha of a material, with their maps.
+    fn surface<J: Join>(
+        &mut self,
+        builder: &mut Builder<'_, J>,
+        source: &material::Material,
+        coordinates: &mut Coordinates,
+    ) -> Result<Material, ImportError> {
+        let pbr = &source.pbr_metallic_roughness;
+        let glossy = source.extensions.as_ref().and_then(|e| e.pbr_specular_glossiness.as_ref());
+        let Some(glossy) = glossy else {
+            let [r, g, b, a] = pbr.base_color_factor.0.map(base_channel);
+            let [metallic, roughness] =
+                [pbr.metallic_factor.0, pbr.roughness_factor.0].map(|factor| finite(factor).clamp(0.0, 1.0));
+            let color = self.map(builder, coordinates, pbr.base_color_texture.as_ref(), base_color_content(source))?;
+            let roughness_map =
+                self.map(builder, coordinates, pbr.metallic_roughness_texture.as_ref(), Content::Numbers)?;
+            let material = Material::new([r, g, b])
+                .base_color_map(color)
+                .metallic(metallic)
+                .roughness(roughness)
+                .metallic_roughness_map(roughness_map);
+            let clear = self.transmission_map(builder, source, coordinates)?;
+            return Ok(see_through(source, a.max(0.0), clear, material));
+        };
+        // It is no metal, mirrors its specular color, and `roughness = 1 − glossiness`.
+        let [r, g, b, a] = glossy.diffuse_factor.0.map(base_channel);
+        let glossiness = finite(glossy.glossiness_factor.0).clamp(0.0, 1.0);
+        let specular = glossy.specular_factor.0.map(|c| finite(c).clamp(0.0, COLOR_LIMIT));
+        let color = self.map(builder, coordinates, glossy.diffuse_texture.as_ref(), base_color_content(source))?;
+        let mut material =
+            Material::new([r, g, b]).base_color_map(color).specular(specular).roughness(1.0 - glossiness);
+        if let Some(info) = &glossy.specular_glossiness_texture {
+            let map = self.map(builder, coordinates, Some(info), Content::Color)?;
+            let found = self.texture(
+                builder,
+                info.index,
+                Kind::Glossiness { factor: glossiness.to_bits() },
+                &TextureUse::of(info),
+            )?;
+            let roughness = self.placed(builder, coordinates, found);
+            material = material.specular_maps(None, map).roughness(1.0).metallic_roughness_map(roughness);
+        }
+        let clear = self.transmission_map(builder, source, coordinates)?;
+        Ok(see_through(source, a.max(0.0), clear, material))
+    }
+
+    /// The map of transmission. Says what of glass is approximated.
+    fn transmission_map<J: Join>(
+        &mut self,
+        builder: &mut Builder<'_, J>,
+        source: &material::Material,
+        coordinates: &mut Coordinates,
+    ) -> Result<Option<Texture>, ImportError> {
+        let extensions = source.extensions.as_ref();
+        let Some(transmission) = extensions.and_then(|e| e.transmission.as_ref()) else { return Ok(None) };
+        if transmission.transmission_factor.0 <= 0.0 {
+            return Ok(None);
+        }
+        let volume = extensions.and_then(|e| e.volume.as_ref());
+        if volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0) {
+            builder.not_drawn.insert("refraction (glass is drawn as thin panes)");
+        }
+        let pbr = &source.pbr_metallic_roughness;
+        if pbr.roughness_factor.0 > 0.1 {
+            builder.not_drawn.insert("the blur of rough glass");
+        }
+        self.map(builder, coordinates, transmission.transmission_texture.as_ref(), Content::Numbers)
+    }
+
+    /// The material with the maps of normals, occlusion and emission.
+    fn usual_maps<J: Join>(
+        &mut self,
+        builder: &mut Builder<'_, J>,
+        source: &material::Material,
+        coordinates: &mut Coordinates,
+        material: Material,
+    ) -> Result<Material, ImportError> {
+        let (mut normal, mut occlusion) = (None, None);
+        if let Some(info) = &source.normal_texture {
+            let others = info.extensions.as_ref().and_then(|e| e.others.get(TEXTURE_TRANSFORM));
+            let used = texture_use_of(info.tex_coord, others);
+            let found = self.texture(builder, info.index, Kind::Plain(Content::Normals), &used)?;
+            normal = self.placed(builder, coordinates, found);
+        }
+        if let Some(info) = &source.occlusion_texture {
+            let others = info.extensions.as_ref().and_then(|e| e.others.get(TEXTURE_TRANSFORM));
+            let used = texture_use_of(info.tex_coord, others);
+            let found = self.texture(builder, info.index, Kind::Plain(Content::Numbers), &used)?;
+            occlusion = self.placed(builder, coordinates, found);
+        }
+        let emission_map =
+            self.map(builder, coordinates, source.emissive_texture.as_ref(), Content::Color)?;
+        let extensions = source.extensions.as_ref();
         let strength = extensions.and_then(|e| e.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
         let emission =
             source.emissive_factor.0.map(|e| finite(e * strength).clamp(-LIGHT_LIMIT, LIGHT_LIMIT));
-        let (base, answer) = match glossy {
-            Some(glossy) => (glossy.diffuse_factor.0, specular_glossiness(glossy)),
-            None => {
-                let [metallic, roughness] = [pbr.metallic_factor.0, pbr.roughness_factor.0]
-                    .map(|factor| finite(factor).clamp(0.0, 1.0));
-                (pbr.base_color_factor.0, Material::default().metallic(metallic).roughness(roughness))
-            }
-        };
-        let [r, g, b, a] = base.map(|c| finite(c).clamp(-COLOR_LIMIT, COLOR_LIMIT));
         let normal_scale = source
             .normal_texture
             .as_ref()
             .map_or(1.0, |info| finite(info.scale).clamp(-COLOR_LIMIT, COLOR_LIMIT));
         let occlusion_strength =
             source.occlusion_texture.as_ref().map_or(1.0, |info| finite(info.strength.0).clamp(0.0, 1.0));
-        let material = answer
-            .base_color([r, g, b])
-            .base_color_map(base_color_map)
-            .metallic_roughness_map(metallic_roughness_map)
-            .normal_map(normal_map, normal_scale)
-            .occlusion_map(occlusion_map, occlusion_strength)
+        Ok(material
+            .normal_map(normal, normal_scale)
+            .occlusion_map(occlusion, occlusion_strength)
             .emission(emission)
             .emission_map(emission_map)
             .double_sided(source.double_sided)
-            .unlit(extensions.is_some_and(|e| e.unlit.is_some()));
-        let material = see_through(source, a.max(0.0), material);
-        let made = (builder.add_material(material)?, coordinates);
-        self.made.insert(key, made.clone());
-        Ok(made)
+            .unlit(extensions.is_some_and(|e| e.unlit.is_some())))
+    }
+
+    /// The material with what its extensions add.
+    fn extended<J: Join>(
+        &mut self,
+        builder: &mut Builder<'_, J>,
+        source: &material::Material,
+        coordinates: &mut Coordinates,
+        mut material: Material,
+    ) -> Result<Material, ImportError> {
+        let of = |name| Properties::of(source.extensions.as_ref(), name);
+        let mut map = |builder: &mut Builder<'_, J>, used: Option<Used>, content| match used {
+            Some(used) => {
+                let found = self.texture(builder, used.index, Kind::Plain(content), &used.texture_use)?;
+                Ok::<_, ImportError>(self.placed(builder, coordinates, found))
+            }
+            None => Ok(None),
+        };
+        if let Some(p) = of(IOR) {
+            let ior = p.number("ior", 1.5, [0.0, 1e6]);
+            let ratio = (ior - 1.0) / (ior + 1.0);
+            material = material.specular([ratio * ratio; 3]);
+        }
+        if let Some(p) = of(SPECULAR) {
+            let color = p.color("specularColorFactor", 1.0, COLOR_LIMIT);
+            let strength_map = map(builder, p.texture("specularTexture"), Content::Color)?;
+            let color_map = map(builder, p.texture("specularColorTexture"), Content::Color)?;
+            material = material
+                .specular(material.specular * Vec3::from(color))
+                .specular_strength(p.share("specularFactor", 1.0))
+                .specular_maps(strength_map, color_map);
+        }
+        if let Some(p) = of(CLEARCOAT) {
+            let normal = p.texture("clearcoatNormalTexture");
+            let coat = Clearcoat {
+                share: p.share("clearcoatFactor", 0.0),
+                map: map(builder, p.texture("clearcoatTexture"), Content::Numbers)?,
+                roughness: p.share("clearcoatRoughnessFactor", 0.0),
+                roughness_map: map(builder, p.texture("clearcoatRoughnessTexture"), Content::Numbers)?,
+                normal_scale: normal.as_ref().map_or(1.0, |normal| normal.scale),
+                normal_map: map(builder, normal, Content::Normals)?,
+            };
+            material = material.clearcoat(Some(coat).filter(|coat| coat.share > 0.0));
+        }
+        if let Some(p) = of(SHEEN) {
+            let sheen = Sheen {
+                color: p.color("sheenColorFactor", 0.0, 1.0).into(),
+                color_map: map(builder, p.texture("sheenColorTexture"), Content::Color)?,
+                roughness: p.share("sheenRoughnessFactor", 0.0),
+                roughness_map: map(builder, p.texture("sheenRoughnessTexture"), Content::Color)?,
+            };
+            material = material.sheen(Some(sheen).filter(|sheen| sheen.color != Vec3::ZERO));
+        }
+        if let Some(p) = of(ANISOTROPY) {
+            let anisotropy = Anisotropy {
+                strength: p.share("anisotropyStrength", 0.0),
+                rotation: p.number("anisotropyRotation", 0.0, [-1e6, 1e6]),
+                map: map(builder, p.texture("anisotropyTexture"), Content::Numbers)?,
+            };
+            material = material.anisotropy(Some(anisotropy).filter(|a| a.strength > 0.0));
+        }
+        if let Some(p) = of(IRIDESCENCE) {
+            let nanometers = [0.0, 65_536.0];
+            let film = Iridescence {
+                share: p.share("iridescenceFactor", 0.0),
+                map: map(builder, p.texture("iridescenceTexture"), Content::Numbers)?,
+                ior: p.number("iridescenceIor", 1.3, [1.0, 8.0]),
+                thickness: [
+                    p.number("iridescenceThicknessMinimum", 100.0, nanometers),
+                    p.number("iridescenceThicknessMaximum", 400.0, nanometers),
+                ],
+                thickness_map: map(builder, p.texture("iridescenceThicknessTexture"), Content::Numbers)?,
+            };
+            material = material.iridescence(Some(film).filter(|film| film.share > 0.0));
+        }
+        Ok(material)
+    }
+
+    /// A map of a material.
+    fn map<J: Join>(
+        &mut self,
+        builder: &mut Builder<'_, J>,
+        coordinates: &mut Coordinates,
+        info: Option<&Info>,
+        content: Content,
+    ) -> Result<Option<Texture>, ImportError> {
+        let Some(info) = info else { return Ok(None) };
+        let found = self.texture(builder, info.index, Kind::Plain(content), &TextureUse::of(info))?;
+        Ok(self.placed(builder, coordinates, found))
+    }
+
+    /// The texture with the slot of its set of texture coordinates.
+    fn placed<J: Join>(
+        &self,
+        builder: &mut Builder<'_, J>,
+        coordinates: &mut Coordinates,
+        (texture, set): (Texture, u32),
+    ) -> Option<Texture> {
+        let slot = coordinates.slot(set);
+        if slot.is_none() {
+            builder.not_drawn.insert("a third set of texture coordinates in one material");
+        }
+        Some(Texture { set: slot.unwrap_or(0), ..texture })
     }
 
     /// A texture of the scene with its sampler's wrapping, and its set of texture coordinates.
@@ -135,9 +301,9 @@ impl<'a> Materials<'a> {
         &mut self,
         builder: &mut Builder<'_, J>,
         index: Index<texture::Texture>,
-        content: Content,
+        kind: Kind,
         texture_use: &TextureUse,
-    ) -> Result<Option<(Texture, u32)>, ImportError> {
+    ) -> Result<(Texture, u32), ImportError> {
         let root = self.root;
         let number = index.value();
         let missing = |what: &str| builder.invalid(format!("texture {number} has no {what} that is there"));
@@ -157,21 +323,27 @@ impl<'a> Materials<'a> {
             None if key == u32::MAX as usize => None,
             None => return Err(missing("image")),
         };
-        let image = match self.images.get(&(key, content)) {
+        let image = match self.images.get(&(key, kind)) {
             Some(&image) => image,
             None => {
                 let (name, image) = match source {
                     Some(source) => (image_name(key, source), self.image(source)),
                     None => (number.to_string(), Err("it has no PNG or JPEG image".into())),
                 };
-                let image = builder.add_map(&name, image, content)?;
-                self.images.insert((key, content), image);
+                let image = match kind {
+                    Kind::Plain(content) => builder.add_map(&name, image, content)?,
+                    Kind::Glossiness { factor } => {
+                        let image = image.map(|image| roughness(image, f32::from_bits(factor)));
+                        builder.add_map(&name, image, Content::Numbers)?
+                    }
+                };
+                self.images.insert((key, kind), image);
                 image
             }
         };
         let texture =
             Texture { wrap_u: wrap_u as u32, wrap_v: wrap_v as u32, filter: filter as u32, ..image };
-        Ok(Some((texture_use.apply(texture), texture_use.set)))
+        Ok((texture_use.apply(texture), texture_use.set))
     }
 
     /// The picture of an image.
@@ -202,18 +374,19 @@ fn image_name(number: usize, image: &image::Image) -> String {
     }
 }
 
+/// The image of roughness (green) whose surfaces are no metal (blue), of one of glossiness (alpha).
+fn roughness(image: Image, factor: f32) -> Image {
+    let of = |glossiness: u8| 255 - (f32::from(glossiness) * factor + 0.5) as u8;
+    let rgba = image.rgba.chunks_exact(4).flat_map(|texel| [255, of(texel[3]), 0, 255]).collect();
+    Image { rgba, ..image }
+}
+
 /// How a material uses a texture.
-struct TextureUse {
+pub(super) struct TextureUse {
     /// The set of texture coordinates.
     set: u32,
     /// KHR_texture_transform.
     transform: Option<TextureTransform>,
-}
-
-fn texture_use(info: &Info) -> TextureUse {
-    let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.clone());
-    let set = transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(info.tex_coord);
-    TextureUse { set, transform }
 }
 
 /// The use of a texture whose extensions the JSON types do not know.
@@ -225,6 +398,12 @@ fn texture_use_of(set: u32, transform: Option<&Value>) -> TextureUse {
 }
 
 impl TextureUse {
+    pub(super) fn of(info: &Info) -> Self {
+        let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.clone());
+        let set = transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(info.tex_coord);
+        Self { set, transform }
+    }
+
     /// The texture, placed as the transform says.
     fn apply(&self, texture: Texture) -> Texture {
         let Some(transform) = &self.transform else { return texture };
@@ -262,12 +441,9 @@ fn finite(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }
 
-/// A material without its base color, from KHR_materials_pbrSpecularGlossiness: it is no metal, mirrors its specular
-/// color, and `roughness = 1 − glossiness`.
-fn specular_glossiness(glossy: &PbrSpecularGlossiness) -> Material {
-    let roughness = (1.0 - finite(glossy.glossiness_factor.0)).clamp(0.0, 1.0);
-    let specular = glossy.specular_factor.0.map(|c| finite(c).clamp(0.0, COLOR_LIMIT));
-    Material::default().specular(specular, None).roughness(roughness)
+/// A channel of a base color, or its alpha.
+fn base_channel(channel: f32) -> f32 {
+    finite(channel).clamp(-COLOR_LIMIT, COLOR_LIMIT)
 }
 
 /// What a texture of the base color holds: alpha hides what a mask cuts out, or what blends.
@@ -278,47 +454,41 @@ fn base_color_content(source: &material::Material) -> Content {
     }
 }
 
-/// The least alpha of a transmissive surface. Alpha scales highlights, too.
-const CLEAREST: f32 = 0.1;
-
-/// The material with the source's alpha. Transmission (KHR_materials_transmission) reduces it: the
-/// transmitted share of light becomes the share of the background.
-///
-/// ```text
-/// alpha · max(1 − transmission · mean(base), 0.1)
-/// ```
-///
-/// So dark glass covers more than bright glass. The absorption of a volume (KHR_materials_volume) tints
-/// the base color. Light enters and leaves a volume, so each of the two surfaces has half of it:
+/// The material with the source's alpha and transmission (KHR_materials_transmission): a thin pane, tinted by the
+/// base color. The absorption of a volume (KHR_materials_volume) tints it, too. Light enters and leaves a volume, so
+/// each of the two surfaces has half of it:
 ///
 /// ```text
 /// base · attenuation color ^ (thickness / (2 · attenuation distance))
 /// ```
 ///
-/// Roughness, refraction, the textures of transmission and thickness, and the scale of nodes have no
-/// effect.
-fn see_through(source: &material::Material, alpha: f32, material: Material) -> Material {
+/// Refraction, the blur of rough glass, the texture of thickness and the scale of nodes have no effect.
+fn see_through(
+    source: &material::Material,
+    alpha: f32,
+    map: Option<Texture>,
+    material: Material,
+) -> Material {
     use material::AlphaMode as Mode;
-    let is_blend = matches!(source.alpha_mode, Checked::Valid(Mode::Blend));
     if matches!(source.alpha_mode, Checked::Valid(Mode::Mask)) {
         let cutoff =
             source.alpha_cutoff.map_or(0.5, |cutoff| finite(cutoff.0).clamp(-COLOR_LIMIT, COLOR_LIMIT));
         return material.alpha(alpha).mask(cutoff);
     }
+    let is_blend = matches!(source.alpha_mode, Checked::Valid(Mode::Blend));
+    let material = if is_blend { material.blend(alpha) } else { material };
     let transmission = source.extensions.as_ref().and_then(|e| e.transmission.as_ref());
     let transmission = transmission.map_or(0.0, |t| finite(t.transmission_factor.0).clamp(0.0, 1.0));
     if transmission == 0.0 {
-        return if is_blend { material.blend(alpha) } else { material };
+        return material;
     }
     let volume = source.extensions.as_ref().and_then(|e| e.volume.as_ref());
     let base = material.base_color.to_array();
-    let [r, g, b] = volume.map_or(base, |volume| {
+    let base = volume.map_or(base, |volume| {
         let Volume { attenuation_color, attenuation_distance, thickness_factor, .. } = volume;
         tinted(base, attenuation_color.0, thickness_factor.0, attenuation_distance.0)
     });
-    let covered = (1.0 - transmission * (r + g + b) / 3.0).max(CLEAREST);
-    let alpha = if is_blend { alpha } else { 1.0 };
-    material.base_color([r, g, b]).blend(alpha * covered)
+    material.base_color(base).transmission(transmission, map)
 }
 
 /// A base color, tinted by half of the absorption of a volume.
@@ -332,7 +502,15 @@ fn tinted(base: [f32; 3], attenuation: [f32; 3], thickness: f32, distance: f32) 
 
 #[cfg(test)]
 mod tests {
-    use super::tinted;
+    use super::{roughness, tinted};
+    use rtrt_core::scene::Image;
+
+    #[test]
+    fn roughness_is_what_glossiness_leaves() {
+        let glossy = Image { width: 2, height: 1, rgba: vec![9, 9, 9, 255, 9, 9, 9, 100] };
+        assert_eq!(roughness(glossy.clone(), 1.0).rgba, [255, 0, 0, 255, 255, 155, 0, 255]);
+        assert_eq!(roughness(glossy, 0.5).rgba, [255, 127, 0, 255, 255, 205, 0, 255]);
+    }
 
     #[test]
     fn a_volume_takes_half_of_its_share_at_each_surface() {

@@ -8,6 +8,7 @@ mod accessor;
 mod animation;
 mod buffer;
 mod container;
+mod extended;
 mod extensions;
 mod levels;
 mod light;

@@ -7,8 +7,9 @@ use crate::import::builder::Builder;
 use crate::import::error::quoted;
 use crate::import::placement::Placement;
 use crate::import::{ImportError, file, picture};
-use rtrt_core::layout::{COLOR_LIMIT, Texture, Wrap};
-use rtrt_core::scene::{AlphaMode, Content, Image, Join, Material, MaterialIndex};
+use glam::Vec3;
+use rtrt_core::layout::{Texture, Wrap};
+use rtrt_core::scene::{AlphaMode, Clearcoat, Content, Image, Join, Material, MaterialIndex, Sheen};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -209,7 +210,7 @@ impl Materials {
                     builder.not_drawn.insert("heights in map_Bump of MTL");
                     return Ok(None);
                 }
-                let content = if used == Use::Normal { Content::Numbers } else { Content::Color };
+                let content = if used == Use::Normal { Content::Normals } else { Content::Color };
                 let added = builder.add_map(&quoted(&map.file), Ok(image), content)?;
                 self.textures.insert(key, (added, AlphaMode::Opaque));
                 added
@@ -281,11 +282,26 @@ fn placed(texture: Texture, map: &MapReference) -> Texture {
     Placement { offset: [u, 1.0 - scale_v - v], rotation: 0.0, scale: [scale_u, scale_v] }.apply(texture)
 }
 
+/// The roughness of a sheen, for which MTL has no key.
+const CLOTH: f32 = 0.5;
+/// What a surface of the index of refraction 1.5 mirrors head-on.
+const USUAL: f32 = 0.04;
+
 /// A material of the scene without its textures.
 ///
-/// With `Pr`, `Pm` or their textures, the material is metallic-roughness, and `Ks` and `Ns` have no effect. Otherwise its
-/// highlight follows `Ks` and `Ns`: MTL's highlight has the brightness `Ks` at its peak, ours grows with its sharpness,
-/// and the factor `8 / (Ns + 8)` makes the peaks equal.
+/// With `Pr`, `Pm` or their textures, the material is metallic-roughness, and `Ks` and `Ns` have no effect. Otherwise
+/// `Ns`, the exponent of MTL's highlight, gives the width of the lobe (Walter et al. 2007, whose Phong lobes it is), and
+/// `Ks`, the brightness of its peak, the color that is mirrored head-on:
+///
+/// ```text
+/// roughness² = α = √(2 / (Ns + 2))
+/// F₀ = min(4 α², 1) · Ks
+/// ```
+///
+/// The peak of our lobe is `F₀ / (4 π α²)` head-on, that of MTL `Ks / π` beside its diffuse `Kd / π`: they are equal. A
+/// color below 0.04 mirrors less at grazing angles, too, and none of `Ks 0` is mirrored at all.
+///
+/// `Pc` and `Pcr` are a clear coat and its roughness, `Ps` is a white sheen as rough as cloth.
 ///
 /// A texture multiplies `Kd`, 1 if it is absent. Exporters write `Ke 0 0 0` beside a texture of the emission, so that
 /// one multiplies 1, too.
@@ -298,16 +314,21 @@ fn answer(source: &MtlMaterial, has_emission_texture: bool) -> Material {
         || source.metallic.is_some()
         || maps.roughness.is_some()
         || maps.metallic.is_some();
+    let coat = Clearcoat { share: source.coat, roughness: source.coat_roughness, ..Clearcoat::default() };
+    let sheen = Sheen { color: Vec3::splat(source.sheen), roughness: CLOTH, ..Sheen::default() };
+    let material = Material::new(base)
+        .emission(emission)
+        .clearcoat(Some(coat).filter(|coat| coat.share > 0.0))
+        .sheen(Some(sheen).filter(|_| source.sheen > 0.0));
     if is_physical {
         let metallic = source.metallic.unwrap_or(if maps.metallic.is_some() { 1.0 } else { 0.0 });
-        return Material::new(base)
-            .metallic(metallic)
-            .roughness(source.roughness.unwrap_or(1.0))
-            .emission(emission);
+        return material.metallic(metallic).roughness(source.roughness.unwrap_or(1.0));
     }
-    let peak = 8.0 / (source.shininess + 8.0);
-    // The inverse of the exponent of a roughness.
-    let roughness = libm::sqrtf(libm::sqrtf(2.0 / (source.shininess + 2.0)));
-    let specular = source.specular.map(|s| (s * peak / (1.0 - 0.5 * roughness)).min(COLOR_LIMIT));
-    Material::new(base).roughness(roughness).specular(specular, source.shininess).emission(emission)
+    let alpha_squared = 2.0 / (source.shininess + 2.0);
+    let roughness = libm::sqrtf(libm::sqrtf(alpha_squared));
+    let mirrored = source.specular.map(|s| (s * (4.0 * alpha_squared).min(1.0)).min(1.0));
+    let most = mirrored.into_iter().fold(0.0, f32::max);
+    let strength = (most / USUAL).min(1.0);
+    let specular = if strength > 0.0 { mirrored.map(|s| s / strength) } else { mirrored };
+    material.roughness(roughness).specular(specular).specular_strength(strength)
 }

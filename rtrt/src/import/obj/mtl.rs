@@ -22,6 +22,12 @@ pub(super) struct MtlMaterial {
     pub roughness: Option<f32>,
     /// `Pm`, 0 ..= 1.
     pub metallic: Option<f32>,
+    /// `Pc`: the share that a clear coat covers, 0 ..= 1.
+    pub coat: f32,
+    /// `Pcr`, 0 ..= 1.
+    pub coat_roughness: f32,
+    /// `Ps`: the brightness of a sheen, 0 ..= 1.
+    pub sheen: f32,
     pub maps: Maps,
     /// Properties that the renderer does not have.
     pub not_drawn: BTreeSet<&'static str>,
@@ -63,7 +69,7 @@ pub(super) struct MapReference {
 }
 
 /// The keys of properties that the renderer does not have, in lower case, and their names in warnings.
-const NOT_DRAWN: [(&str, &str); 17] = [
+const NOT_DRAWN: [(&str, &str); 14] = [
     ("aniso", "aniso of MTL"),
     ("anisor", "anisor of MTL"),
     ("decal", "decal of MTL"),
@@ -76,9 +82,6 @@ const NOT_DRAWN: [(&str, &str); 17] = [
     ("map_ps", "map_Ps of MTL"),
     ("map_refl", "refl of MTL"),
     ("map_tr", "map_Tr of MTL"),
-    ("pc", "Pc of MTL"),
-    ("pcr", "Pcr of MTL"),
-    ("ps", "Ps of MTL"),
     ("refl", "refl of MTL"),
     ("tf", "Tf of MTL"),
 ];
@@ -94,6 +97,9 @@ impl MtlMaterial {
             alpha: 1.0,
             roughness: None,
             metallic: None,
+            coat: 0.0,
+            coat_roughness: 0.0,
+            sheen: 0.0,
             maps: Maps::default(),
             not_drawn: BTreeSet::new(),
         }
@@ -112,6 +118,9 @@ impl MtlMaterial {
             }
             "pr" => self.roughness = share(rest).or(self.roughness),
             "pm" => self.metallic = share(rest).or(self.metallic),
+            "pc" => self.coat = share(rest).unwrap_or(0.0),
+            "pcr" => self.coat_roughness = share(rest).unwrap_or(0.0),
+            "ps" => self.sheen = share(rest).unwrap_or(0.0),
             "map_kd" => maps.diffuse = map(rest, &mut self.not_drawn),
             "map_d" => maps.alpha = map(rest, &mut self.not_drawn),
             "map_ke" => maps.emission = map(rest, &mut self.not_drawn),
@@ -264,8 +273,8 @@ mod tests {
     fn properties_without_an_equivalent_are_named_where_they_have_an_effect() {
         let names = |text: &str| parse(format!("newmtl a\n{text}").as_bytes())[0].not_drawn.clone();
         assert!(names("Tf 1 1 1\nPs 0\naniso 0\nillum 4\nNi 1.45\nKa 1 1 1\nmap_Ka a.png").is_empty());
-        let named = names("Tf 0.5 1 1\nPc 0.3\nmap_Ks a.png\nmap_Kd -t 1 b.png");
-        let expected = ["Pc of MTL", "Tf of MTL", "map_Ks of MTL", "the option -t of textures of MTL"];
+        let named = names("Tf 0.5 1 1\naniso 0.3\nmap_Ks a.png\nmap_Kd -t 1 b.png");
+        let expected = ["Tf of MTL", "aniso of MTL", "map_Ks of MTL", "the option -t of textures of MTL"];
         assert_eq!(named, BTreeSet::from(expected));
     }
 }
