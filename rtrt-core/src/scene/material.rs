@@ -323,6 +323,7 @@ impl Material {
         };
         if self.alpha_mode == AlphaMode::Shadows {
             (record.base, record.alpha) = ([0.0; 3], 0.0);
+            record.extensions |= MaterialRecord::IS_SHADOW_CATCHER;
         }
         for (place, map) in [
             (MaterialRecord::COLOR, self.base_color_map),

@@ -60,7 +60,7 @@ pub fn studio() -> (Panorama, Light) {
     };
     let panorama = Panorama { width, height, rgb: (0..width * height).map(texel).collect() };
     let key = -direction(SOFTBOXES[1].at);
-    (panorama, Light::sun(key.as_vec3()).color([KEY / core::f32::consts::PI; 3]).radius(KEY_RADIUS))
+    (panorama, Light::sun(key.as_vec3()).color([KEY; 3]).radius(KEY_RADIUS))
 }
 
 /// A direction by its angles in degrees.
@@ -135,6 +135,6 @@ mod tests {
     fn the_studio_is_neutral() {
         let (panorama, key) = studio();
         assert!(panorama.rgb.iter().all(|[r, g, b]| r == g && g == b && (0.1..4.0).contains(r)));
-        assert_eq!(key.color, glam::Vec3::splat(KEY / core::f32::consts::PI));
+        assert_eq!(key.color, glam::Vec3::splat(KEY));
     }
 }

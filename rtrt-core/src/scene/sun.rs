@@ -21,7 +21,7 @@ impl Panorama {
     ///
     /// The brightest texel is its middle. What is within 8° of it and more than four times as bright
     /// as the ring from 8° to 16° around it is the sun, and is darkened to that. The illuminance that
-    /// this takes away, lux where the panorama is in nits, is π times the color of the light, and goes where
+    /// this takes away, lux where the panorama is in nits, is the color of the light, and goes where
     /// most of it comes from; the light's radius is that of a disc over which it would be spread as
     /// far. There is no sun if everything else sheds more than four times as much on a surface that
     /// faces it, or if the panorama's size and pixels do not fit.
@@ -117,7 +117,7 @@ fn take(pictures: &mut [&mut Vec<[f32; 3]>], place: impl Fn(usize, usize) -> (DV
     }
     // Over a disc the mean square of the distance from its middle is half the square of its radius.
     let radius = libm::sqrt(2.0 * spread / illuminance) as f32;
-    Some(Light::sun((-direction).as_vec3()).color((color / PI).as_vec3()).radius(radius))
+    Some(Light::sun((-direction).as_vec3()).color(color.as_vec3()).radius(radius))
 }
 
 /// Where the brightest texel is seen; none if all is black.
@@ -185,7 +185,7 @@ mod tests {
         let cap = TAU * (1.0 - libm::cos(3_f64.to_radians()));
         let kept = 4.0 / luminance(DVec3::new(900.0, 800.0, 600.0));
         for (is, light) in sun.color.to_array().iter().zip([900.0, 800.0, 600.0]) {
-            let expected = light * (1.0 - kept) * cap / PI;
+            let expected = light * (1.0 - kept) * cap;
             assert!((f64::from(*is) - expected).abs() < 0.05 * expected, "{is} {expected}");
         }
         let brightest = panorama.rgb.iter().map(|&rgb| luminance(light(&rgb))).fold(0.0, f64::max);
@@ -207,11 +207,7 @@ mod tests {
             panorama.rgb.iter().enumerate().map(texel).sum()
         };
         let (all, rest) = (shed(&before), shed(&after));
-        assert!(
-            (all - rest - PI * f64::from(sun.color.y)).abs() < 1e-3 * all,
-            "{all} {rest} {}",
-            sun.color.y
-        );
+        assert!((all - rest - f64::from(sun.color.y)).abs() < 1e-3 * all, "{all} {rest} {}", sun.color.y);
     }
 
     #[test]

@@ -388,6 +388,17 @@ mod tests {
         views[1] = View { color: [0.5, 1.0, 2.0], ..light };
         let materials = [MaterialRecord { roughness: 1.0, ..MaterialRecord::zeroed() }];
         let maps = Maps { materials: &materials, texels: &[] };
+        let shadows = ShadowTerms::new(|_| Word(shadow), |_| Word(shadow));
+        light_of(&frame, &views, &maps, &shadows)
+    }
+
+    /// The light on a surface at the origin that faces +z, seen from there.
+    fn light_of(
+        frame: &Frame,
+        views: &[View],
+        maps: &Maps<'_>,
+        shadows: &ShadowTerms<impl Fn(u32) -> Word, impl Fn(u32) -> Word>,
+    ) -> Lit {
         let at = |v| V3::<f32>::splat((), v);
         let surfaces = Surfaces {
             origin: at([0.0; 3]),
@@ -402,18 +413,7 @@ mod tests {
             coat_normal: Word(0),
             tangent: Word(0),
         };
-        let shadows = ShadowTerms::new(|_| Word(shadow), |_| Word(shadow));
-        light_of(&frame, &views, &maps, &shadows, &surfaces)
-    }
-
-    fn light_of(
-        frame: &Frame,
-        views: &[View],
-        maps: &Maps<'_>,
-        shadows: &ShadowTerms<impl Fn(u32) -> Word, impl Fn(u32) -> Word>,
-        surfaces: &Surfaces<f32>,
-    ) -> Lit {
-        light(frame, views, maps, shadows, RayIndex(0), V3::splat((), [0.0, 0.0, -1.0]), surfaces).lane(0)
+        light(frame, views, maps, shadows, RayIndex(0), at([0.0, 0.0, -1.0]), &surfaces).lane(0)
     }
 
     fn lamp(center: [f32; 3]) -> View {
@@ -441,27 +441,17 @@ mod tests {
 
     #[test]
     fn what_catches_shadows_learns_what_is_missing() {
-        let frame = Frame { lights: 2, mask_words: 1, layers: 3, ..Frame::zeroed() };
+        let extensions = MaterialRecord::IS_SHADOW_CATCHER;
+        let frame = Frame { lights: 2, mask_words: 1, layers: 3, extensions, ..Frame::zeroed() };
         let mut views = [View::zeroed(); 13];
         views[1] = View { color: [0.5, 1.0, 2.0], ..lamp([0.0, 0.0, 4.0]) };
         views[7] = View { color: [4.0; 3], ..lamp([0.0, 0.0, 6.0]) };
         let unlit = MaterialRecord::CATCHES_SHADOWS;
         let materials = [MaterialRecord { unlit, ..MaterialRecord::zeroed() }];
         let maps = Maps { materials: &materials, texels: &[] };
-        let at = |v| V3::<f32>::splat((), v);
-        let surfaces = Surfaces {
-            origin: at([0.0; 3]),
-            normal: at([0.0, 0.0, 1.0]),
-            material: Word(1),
-            color: Word(u32::MAX),
-            uv: [0.0; 2],
-            footprint: 0.0,
-            second_uv: [0.0; 2],
-            second_footprint: 0.0,
-        };
         // All of the first light, and of the second a quarter of its red.
         let words = |light: u32| Word(if light == 0 { (1 << 30) - 1 } else { 512 });
-        let light = light_of(&frame, &views, &maps, &ShadowTerms::new(words, words), &surfaces);
+        let light = light_of(&frame, &views, &maps, &ShadowTerms::new(words, words));
         let is = |found: [f32; 3], expected: [f32; 3]| (0..3).all(|i| (found[i] - expected[i]).abs() < 2e-3);
         // Half of the first one arrives at half of its reach, a quarter of the second one at three quarters.
         assert!(is(light.diffuse, [0.25 + 0.25, 0.5, 1.0]), "{light:?}");

@@ -176,8 +176,8 @@ pub struct Common {
     /// Add a light, in place of the scene's lights. point:x,y,z is a point light at this position;
     /// spot:x,y,z:dx,dy,dz:degrees is a spot light with this direction and half angle (within 0 and 90);
     /// sun:x,y,z is infinitely far away in this direction. A radius may follow, as in point:x,y,z:0.5
-    /// (degrees for a sun), which makes shadows soft. Then may follow color=r,g,b (linear; what white
-    /// reflects at a distance of 1, which is candela or lux / π; 1 without it), reach=r (no light beyond), fade=linear (to
+    /// (degrees for a sun), which makes shadows soft. Then may follow color=r,g,b (linear; candela, or lux
+    /// for a sun; without it white is white at a distance of 1), reach=r (no light beyond), fade=linear (to
     /// 0 at the reach, or not at all, in place of the square of the distance) and inner=degrees (full
     /// brightness within this angle of a spot light), as in point:0,3,0:0.5:color=30,18,6:reach=20
     #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]

@@ -1,6 +1,7 @@
 //! The values of command line options.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use core::f32::consts::PI;
 use glam::Vec3;
 use rtrt::choose::Choice;
 use rtrt::debug;
@@ -239,9 +240,9 @@ pub fn tone(text: &str) -> Result<Vec3, &'static str> {
     color.ok_or("not three numbers of 0 to 2^48 with commas between them")
 }
 
-/// The color of a light without one. A white surface that faces it at a distance of
+/// The color of a light without one: candela, or lux for a sun. A white surface that faces it at a distance of
 /// 1 is white.
-pub const LIGHT_COLOR: Vec3 = Vec3::ONE;
+pub const LIGHT_COLOR: Vec3 = Vec3::splat(PI);
 
 /// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`, perhaps with a radius and properties such as
 /// `color=1,0.5,0`.

@@ -6,12 +6,11 @@ use gltf_json::extensions::scene::khr_lights_punctual::{Light as Source, Type};
 use gltf_json::validation::Checked;
 use rtrt_core::layout::LIGHT_LIMIT;
 use rtrt_core::scene::{Join, Light, Setup};
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Adds a light of the file, which gives candela (point, spot) or lux (sun), where its node is. A white surface reflects
-/// 1/π of what it receives, which is the unit of [`Light::color`].
+/// Adds a light of the file where its node is: in candela (point, spot) or lux (sun).
 pub(super) fn add<J: Join>(builder: &mut Builder<'_, J>, source: &Source, to_world: &DMat4) {
-    let color = Vec3::from(source.color) * source.intensity * FRAC_1_PI;
+    let color = Vec3::from(source.color) * source.intensity;
     let position = to_world.w_axis.truncate().as_vec3();
     let direction = -to_world.z_axis.truncate().as_vec3();
     let reach = source.range.filter(|reach| reach.is_finite() && *reach > 0.0);

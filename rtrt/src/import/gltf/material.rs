@@ -94,7 +94,8 @@ impl<'a> Materials<'a> {
             let [r, g, b, a] = pbr.base_color_factor.0.map(base_channel);
             let [metallic, roughness] =
                 [pbr.metallic_factor.0, pbr.roughness_factor.0].map(|factor| finite(factor).clamp(0.0, 1.0));
-            let color = self.map(builder, coordinates, pbr.base_color_texture.as_ref(), base_color_content(source))?;
+            let color =
+                self.map(builder, coordinates, pbr.base_color_texture.as_ref(), base_color_content(source))?;
             let roughness_map =
                 self.map(builder, coordinates, pbr.metallic_roughness_texture.as_ref(), Content::Numbers)?;
             let material = Material::new([r, g, b])
@@ -109,7 +110,8 @@ impl<'a> Materials<'a> {
         let [r, g, b, a] = glossy.diffuse_factor.0.map(base_channel);
         let glossiness = finite(glossy.glossiness_factor.0).clamp(0.0, 1.0);
         let specular = glossy.specular_factor.0.map(|c| finite(c).clamp(0.0, COLOR_LIMIT));
-        let color = self.map(builder, coordinates, glossy.diffuse_texture.as_ref(), base_color_content(source))?;
+        let color =
+            self.map(builder, coordinates, glossy.diffuse_texture.as_ref(), base_color_content(source))?;
         let mut material =
             Material::new([r, g, b]).base_color_map(color).specular(specular).roughness(1.0 - glossiness);
         if let Some(info) = &glossy.specular_glossiness_texture {
