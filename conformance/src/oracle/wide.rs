@@ -389,7 +389,8 @@ fn judge_light(
         };
         let (cone, steepness) = cone(light, way);
         let color = light.color.as_dvec3() * full;
-        let shares = responses(normal, way.normalize(), to_viewer.normalize(), alpha_squared);
+        let strength = f64::from(material.strength);
+        let shares = responses(normal, way.normalize(), to_viewer.normalize(), alpha_squared, strength);
         // A narrow lobe magnifies the errors of directions.
         let widths = [1.0, alpha_squared.sqrt(), alpha_squared.sqrt()];
         for i in 0..3 {
@@ -397,9 +398,14 @@ fn judge_light(
             doubts[i] += color.abs() * 1e-5 * steepness * shares[i].max(1.0) / widths[i];
         }
     }
-    let has_map = material.textures[MaterialRecord::ROUGHNESS].levels > 0;
+    let [has_roughness_map, has_strength_map] =
+        [MaterialRecord::ROUGHNESS, MaterialRecord::SPECULAR].map(|map| material.textures[map].levels > 0);
+    // The lobe of a brushed surface is another.
+    let is_brushed = material.extensions & MaterialRecord::IS_BRUSHED != 0;
+    let parts = usize::from(has_strength_map)..if has_roughness_map || is_brushed { 1 } else { 3 };
     let found = [lit.diffuse, lit.specular, lit.grazing].map(|color| DVec3::from(color.map(f64::from)));
-    for ((found, sum), doubt) in found.into_iter().zip(sums).zip(doubts).take(if has_map { 1 } else { 3 }) {
+    for part in parts {
+        let (found, sum, doubt) = (found[part], sums[part], doubts[part]);
         if !(found - sum).abs().cmple(doubt + sum.abs() * 1e-4).all() {
             return Err(format!("{found} of light arrives, not {sum}"));
         }
@@ -411,9 +417,15 @@ fn judge_light(
 const LEAST_ALPHA_SQUARED: f64 = 1.0 / 262_144.0;
 
 /// What a surface makes of light of unit strength, as glTF's Appendix B has it: the share that its diffuse color
-/// multiplies, that of the color mirrored head-on, and that of the one mirrored at grazing angles. Directions
-/// have unit length.
-fn responses(normal: DVec3, to_light: DVec3, to_viewer: DVec3, alpha_squared: f64) -> [f64; 3] {
+/// multiplies, that of the color mirrored head-on, and that of the one mirrored at grazing angles, of which a surface
+/// that is no metal mirrors `strength`. Directions have unit length.
+fn responses(
+    normal: DVec3,
+    to_light: DVec3,
+    to_viewer: DVec3,
+    alpha_squared: f64,
+    strength: f64,
+) -> [f64; 3] {
     let half = (to_light + to_viewer).normalize();
     let cosine = normal.dot(to_light).max(0.0);
     let viewed = normal.dot(to_viewer).clamp(0.0, 1.0);
@@ -422,7 +434,7 @@ fn responses(normal: DVec3, to_light: DVec3, to_viewer: DVec3, alpha_squared: f6
     let visibility = 0.5 / (cosine * root(viewed) + viewed * root(cosine)).max(1e-30);
     let lobe = (alpha_squared / (PI * spread * spread) * visibility * cosine).min(65_536.0);
     let grazing = (1.0 - to_viewer.dot(half)).powi(5);
-    [cosine * (1.0 - grazing) / PI, lobe * (1.0 - grazing), lobe * grazing]
+    [cosine * (1.0 - strength * grazing) / PI, lobe * (1.0 - grazing), lobe * grazing]
 }
 
 /// The share of a light that its cone lets through on the way to it, and how much the cone
