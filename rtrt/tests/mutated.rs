@@ -122,6 +122,11 @@ type Start = (&'static str, Vec<u8>);
 fn starts() -> Vec<Start> {
     let mut starts: Vec<Start> =
         vec![("gltf", GLTF.replace('\n', "").into_bytes()), ("obj", OBJ.as_bytes().to_vec())];
+    // Several of each: they are few beside the test scenes.
+    for _ in 0..8 {
+        starts.extend([("stl", STL.as_bytes().to_vec()), ("stl", stl()), ("ply", PLY.as_bytes().to_vec())]);
+        starts.extend([("ply", ply(false)), ("ply", ply(true))]);
+    }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
     if folder.is_dir() {
         collect(&folder, &mut starts);
@@ -140,7 +145,7 @@ fn collect(folder: &Path, starts: &mut Vec<Start>) {
             continue;
         }
         let ending = path.extension().and_then(|ending| ending.to_str());
-        let known = ["glb", "gltf", "obj"].into_iter().find(|known| ending == Some(known));
+        let known = ["glb", "gltf", "obj", "stl", "ply"].into_iter().find(|known| ending == Some(known));
         if let Some(ending) = known.filter(|_| path.metadata().is_ok_and(|file| file.len() <= LARGEST)) {
             starts.push((ending, fs::read(&path).unwrap()));
         }
@@ -340,6 +345,44 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
 const OBJ: &str = "mtllib a.mtl\no thing\nv -1 0 0 1 0.5 0.2\nv 1 0 0\nv 1 1.5 0.2\nv -1 1 -0.2\nv 0 0.4 0.1\nvt 0 0\n\
                    vt 1 0\nvt 0.5 1\nvn 0 0 1\nvn 0 1 0\ng part\ns 1\nusemtl a\nf 1/1/1 2/2/1 3/3/2 4/1/1 5/2/2\n\
                    usemtl b\nf -5//1 -4//2 -3//1\nf 1 2 \\\n 3\nl 1 2 3\np 1\n";
+
+const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1.5 0\nendloop\nendfacet\n\
+                   facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1e0 1 -0.2\nvertex 0 1.5 0\nendloop\nendfacet\nendsolid a\n";
+
+/// Two facets, binary.
+fn stl() -> Vec<u8> {
+    let numbers: [f32; 12] = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.2, 0.0, 1.0, 0.0];
+    let facet = [numbers.map(f32::to_le_bytes).as_flattened(), &[0; 2]].concat();
+    [&[b'x'; 80], &2_u32.to_le_bytes()[..], &facet, &facet].concat()
+}
+
+const PLY: &str = "ply\nformat ascii 1.0\ncomment TextureFile t.png\nelement vertex 5\nproperty float x\nproperty float y\n\
+                   property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n\
+                   property float s\nproperty float t\nelement face 2\nproperty list uchar int vertex_indices\n\
+                   property list uchar float texcoord\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n\
+                   -1 0 0 255 0 9 255 0 0\n1 0 0 7 8 9 255 1 0\n1 1.5 0.2 9 9 9 99 1 1\n-1 1 -0.2 1 2 3 255 0 1\n\
+                   0 0.4 0.1 3 2 1 255 0.5 0.5\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n3 0 1 4 6 0 0 1 0 0 1\n7 0 1 2 -1 1 2 3\n";
+
+/// A square with normals, binary.
+fn ply(big: bool) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat binary_{}_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+         property float nx\nproperty float ny\nproperty float nz\nelement face 2\n\
+         property list uchar int vertex_index\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+        if big { "big" } else { "little" }
+    )
+    .into_bytes();
+    for number in [0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0] {
+        let number = number as f32;
+        bytes.extend(if big { number.to_be_bytes() } else { number.to_le_bytes() });
+    }
+    for face in [[0, 1, 2], [0, 2, 3]] {
+        bytes.push(3);
+        bytes.extend(face.iter().flat_map(|c: &i32| if big { c.to_be_bytes() } else { c.to_le_bytes() }));
+        bytes.extend([200, 100, 50]);
+    }
+    bytes
+}
 
 const MTL: &str = "newmtl a\nKd 0.8 0.2 0.1\nKs 0.5 0.5 0.5\nNs 40\nmap_Kd -s 2 2 1 -o 0.1 0.2 t.png\nmap_bump -bm 0.5 t.png\n\
                    d 0.7\nnewmtl b\nKd 0.1 0.9 0.1\nKe 0.2 0 0\nTr 0.25\nillum 2\nmap_d t.png\n";

@@ -283,7 +283,7 @@ fn of_import(error: &ImportError) -> &'static str {
             "names begin at the folder that the command runs in; demo:matchbox needs no file"
         }
         ImportError::Unreadable { .. } | ImportError::Format { .. } => {
-            "scenes are .glb, .gltf and .obj files; demo:matchbox needs no file"
+            "scenes are .glb, .gltf, .obj, .stl and .ply files; demo:matchbox needs no file"
         }
         ImportError::Environment { .. } => {
             "an environment is a .hdr, .exr, PNG or JPEG file, or a folder with px, nx, py, ny, pz and nz"
@@ -292,6 +292,9 @@ fn of_import(error: &ImportError) -> &'static str {
         ImportError::Limit { .. } => "what is read is limited so that memory lasts; export less of the scene",
         ImportError::Buffer { .. } => {
             "buffers lie beside the scene's file, under the names that it gives them"
+        }
+        ImportError::Invalid { path, .. } if ends_in(path, "stl") || ends_in(path, "ply") => {
+            "the file may have been cut off: copy or export it again"
         }
         ImportError::Invalid { path, .. } if !ends_in(path, "obj") => {
             "what else is wrong with a glTF file, a glTF validator says"

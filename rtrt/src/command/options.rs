@@ -137,7 +137,8 @@ pub struct ViewOptions {
 /// Options of all commands that render.
 #[derive(Debug, Clone, Args)]
 pub struct Common {
-    /// A .glb, .gltf or .obj file; - for standard input; demo:matchbox, demo:glass, demo:spheres, demo:levels or demo:moving
+    /// A .glb, .gltf, .obj, .stl or .ply file; - for standard input; demo:matchbox, demo:glass, demo:spheres, demo:levels or
+    /// demo:moving
     pub scene: PathBuf,
     /// Width and height in pixels, each at most 16384
     #[arg(long, value_name = "SIZE", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]

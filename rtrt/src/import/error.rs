@@ -17,7 +17,7 @@ pub enum ImportError {
         source: io::Error,
     },
     /// The file has an unknown format.
-    #[error("not a scene: {}: neither glTF 2.0 (.glb, .gltf) nor OBJ (.obj)", path.display())]
+    #[error("not a scene: {}: it is none of glTF 2.0 (.glb, .gltf), OBJ, STL and PLY", path.display())]
     Format {
         /// The file.
         path: PathBuf,

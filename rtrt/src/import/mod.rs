@@ -1,4 +1,7 @@
-//! Scenes from files: glTF 2.0 (`.glb`, `.gltf`) and OBJ with MTL.
+//! Scenes from files: glTF 2.0 (`.glb`, `.gltf`), OBJ with MTL, STL and PLY.
+//!
+//! STL and PLY have neither units nor axes: one unit of the file is one of the scene, and +y is up. Facets of STL are
+//! flat; faces of PLY that share a vertex are smooth there, unless the file has normals.
 //!
 //! ```no_run
 //! # use rtrt_core::scene::Sequential;
@@ -25,9 +28,14 @@ pub(crate) mod geometry;
 mod gltf;
 mod ground;
 mod loaded;
+mod normals;
 mod obj;
 mod picture;
 mod placement;
+mod ply;
+mod polygon;
+mod stl;
+mod text;
 mod track;
 
 pub use animation::{Animation, Pose};
@@ -81,7 +89,11 @@ pub fn load_bytes(
     let (cameras, animation) = match ending.as_deref() {
         Some("glb" | "gltf") => gltf::load(&mut builder, bytes)?,
         Some("obj") => (obj::load(&mut builder, bytes)?, None),
+        Some("ply") => ply::load(&mut builder, bytes).map(|()| (vec![], None))?,
+        Some("stl") => stl::load(&mut builder, bytes).map(|()| (vec![], None))?,
         _ if gltf::looks_like(bytes) => gltf::load(&mut builder, bytes)?,
+        _ if ply::looks_like(bytes) => ply::load(&mut builder, bytes).map(|()| (vec![], None))?,
+        _ if stl::looks_like(bytes) => stl::load(&mut builder, bytes).map(|()| (vec![], None))?,
         _ if obj::looks_like(bytes) => (obj::load(&mut builder, bytes)?, None),
         _ => return Err(ImportError::Format { path: path.to_owned() }),
     };

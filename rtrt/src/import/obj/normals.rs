@@ -1,7 +1,7 @@
 //! Normals that follow from the faces.
 
 use super::parse::{NONE, Obj, Polygon};
-use super::polygon::{face_normal, unit};
+use crate::import::polygon::{face_normal, unit};
 use glam::DVec3;
 use std::collections::HashMap;
 

@@ -3,10 +3,10 @@
 //! Why not `tobj`: where faces with and without texture coordinates are mixed, as in one
 //! of the classic scenes, it returns texture coordinates that belong to other vertices.
 
-use super::polygon::face_normal;
-use super::text::{lines, numbers};
 use crate::import::color::srgb_to_linear;
 use crate::import::error::quoted;
+use crate::import::polygon::face_normal;
+use crate::import::text::{lines, numbers};
 use glam::DVec3;
 use std::collections::HashMap;
 

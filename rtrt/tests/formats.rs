@@ -1,0 +1,211 @@
+//! Formats other than plain glTF and OBJ: the same shapes and colors come out of each.
+
+use glam::Vec3;
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use rtrt::debug::{DebugView, show};
+use rtrt::import::{ImportError, Loaded, load};
+use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+use rtrt_core::scene::{Camera, Projection, Sequential};
+use rtrt_cpu::{Cpu, Options};
+use std::path::{Path, PathBuf};
+
+/// A folder with these files, of one test.
+fn folder(test: &str, files: &[(&str, &[u8])]) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("formats").join(test);
+    std::fs::remove_dir_all(&folder).ok();
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, bytes) in files {
+        std::fs::write(folder.join(name), bytes).unwrap();
+    }
+    folder
+}
+
+/// The scene in the first of these files.
+fn opened(test: &str, files: &[(&str, &[u8])]) -> Result<Loaded, ImportError> {
+    load(&folder(test, files).join(files[0].0), &Sequential)
+}
+
+/// The scene in the first of these files, without a warning.
+fn loaded(test: &str, files: &[(&str, &[u8])]) -> Loaded {
+    let loaded = opened(test, files).unwrap_or_else(|error| panic!("{error}"));
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    loaded
+}
+
+/// A PNG file of these texels.
+fn png(width: u32, texels: &[[u8; 4]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let height = texels.len() as u32 / width;
+    PngEncoder::new(&mut bytes)
+        .write_image(texels.as_flattened(), width, height, ExtendedColorType::Rgba8)
+        .unwrap();
+    bytes
+}
+
+/// A view of x and y within ±1, from +z, 32 pixels wide and high; RGB by row from the top.
+fn seen(loaded: &Loaded, view: DebugView) -> Vec<[u8; 3]> {
+    let projection = Projection::Orthographic { height: 2.0 };
+    let camera = Camera { eye: Vec3::Z * 5.0, look_at: Vec3::ZERO, up: Vec3::Y, projection };
+    let request = Request::new(&camera, [32, 32]).samples(1).shadows(Shadows::Off).deferred(true);
+    let mut picture = Picture::default();
+    let mut cpu = Cpu::new(Options { lanes: Some(1), threads: Some(1) }).unwrap();
+    cpu.render(&loaded.scene, &request, &mut picture).unwrap();
+    let pixels = show(view, &loaded.scene, &request, &picture).unwrap().unwrap().pixels;
+    pixels.iter().map(|pixel| pixel.to_le_bytes()).map(|[r, g, b, _]| [r, g, b]).collect()
+}
+
+/// The base color in the middle of each quarter: upper left, upper right, lower left, lower right.
+fn quarters(loaded: &Loaded) -> [[u8; 3]; 4] {
+    let pixels = seen(loaded, DebugView::Albedo);
+    [8, 24].map(|y| [8, 24].map(|x| pixels[32 * y + x])).as_flattened().try_into().unwrap()
+}
+
+const RED: [u8; 4] = [255, 0, 0, 255];
+const GREEN: [u8; 4] = [0, 255, 0, 255];
+const BLUE: [u8; 4] = [0, 0, 255, 255];
+const WHITE: [u8; 4] = [255; 4];
+/// Red and green above blue and white.
+const FOUR: [[u8; 3]; 4] = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255; 3]];
+
+/// [`FOUR`] as a picture, with so many texels a side in each quarter.
+fn four(side: usize) -> Vec<[u8; 4]> {
+    let row = |a, b| [[a].repeat(side), [b].repeat(side)].concat();
+    [row(RED, GREEN).repeat(side), row(BLUE, WHITE).repeat(side)].concat()
+}
+
+/// The corners of a square over all of the picture.
+const SQUARE: [[f32; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+
+/// The square as STL, binary or as text.
+fn stl(binary: bool) -> Vec<u8> {
+    let facets = [[0, 1, 2], [0, 2, 3]].map(|facet: [usize; 3]| facet.map(|corner| SQUARE[corner]));
+    if binary {
+        let number = |c: &f32| c.to_le_bytes();
+        let facet = |f: &[[f32; 3]; 3]| {
+            [&[0; 12], &*f.as_flattened().iter().flat_map(number).collect::<Vec<_>>(), &[0; 2]].concat()
+        };
+        return [&[b' '; 80], &2_u32.to_le_bytes()[..], &facets.iter().flat_map(facet).collect::<Vec<_>>()]
+            .concat();
+    }
+    let corner = |[x, y, z]: [f32; 3]| format!("vertex {x} {y} {z}\n");
+    let facet = |f: [[f32; 3]; 3]| {
+        format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", f.map(corner).concat())
+    };
+    format!("solid square\n{}endsolid square\n", facets.map(facet).concat()).into_bytes()
+}
+
+#[test]
+fn stl_as_text_and_binary_shows_a_square() {
+    let gray = quarters(&loaded("stl-text", &[("a.stl", &stl(false))]));
+    assert!(gray[0] == gray[3] && gray[0][0] > 150, "{gray:?}");
+    assert_eq!(quarters(&loaded("stl-binary", &[("a.STL", &stl(true))])), gray);
+    // Without an ending the first bytes say what it is.
+    assert_eq!(quarters(&loaded("stl-nameless", &[("a", &stl(false))])), gray);
+    assert_eq!(quarters(&loaded("stl-binary-nameless", &[("a.scan", &stl(true))])), gray);
+}
+
+#[test]
+fn stl_facets_with_words_are_drawn_with_a_warning() {
+    let mut bytes = stl(true);
+    bytes[84 + 48] = 1;
+    assert_eq!(
+        opened("stl-words", &[("a.stl", &bytes)]).unwrap().warnings,
+        ["not drawn: colors of STL facets"]
+    );
+}
+
+/// The square as PLY: two triangles or, with `polygon`, one face; with numbers of vertices in this encoding and of these
+/// types, each corner in a color.
+fn ply(format: &str, polygon: bool, color: [u8; 3]) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat {format} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty double z\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\nelement face {}\n\
+         property list uchar ushort vertex_indices\nend_header\n",
+        if polygon { 1 } else { 2 }
+    )
+    .into_bytes();
+    let is_big = format.contains("big");
+    let faces: &[&[u16]] = if polygon { &[&[0, 1, 2, 3]] } else { &[&[0, 1, 2], &[0, 2, 3]] };
+    if format == "ascii" {
+        for [x, y, z] in SQUARE {
+            let [r, g, b] = color;
+            bytes.extend(format!("{x} {y} {z} {r} {g} {b}\n").bytes());
+        }
+        for face in faces {
+            let corners: Vec<String> = face.iter().map(u16::to_string).collect();
+            bytes.extend(format!("{} {}\n", face.len(), corners.join(" ")).bytes());
+        }
+        return bytes;
+    }
+    for [x, y, z] in SQUARE {
+        for c in [x, y] {
+            bytes.extend(if is_big { c.to_be_bytes() } else { c.to_le_bytes() });
+        }
+        let z = f64::from(z);
+        bytes.extend(if is_big { z.to_be_bytes() } else { z.to_le_bytes() });
+        bytes.extend(color);
+    }
+    for face in faces {
+        bytes.push(face.len() as u8);
+        bytes.extend(face.iter().flat_map(|c| if is_big { c.to_be_bytes() } else { c.to_le_bytes() }));
+    }
+    bytes
+}
+
+#[test]
+fn ply_in_every_encoding_shows_its_vertex_colors_which_are_srgb() {
+    for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
+        for polygon in [false, true] {
+            for color in [[255, 0, 0], [188, 128, 64]] {
+                let bytes = ply(format, polygon, color);
+                let shown = quarters(&loaded("ply", &[("a.ply", &bytes)]));
+                // Vertex colors have 8 bits in linear light: dark ones are a step off.
+                let near = |a: u8, b: u8| a.abs_diff(b) <= 2;
+                assert!(shown.iter().all(|at| (0..3).all(|i| near(at[i], color[i]))), "{format} {shown:?}");
+                let nameless = quarters(&loaded("ply-nameless", &[("scan.dat", &bytes)]));
+                assert_eq!(nameless, shown);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_texture_of_ply_stands_upright() {
+    let header = |vertex: &str, face: &str| {
+        format!(
+            "ply\nformat ascii 1.0\ncomment TextureFile my four.png\nelement vertex 4\nproperty float x\n\
+             property float y\nproperty float z\n{vertex}element face 1\nproperty list uchar int vertex_indices\n{face}\
+             end_header\n"
+        )
+    };
+    let of_vertices = header("property float s\nproperty float t\n", "")
+        + "-1 -1 0 0 0\n1 -1 0 1 0\n1 1 0 1 1\n-1 1 0 0 1\n4 0 1 2 3\n";
+    let of_corners = header("", "property list uchar float texcoord\n")
+        + "-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n";
+    for text in [of_vertices, of_corners] {
+        let files: [(&str, &[u8]); 2] = [("a.ply", text.as_bytes()), ("my four.png", &png(16, &four(8)))];
+        assert_eq!(quarters(&loaded("ply-texture", &files)), FOUR);
+        let without = opened("ply-gone", &files[..1]).unwrap();
+        assert!(
+            without.warnings[0].contains("\"my four.png\" is drawn as a magenta checker"),
+            "{:?}",
+            without.warnings
+        );
+    }
+}
+
+#[test]
+fn files_without_faces_are_refused_in_words() {
+    let points = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+                  end_header\n0 0 0\n";
+    for (name, bytes, why) in [
+        ("points.ply", points.as_bytes(), "it has 1 points and no faces"),
+        ("cut.ply", &points.as_bytes()[..60], "the header has no end"),
+        ("cut.stl", &stl(true)[..100], "2 facets need 184 bytes; the file has 100"),
+        ("cut-text.stl", &stl(false)[..80], "the text ends within a facet"),
+    ] {
+        let error = opened("refused", &[(name, bytes)]).err().expect(name);
+        let line = error.to_string();
+        assert!(line.contains(why) && line.contains(name) && !line.contains('\n'), "{line}");
+    }
+}
