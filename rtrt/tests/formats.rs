@@ -1,7 +1,10 @@
 //! Formats other than plain glTF and OBJ: the same shapes and colors come out of each.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use glam::Vec3;
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use image::codecs::{png::PngEncoder, webp::WebPEncoder};
+use image::{ExtendedColorType, ImageEncoder};
 use rtrt::debug::{DebugView, show};
 use rtrt::import::{ImportError, Loaded, load};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
@@ -37,6 +40,16 @@ fn png(width: u32, texels: &[[u8; 4]]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let height = texels.len() as u32 / width;
     PngEncoder::new(&mut bytes)
+        .write_image(texels.as_flattened(), width, height, ExtendedColorType::Rgba8)
+        .unwrap();
+    bytes
+}
+
+/// A WebP file of these texels, without losses.
+fn webp(width: u32, texels: &[[u8; 4]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let height = texels.len() as u32 / width;
+    WebPEncoder::new_lossless(&mut bytes)
         .write_image(texels.as_flattened(), width, height, ExtendedColorType::Rgba8)
         .unwrap();
     bytes
@@ -207,5 +220,160 @@ fn files_without_faces_are_refused_in_words() {
         let error = opened("refused", &[(name, bytes)]).map(drop).expect_err(name);
         let line = error.to_string();
         assert!(line.contains(why) && line.contains(name) && !line.contains('\n'), "{line}");
+    }
+}
+
+/// The square as OBJ, with the texture `map` of a material `t`.
+fn textured_obj(map: &str) -> (Vec<u8>, Vec<u8>) {
+    let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl t\n\
+               f 1/1 2/2 3/3 4/4\n";
+    (obj.into(), format!("newmtl t\nmap_Kd {map}\n").into_bytes())
+}
+
+/// Bytes as a URI.
+fn data(bytes: &[u8]) -> String {
+    format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes))
+}
+
+/// The square as glTF, with `more` in the root.
+fn textured_gltf(extension: &str, more: &str) -> String {
+    let mut bytes: Vec<u8> = SQUARE.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
+    // `v` points down.
+    bytes.extend([0.0_f32, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0].iter().flat_map(|c| c.to_le_bytes()));
+    bytes.extend([0, 1, 2, 0, 2, 3]);
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"extensionsUsed":["{extension}"],"extensionsRequired":["{extension}"],
+        "scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"indices":2,"material":0}}]}}],
+        "materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0,"baseColorTexture":{{"index":0}}}}}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"}},
+        {{"bufferView":0,"byteOffset":48,"componentType":5126,"count":4,"type":"VEC2"}},
+        {{"bufferView":0,"byteOffset":80,"componentType":5121,"count":6,"type":"SCALAR"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":86}}],"buffers":[{{"byteLength":86,"uri":"{}"}}],{more}}}"#,
+        data(&bytes)
+    )
+}
+
+/// The square as glTF with this image by an extension, and a red one for those who do not know it.
+fn extension_gltf(extension: &str, image: &[u8]) -> String {
+    let more = format!(
+        r#""textures":[{{"source":0,"extensions":{{"{extension}":{{"source":1}}}}}}],
+        "images":[{{"uri":"{}"}},{{"uri":"{}"}}]"#,
+        data(&png(1, &[RED])),
+        data(image)
+    );
+    textured_gltf(extension, &more)
+}
+
+/// 16 × 16 texels of 200, 40, 90, with losses (VP8), written by libwebp.
+const LOSSY: &str = "UklGRjIAAABXRUJQVlA4ICYAAABQAQCdASoQABAAAoBCJaAABAAAAP7sJf3///Qk//4mz/+k2fAAAA==";
+
+#[test]
+fn webp_is_a_texture_in_each_format() {
+    let image = webp(16, &four(8));
+    let (obj, mtl) = textured_obj("four.webp");
+    let scene = loaded("webp-obj", &[("a.obj", &obj), ("m.mtl", &mtl), ("four.webp", &image)]);
+    assert_eq!(quarters(&scene), FOUR);
+    let gltf = extension_gltf("EXT_texture_webp", &image);
+    assert_eq!(quarters(&loaded("webp-gltf", &[("a.gltf", gltf.as_bytes())])), FOUR);
+    let lossy = extension_gltf("EXT_texture_webp", &STANDARD.decode(LOSSY).unwrap());
+    let shown = quarters(&loaded("webp-lossy", &[("a.gltf", lossy.as_bytes())]));
+    let near = |color: [u8; 3]| color.iter().zip([200, 40, 90]).all(|(a, b)| a.abs_diff(b) < 8);
+    assert!(shown.iter().all(|&color| near(color)), "{shown:?}");
+    let gone = extension_gltf("EXT_texture_webp", &image[..40]);
+    let warnings = opened("webp-cut", &[("a.gltf", gone.as_bytes())]).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("is drawn as a magenta checker"), "{warnings:?}");
+    let missing = gltf.replace("\"source\":1", "\"source\":7");
+    let error = opened("webp-missing", &[("a.gltf", missing.as_bytes())]).map(drop).unwrap_err();
+    assert!(error.to_string().ends_with("textures[0].source is not there"), "{error}");
+}
+
+/// Elements as EXT_meshopt_compression has them in mode `ATTRIBUTES`: each difference is a byte.
+fn meshopt(elements: &[u8], stride: usize) -> Vec<u8> {
+    let mut bytes = vec![0xa0];
+    for byte in 0..stride {
+        let mut before = 0;
+        bytes.push(3);
+        bytes.extend((0..16).map(|i| {
+            let now = elements.get(i * stride + byte).copied().unwrap_or(before);
+            let delta = now.wrapping_sub(std::mem::replace(&mut before, now)) as i8;
+            (delta << 1 ^ delta >> 7) as u8
+        }));
+    }
+    bytes.extend([0; 32]);
+    bytes
+}
+
+/// The square with compressed and quantized numbers: positions of 16 bits, normals of 8 in an octahedron, texture
+/// coordinates of 16, triangles. The views are of a buffer without bytes.
+fn compressed_gltf() -> String {
+    let positions: Vec<u8> = SQUARE
+        .iter()
+        .flat_map(|p| [p[0], p[1], p[2], 0.0].map(|c| (c * 32767.0) as i16))
+        .flat_map(i16::to_le_bytes)
+        .collect();
+    let normals = [0, 0, 127, 0].repeat(4);
+    let uvs: Vec<u8> = [0_u16, !0, !0, !0, !0, 0, 0, 0].iter().flat_map(|c| c.to_le_bytes()).collect();
+    // Three new vertices; the edge from the first to the third and a new vertex.
+    let triangles = [&[0xe1, 0xf0, 0x00][..], &[0; 16]].concat();
+    let parts = [meshopt(&positions, 8), meshopt(&normals, 4), meshopt(&uvs, 4), triangles];
+    let (mut views, mut at, mut to) = (Vec::new(), 0, 0);
+    for (number, part) in parts.iter().enumerate() {
+        let (stride, count) = [(8, 4), (4, 4), (4, 4), (2, 6)][number];
+        let (mode, filter) = [
+            ("ATTRIBUTES", "NONE"),
+            ("ATTRIBUTES", "OCTAHEDRAL"),
+            ("ATTRIBUTES", "NONE"),
+            ("TRIANGLES", "NONE"),
+        ][number];
+        let (length, size) = (part.len(), stride * count);
+        let step = if number < 3 { format!(r#""byteStride":{stride},"#) } else { String::new() };
+        views.push(format!(
+            r#"{{"buffer":1,"byteOffset":{to},"byteLength":{size},{step}"extensions":{{"EXT_meshopt_compression":
+            {{"buffer":0,"byteOffset":{at},"byteLength":{length},"byteStride":{stride},"count":{count},"mode":"{mode}",
+            "filter":"{filter}"}}}}}}"#
+        ));
+        (at, to) = (at + length, to + size);
+    }
+    let views = views.join(",");
+    let (required, bytes) = (r#"["EXT_meshopt_compression","KHR_mesh_quantization"]"#, parts.concat());
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"extensionsUsed":{required},"extensionsRequired":{required},
+        "scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2}},"indices":3,"material":0}}]}}],
+        "materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0,"baseColorTexture":{{"index":0}}}}}}],
+        "textures":[{{"source":0}}],"images":[{{"uri":"{}"}}],
+        "accessors":[{{"bufferView":0,"componentType":5122,"normalized":true,"count":4,"type":"VEC3"}},
+        {{"bufferView":1,"componentType":5120,"normalized":true,"count":4,"type":"VEC3"}},
+        {{"bufferView":2,"componentType":5123,"normalized":true,"count":4,"type":"VEC2"}},
+        {{"bufferView":3,"componentType":5123,"count":6,"type":"SCALAR"}}],
+        "bufferViews":[{views}],"buffers":[{{"byteLength":{},"uri":"{}"}},
+        {{"byteLength":{to},"extensions":{{"EXT_meshopt_compression":{{"fallback":true}}}}}}]}}"#,
+        data(&png(16, &four(8))),
+        bytes.len(),
+        data(&bytes)
+    )
+}
+
+#[test]
+fn compressed_buffer_views_hold_what_was_compressed() {
+    let gltf = compressed_gltf();
+    let scene = loaded("meshopt", &[("a.gltf", gltf.as_bytes())]);
+    assert_eq!(quarters(&scene), FOUR);
+    // The normal that is decoded points at the camera.
+    assert_eq!(scene.scene.attributes()[0].normal, [0.0, 0.0, 1.0]);
+    for (from, to, why) in [
+        ("\"filter\":\"OCTAHEDRAL\"", "\"filter\":\"ROUND\"", "it has an unknown filter"),
+        ("\"mode\":\"TRIANGLES\"", "\"mode\":\"INDICES\"", "its bytes are no indices of version 1"),
+        ("\"count\":6,\"mode\"", "\"count\":600,\"mode\"", "its bytes end too early"),
+        ("\"count\":6,\"mode\"", "\"count\":3,\"mode\"", "its bytes go on after the last triangle"),
+        ("\"count\":4,\"mode\"", "\"count\":4000000000,\"mode\"", "more bytes are compressed than may be"),
+        ("\"byteStride\":2,", "\"byteStride\":3,", "its mode and filter allow no 6 elements of 3 bytes"),
+    ] {
+        let broken = gltf.replacen(from, to, 1);
+        assert_ne!(broken, gltf);
+        let error = opened("meshopt-broken", &[("a.gltf", broken.as_bytes())]).map(drop).expect_err(why);
+        let line = error.to_string();
+        assert!(line.contains("EXT_meshopt_compression: ") && line.ends_with(why), "{line}");
     }
 }

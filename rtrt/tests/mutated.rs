@@ -126,6 +126,7 @@ fn starts() -> Vec<Start> {
     for _ in 0..8 {
         starts.extend([("stl", STL.as_bytes().to_vec()), ("stl", stl()), ("ply", PLY.as_bytes().to_vec())]);
         starts.extend([("ply", ply(false)), ("ply", ply(true))]);
+        starts.push(("gltf", MESHOPT.replace('\n', "").into_bytes()));
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
     if folder.is_dir() {
@@ -341,6 +342,17 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
 {"bufferView":0,"componentType":5126,"count":2,"type":"VEC4"}],
 "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":12}],
 "buffers":[{"byteLength":48,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAECAAAAAAAAAAAA"}]}"#;
+
+/// A triangle whose positions and indices are compressed by EXT_meshopt_compression, in a quarter of an octahedron.
+const MESHOPT: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["EXT_meshopt_compression"],
+"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+"accessors":[{"bufferView":0,"componentType":5120,"count":4,"type":"VEC3"},
+{"bufferView":1,"componentType":5125,"count":6,"type":"SCALAR"}],
+"bufferViews":[{"buffer":1,"byteLength":16,"byteStride":4,"extensions":{"EXT_meshopt_compression":{"buffer":0,
+"byteLength":93,"byteStride":4,"count":4,"mode":"ATTRIBUTES","filter":"OCTAHEDRAL"}}},
+{"buffer":1,"byteOffset":16,"byteLength":24,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteOffset":93,
+"byteLength":21,"byteStride":4,"count":6,"mode":"TRIANGLES"}}}],
+"buffers":[{"byteLength":114,"uri":"data:application/octet-stream;base64,oAMA/v3IAAAAAAAAAAAAAAAAAwAA/jUAAAAAAAAAAAAAAAAD/gAAAAAAAAAAAAAAAAAAAAIAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA4fD+8QYAAAAAAAAAAAAAAAAAAAAA"},{"byteLength":40}]}"#;
 
 const OBJ: &str = "mtllib a.mtl\no thing\nv -1 0 0 1 0.5 0.2\nv 1 0 0\nv 1 1.5 0.2\nv -1 1 -0.2\nv 0 0.4 0.1\nvt 0 0\n\
                    vt 1 0\nvt 0.5 1\nvn 0 0 1\nvn 0 1 0\ng part\ns 1\nusemtl a\nf 1/1/1 2/2/1 3/3/2 4/1/1 5/2/2\n\

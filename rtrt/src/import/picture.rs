@@ -1,10 +1,10 @@
-//! Pictures for textures: PNG and JPEG, and a placeholder.
+//! Pictures for textures: PNG, JPEG and WebP, and a placeholder.
 
 use image::{ImageReader, Limits};
 use rtrt_core::scene::Image;
 use std::io::Cursor;
 
-/// The picture in these bytes (PNG or JPEG), 8 bits a channel.
+/// The picture in these bytes (PNG, JPEG or WebP), 8 bits a channel.
 ///
 /// # Errors
 /// The reason, in one line.

@@ -1,11 +1,14 @@
 //! The bytes of accessors and images.
 
+use super::extensions::MESHOPT;
+use super::meshopt::Compressed;
 use crate::import::file::Files;
 use crate::import::{ImportError, file};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf_json::{Index, Root, buffer};
 use std::borrow::Cow;
+use std::cell::{Cell, OnceCell};
 use std::path::Path;
 
 /// The buffers of a file. Accessors borrow from them.
@@ -14,6 +17,10 @@ pub(super) struct Buffers<'a> {
     pub path: &'a Path,
     files: Files,
     bytes: Vec<Result<Cow<'a, [u8]>, String>>,
+    /// The decoded bytes of compressed views, each from its first use on.
+    decoded: Vec<OnceCell<Result<Vec<u8>, String>>>,
+    /// How many bytes may still be decoded: several views may name the same bytes.
+    remaining: Cell<u64>,
 }
 
 impl<'a> Buffers<'a> {
@@ -40,7 +47,8 @@ impl<'a> Buffers<'a> {
             Ok(bytes)
         });
         let bytes = bytes.collect();
-        Self { path, files, bytes }
+        let decoded = root.buffer_views.iter().map(|_| OnceCell::new()).collect();
+        Self { path, files, bytes, decoded, remaining: Cell::new(file::LONGEST) }
     }
 
     /// The bytes behind a URI of an image.
@@ -60,24 +68,45 @@ impl<'a> Buffers<'a> {
         let invalid = |why: String| ImportError::Invalid { path: self.path.to_owned(), why };
         let number = index.value();
         let view = root.get(index).ok_or_else(|| invalid(format!("there is no buffer view {number}")))?;
-        let buffer = view.buffer.value();
+        let stride = view.byte_stride.map(|stride| stride.0);
+        let length = view.byte_length.0;
+        let Some(extension) = view.extensions.as_ref().and_then(|e| e.others.get(MESHOPT)) else {
+            let bytes =
+                self.range(number, view.buffer.value(), view.byte_offset.unwrap_or_default().0, length)?;
+            return Ok((bytes, stride));
+        };
+        let failed = |why: &str| invalid(format!("buffer view {number}: {MESHOPT}: {why}"));
+        let compressed = Compressed::new(extension).map_err(|why| failed(&why))?;
+        let buffer = usize::try_from(compressed.buffer).unwrap_or(usize::MAX);
+        let bytes = self.range(number, buffer, compressed.offset, compressed.length)?;
+        let cell = self.decoded.get(number).ok_or_else(|| failed("it is not there"))?;
+        let decoded = cell.get_or_init(|| {
+            let remaining = self.remaining.get().checked_sub(compressed.size() as u64);
+            self.remaining.set(remaining.ok_or("more bytes are compressed than may be")?);
+            Ok(compressed.decode(bytes)?)
+        });
+        let decoded = decoded.as_ref().map_err(|why| failed(why))?;
+        let whole = usize::try_from(length).ok().and_then(|length| decoded.get(..length));
+        Ok((whole.ok_or_else(|| failed("it has fewer bytes than its view"))?, stride))
+    }
+
+    /// A range of the bytes of a buffer, for the buffer view `view`.
+    fn range(&self, view: usize, buffer: usize, start: u64, length: u64) -> Result<&[u8], ImportError> {
+        let invalid = |why: &str| {
+            let why = format!("buffer view {view} is {why}");
+            ImportError::Invalid { path: self.path.to_owned(), why }
+        };
         let bytes = match self.bytes.get(buffer) {
-            None => {
-                return Err(invalid(format!(
-                    "buffer view {number} is of buffer {buffer}, which is not there"
-                )));
-            }
+            None => return Err(invalid(&format!("of buffer {buffer}, which is not there"))),
             Some(Err(why)) => {
                 let path = self.path.to_owned();
                 return Err(ImportError::Buffer { path, buffer, why: why.clone() });
             }
             Some(Ok(bytes)) => bytes,
         };
-        let start = view.byte_offset.unwrap_or_default().0;
-        let end = start.checked_add(view.byte_length.0);
-        let range = end.filter(|&end| end <= bytes.len() as u64).map(|end| start as usize..end as usize);
-        let range = range.ok_or_else(|| invalid(format!("buffer view {number} is not within its buffer")))?;
-        Ok((&bytes[range], view.byte_stride.map(|stride| stride.0)))
+        let end = start.checked_add(length).filter(|&end| end <= bytes.len() as u64);
+        let end = end.ok_or_else(|| invalid("not within its buffer"))?;
+        Ok(&bytes[start as usize..end as usize])
     }
 }
 

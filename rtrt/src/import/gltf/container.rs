@@ -1,12 +1,12 @@
 //! The JSON and the binary chunk of a file.
 
-use super::extensions::SUPPORTED;
+use super::extensions::{SUPPORTED, WEBP};
 use crate::import::ImportError;
 use crate::import::builder::Builder;
 use crate::import::error::quoted;
 use gltf_json::mesh::Semantic;
 use gltf_json::validation::{self, Checked, Validate};
-use gltf_json::{Root, Value};
+use gltf_json::{Index, Root, Value};
 
 /// The first bytes of a binary file.
 pub(super) const MAGIC: &[u8] = b"glTF";
@@ -28,8 +28,9 @@ pub(super) fn open<'a, J: rtrt_core::scene::Join>(
     } else {
         (bytes, None)
     };
-    let (root, warning) = parse(json).map_err(|error| invalid(format!("JSON: {error}")))?;
+    let (mut root, warning) = parse(json).map_err(|error| invalid(format!("JSON: {error}")))?;
     warning.into_iter().for_each(|warning| builder.warn(warning));
+    take_images_of_extensions(&mut root);
     let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
     if version.split('.').next() != Some("2") {
         return Err(invalid(format!("glTF {}, but only glTF 2 is supported", version.escape_debug())));
@@ -45,6 +46,17 @@ pub(super) fn open<'a, J: rtrt_core::scene::Join>(
         builder.warn(format!("the extension {} is not supported", quoted(name)));
     }
     Ok((root, binary))
+}
+
+/// Gives textures the images that extensions name in place of PNG and JPEG ones.
+fn take_images_of_extensions(root: &mut Root) {
+    for texture in &mut root.textures {
+        let extensions = texture.extensions.as_ref().map(|extensions| &extensions.others);
+        let source = extensions.and_then(|others| others.get(WEBP)?.get("source")?.as_u64());
+        if let Some(source) = source {
+            texture.source = Index::new(u32::try_from(source).unwrap_or(u32::MAX - 1));
+        }
+    }
 }
 
 /// The place of a reference to a missing element, drawn or not. Other errors are found in the content

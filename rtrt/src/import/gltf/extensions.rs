@@ -10,6 +10,10 @@ pub(super) const GPU_INSTANCING: &str = "EXT_mesh_gpu_instancing";
 pub(super) const IOR: &str = "KHR_materials_ior";
 /// A thin film.
 pub(super) const IRIDESCENCE: &str = "KHR_materials_iridescence";
+/// Buffer views with smaller bytes.
+pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
+/// Images in WebP.
+pub(super) const WEBP: &str = "EXT_texture_webp";
 /// Levels of detail of nodes.
 pub(super) const LOD: &str = "MSFT_lod";
 /// A sheen.
@@ -22,6 +26,8 @@ pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 /// The extensions that the import reads.
 pub(super) const SUPPORTED: &[&str] = &[
     GPU_INSTANCING,
+    MESHOPT,
+    WEBP,
     "KHR_lights_punctual",
     ANISOTROPY,
     CLEARCOAT,

@@ -14,6 +14,7 @@ mod levels;
 mod light;
 mod material;
 mod meshes;
+mod meshopt;
 mod node;
 mod primitive;
 mod transform;
