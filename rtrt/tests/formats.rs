@@ -377,3 +377,107 @@ fn compressed_buffer_views_hold_what_was_compressed() {
         assert!(line.contains("EXT_meshopt_compression: ") && line.ends_with(why), "{line}");
     }
 }
+
+/// [`four`] of 8 in KTX 2, as ETC1S with BasisLZ, written by Basis Universal's encoder.
+const ETC1S: &str = "q0tUWCAyMLsNChoKAAAAAAEAAAAQAAAAEAAAAAAAAAAAAAAAAQAAAAEAAAABAAAAaAAAACwAAACUAAAAJAAAALgAAAAAAAAAiwAAAAAA\
+     AABDAQAAAAAAAAYAAAAAAAAAAAAAAAAAAAAsAAAAAAAAAAIAKACjAQIAAwMAAAgAAAAAAAAAAAA/AAAAAAAAAAAA/////x8AAABLVFh3\
+     cml0ZXIAQmFzaXMgVW5pdmVyc2FsIDIuNTAAAAQAAgArAAAACQAAAC8AAAAAAAAAAAAAAAAAAAAGAAAAAAAAAAAAAAAgwEQAAAAAAADi\
+     BAQwEQAAAAAAgCQQACYAAAAAAAAQAoAJAAAAAAAABDA2rKqqqlJVVVUFFMBEAAAAAAAAEoEAmAEAAAAAAEDCCDA3YAAAICAAxhGF0ggf\
+     AEwAAAAAAAAggABAhT9ghwY=";
+
+/// [`four`] of 8 in KTX 2, as UASTC with Zstandard, written by Basis Universal's encoder.
+const UASTC: &str = "q0tUWCAyMLsNChoKAAAAAAEAAAAQAAAAEAAAAAAAAAAAAAAAAQAAAAEAAAACAAAAaAAAACwAAACUAAAAJAAAAAAAAAAAAAAAAAAAAAAA\
+     AAC4AAAAAAAAADsAAAAAAAAAAAEAAAAAAAAsAAAAAAAAAAIAKACmAQIAAwMAABAAAAAAAAAAAAB/AAAAAAAAAAAA/////x8AAABLVFh3\
+     cml0ZXIAQmFzaXMgVW5pdmVyc2FsIDIuNTAAACi1L/1gAACNAQDo9x8A4B96ABfgH+AfAg8XAOD/HwLgAff///8ffO8HAAUSAIuZAbkD\
+     lgJYbCYCBTAC";
+
+/// An image in KTX 2 with texels of this Vulkan format.
+fn ktx2(format: u32, width: u32, texels: &[u8], channels: u32) -> Vec<u8> {
+    let height = texels.len() as u32 / channels / width;
+    let mut bytes = b"\xabKTX 20\xbb\r\n\x1a\n".to_vec();
+    bytes.extend([format, 1, width, height, 0, 0, 1, 1, 0].iter().flat_map(|n| n.to_le_bytes()));
+    bytes.resize(80, 0);
+    bytes.extend([104, texels.len() as u64, texels.len() as u64].iter().flat_map(|n| n.to_le_bytes()));
+    [&bytes, texels].concat()
+}
+
+#[test]
+fn ktx2_is_a_texture_whatever_is_in_it() {
+    let texels = four(8);
+    for (name, image) in [
+        ("ktx2-etc1s", STANDARD.decode(ETC1S).unwrap()),
+        ("ktx2-uastc", STANDARD.decode(UASTC).unwrap()),
+        ("ktx2-plain", ktx2(43, 16, texels.as_flattened(), 4)),
+    ] {
+        let gltf = extension_gltf("KHR_texture_basisu", &image);
+        let shown = quarters(&loaded(name, &[("a.gltf", gltf.as_bytes())]));
+        // ETC1S keeps fewer bits of colors.
+        let near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 8);
+        assert!(shown.iter().zip(FOUR).all(|(a, b)| near(*a, b)), "{name} {shown:?}");
+    }
+    for (image, why) in [
+        (ktx2(146, 16, texels.as_flattened(), 4), "its texels have the Vulkan format 146"),
+        (STANDARD.decode(ETC1S).unwrap()[..200].to_vec(), "the length of its file contradict"),
+    ] {
+        let gltf = extension_gltf("KHR_texture_basisu", &image);
+        let warnings = opened("ktx2-refused", &[("a.gltf", gltf.as_bytes())]).unwrap().warnings;
+        assert!(warnings.len() == 1 && warnings[0].contains(why), "{warnings:?}");
+    }
+}
+
+/// The square with normals, texture coordinates and white, by edge breaking, written by Draco's encoder.
+const DRACO: &str = "RFJBQ08CAgEBAAAABAIDAgAAAR//ARH/ARH/ARH/AREE/wABAAAAAQAAAgAAAQAJAwAAAgEBCQMAAQMBAwkCAAICAQICBAADAQEBAQAD\
+     AwEwARADACiCmAAAAAAA/z8AAAAAgL8AAIC/AAAAAAAAAEAOBgMBAQMBAUABAP8DAAD/AQAA/wJEQAoFAQEAAwMBMAEQAwAkgiYAAgAA\
+     AAEBIAAAAAD/DwAAAAAAAAAAAAAAAIA/DAEBAQEDAQFAAQD/AAAA/wAAAA==";
+
+/// The same, in the order of its triangles.
+const DRACO_SEQUENTIAL: &str = "RFJBQ08CAgEAAAACBAEAAQIAAgMBBAAJAwAAAQkDAAEDCQIAAgICBAADAgMCAQABAQADAwEwARADADSCiAQAAAAA/z8AAAADAQAKAwEw\
+     GwEQAwAcggD+A/8DAAD/AQAAAAEBAAMDASABIAMAIISGAgAAAAD/DwAAAAEBAQEBAUABAP8AAAD/AAAAAACAvwAAgL8AAAAAAAAAQA4K\
+     AAAAAAAAAAAAAIA/DA==";
+
+/// The square as glTF, compressed by Draco.
+fn draco_gltf(bytes: &[u8]) -> String {
+    let (length, required) = (bytes.len(), r#"["KHR_draco_mesh_compression"]"#);
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"extensionsUsed":{required},"extensionsRequired":{required},
+        "scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2,"COLOR_0":3}},"indices":4,
+        "material":0,"extensions":{{"KHR_draco_mesh_compression":{{"bufferView":0,
+        "attributes":{{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2,"COLOR_0":3}}}}}}}}]}}],
+        "materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0,"baseColorTexture":{{"index":0}}}}}}],
+        "textures":[{{"source":0}}],"images":[{{"uri":"{}"}}],
+        "accessors":[{{"componentType":5126,"count":4,"type":"VEC3"}},{{"componentType":5126,"count":4,"type":"VEC3"}},
+        {{"componentType":5126,"count":4,"type":"VEC2"}},{{"componentType":5121,"normalized":true,"count":4,"type":"VEC4"}},
+        {{"componentType":5123,"count":6,"type":"SCALAR"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":{length}}}],"buffers":[{{"byteLength":{length},"uri":"{}"}}]}}"#,
+        data(&png(16, &four(8))),
+        data(bytes)
+    )
+}
+
+#[test]
+fn draco_meshes_are_drawn() {
+    for (name, bytes) in [("draco", DRACO), ("draco-sequential", DRACO_SEQUENTIAL)] {
+        let bytes = STANDARD.decode(bytes).unwrap();
+        let scene = loaded(name, &[("a.gltf", draco_gltf(&bytes).as_bytes())]);
+        assert_eq!(quarters(&scene), FOUR, "{name}");
+        assert_eq!(scene.scene.drawn_triangles(), 2);
+        for normal in scene.scene.attributes().iter().map(|attribute| attribute.normal) {
+            assert!(normal[2] > 0.999, "{name} {normal:?}");
+        }
+        let cut = draco_gltf(&bytes[..bytes.len() / 2]);
+        let line = opened("draco-cut", &[("a.gltf", cut.as_bytes())]).map(drop).unwrap_err().to_string();
+        assert!(line.contains("KHR_draco_mesh_compression: ") && !line.contains('\n'), "{line}");
+    }
+    let gltf = draco_gltf(&STANDARD.decode(DRACO).unwrap());
+    for (from, to, why) in [
+        (r#""NORMAL":1,"TEXCOORD_0":2,"COLOR_0":3}}"#, r#""NORMAL":9}}"#, "NORMAL is not in it"),
+        (r#""bufferView":0,"#, r#""bufferView":-1,"#, "it has no buffer view"),
+        (r#"4,"type":"VEC2""#, r#"4,"type":"VEC3""#, "TEXCOORD_0 has 3 components"),
+    ] {
+        let broken = gltf.replacen(from, to, 1);
+        assert_ne!(broken, gltf);
+        let error = opened("draco-broken", &[("a.gltf", broken.as_bytes())]).map(drop).expect_err(why);
+        assert!(error.to_string().ends_with(&format!("KHR_draco_mesh_compression: {why}")), "{error}");
+    }
+}

@@ -3,6 +3,8 @@
 //! `RTRT_SEEDS=0..100000 cargo test --release -p rtrt --test mutated` runs those seeds instead of the usual ones. A
 //! failure names its seed, and leaves its file.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use rtrt::cache::Cache;
 use rtrt::import::{Loaded, framing, load, surround};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
@@ -126,7 +128,7 @@ fn starts() -> Vec<Start> {
     for _ in 0..8 {
         starts.extend([("stl", STL.as_bytes().to_vec()), ("stl", stl()), ("ply", PLY.as_bytes().to_vec())]);
         starts.extend([("ply", ply(false)), ("ply", ply(true))]);
-        starts.push(("gltf", MESHOPT.replace('\n', "").into_bytes()));
+        starts.extend([MESHOPT, DRACO].map(|text| ("gltf", text.replace('\n', "").into_bytes())));
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
     if folder.is_dir() {
@@ -238,13 +240,19 @@ fn damaged_scenes_are_drawn_or_refused_in_one_line() {
 fn damaged_materials_and_textures_are_drawn() {
     let folder = folder("materials");
     fs::write(folder.join("damaged.obj"), OBJ.replace("a.mtl", "damaged.mtl")).unwrap();
-    let mut png = vec![];
     let picture = image::RgbaImage::from_fn(9, 5, |x, y| image::Rgba([x as u8 * 28, y as u8 * 50, 99, 200]));
-    picture.write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
+    let mut pictures = Vec::from([image::ImageFormat::Png, image::ImageFormat::WebP].map(|format| {
+        let mut bytes = vec![];
+        picture.write_to(&mut std::io::Cursor::new(&mut bytes), format).unwrap();
+        bytes
+    }));
+    // The first bytes say what a file is, whatever its name.
+    pictures.extend([ETC1S, UASTC].map(|ktx2| STANDARD.decode(ktx2).unwrap()));
     for seed in seeds() {
         let mut random = Random::new(seed);
         fs::write(folder.join("damaged.mtl"), damaged(&mut random, MTL.as_bytes().to_vec())).unwrap();
-        fs::write(folder.join("t.png"), damaged(&mut random, png.clone())).unwrap();
+        let picture = random.of(&pictures).clone();
+        fs::write(folder.join("t.png"), damaged(&mut random, picture)).unwrap();
         let file = folder.join("damaged.obj");
         let loaded = guarded(seed, &file, || load(&file, &Sequential));
         use_all(loaded.unwrap_or_else(|error| panic!("seed {seed}: {error}")));
@@ -354,6 +362,18 @@ const MESHOPT: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["EXT_mesho
 "byteLength":21,"byteStride":4,"count":6,"mode":"TRIANGLES"}}}],
 "buffers":[{"byteLength":114,"uri":"data:application/octet-stream;base64,oAMA/v3IAAAAAAAAAAAAAAAAAwAA/jUAAAAAAAAAAAAAAAAD/gAAAAAAAAAAAAAAAAAAAAIAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA4fD+8QYAAAAAAAAAAAAAAAAAAAAA"},{"byteLength":40}]}"#;
 
+/// A square that is compressed by Draco.
+const DRACO: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["KHR_draco_mesh_compression"],
+"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"NORMAL":1,
+"TEXCOORD_0":2,"COLOR_0":3},"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0,
+"NORMAL":1,"TEXCOORD_0":2,"COLOR_0":3}}}}]}],"accessors":[{"componentType":5126,"count":4,"type":"VEC3"},
+{"componentType":5126,"count":4,"type":"VEC3"},{"componentType":5126,"count":4,"type":"VEC2"},
+{"componentType":5121,"normalized":true,"count":4,"type":"VEC4"}],"bufferViews":[{"buffer":0,"byteLength":199}],
+"buffers":[{"byteLength":199,"uri":"data:application/octet-stream;base64,
+RFJBQ08CAgEBAAAABAIDAgAAAR//ARH/ARH/ARH/AREE/wABAAAAAQAAAgAAAQAJAwAAAgEBCQMAAQMBAwkCAAICAQICBAADAQEBAQADAwEwARAD
+ACiCmAAAAAAA/z8AAAAAgL8AAIC/AAAAAAAAAEAOBgMBAQMBAUABAP8DAAD/AQAA/wJEQAoFAQEAAwMBMAEQAwAkgiYAAgAAAAEBIAAAAAD/DwAA
+AAAAAAAAAAAAAIA/DAEBAQEDAQFAAQD/AAAA/wAAAA=="}]}"#;
+
 const OBJ: &str = "mtllib a.mtl\no thing\nv -1 0 0 1 0.5 0.2\nv 1 0 0\nv 1 1.5 0.2\nv -1 1 -0.2\nv 0 0.4 0.1\nvt 0 0\n\
                    vt 1 0\nvt 0.5 1\nvn 0 0 1\nvn 0 1 0\ng part\ns 1\nusemtl a\nf 1/1/1 2/2/1 3/3/2 4/1/1 5/2/2\n\
                    usemtl b\nf -5//1 -4//2 -3//1\nf 1 2 \\\n 3\nl 1 2 3\np 1\n";
@@ -395,6 +415,19 @@ fn ply(big: bool) -> Vec<u8> {
     }
     bytes
 }
+
+/// Four colors in KTX 2, as ETC1S.
+const ETC1S: &str = "q0tUWCAyMLsNChoKAAAAAAEAAAAQAAAAEAAAAAAAAAAAAAAAAQAAAAEAAAABAAAAaAAAACwAAACUAAAAJAAAALgAAAAAAAAAiwAAAAAA\
+     AABDAQAAAAAAAAYAAAAAAAAAAAAAAAAAAAAsAAAAAAAAAAIAKACjAQIAAwMAAAgAAAAAAAAAAAA/AAAAAAAAAAAA/////x8AAABLVFh3\
+     cml0ZXIAQmFzaXMgVW5pdmVyc2FsIDIuNTAAAAQAAgArAAAACQAAAC8AAAAAAAAAAAAAAAAAAAAGAAAAAAAAAAAAAAAgwEQAAAAAAADi\
+     BAQwEQAAAAAAgCQQACYAAAAAAAAQAoAJAAAAAAAABDA2rKqqqlJVVVUFFMBEAAAAAAAAEoEAmAEAAAAAAEDCCDA3YAAAICAAxhGF0ggf\
+     AEwAAAAAAAAggABAhT9ghwY=";
+
+/// Four colors in KTX 2, as UASTC with Zstandard.
+const UASTC: &str = "q0tUWCAyMLsNChoKAAAAAAEAAAAQAAAAEAAAAAAAAAAAAAAAAQAAAAEAAAACAAAAaAAAACwAAACUAAAAJAAAAAAAAAAAAAAAAAAAAAAA\
+     AAC4AAAAAAAAADsAAAAAAAAAAAEAAAAAAAAsAAAAAAAAAAIAKACmAQIAAwMAABAAAAAAAAAAAAB/AAAAAAAAAAAA/////x8AAABLVFh3\
+     cml0ZXIAQmFzaXMgVW5pdmVyc2FsIDIuNTAAACi1L/1gAACNAQDo9x8A4B96ABfgH+AfAg8XAOD/HwLgAff///8ffO8HAAUSAIuZAbkD\
+     lgJYbCYCBTAC";
 
 const MTL: &str = "newmtl a\nKd 0.8 0.2 0.1\nKs 0.5 0.5 0.5\nNs 40\nmap_Kd -s 2 2 1 -o 0.1 0.2 t.png\nmap_bump -bm 0.5 t.png\n\
                    d 0.7\nnewmtl b\nKd 0.1 0.9 0.1\nKe 0.2 0 0\nTr 0.25\nillum 2\nmap_d t.png\n";

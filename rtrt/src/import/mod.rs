@@ -27,6 +27,7 @@ mod framing;
 pub(crate) mod geometry;
 mod gltf;
 mod ground;
+mod ktx2;
 mod loaded;
 mod normals;
 mod obj;

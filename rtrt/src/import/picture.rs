@@ -1,14 +1,18 @@
-//! Pictures for textures: PNG, JPEG and WebP, and a placeholder.
+//! Pictures for textures: PNG, JPEG, WebP and KTX 2, and a placeholder.
 
+use super::ktx2;
 use image::{ImageReader, Limits};
 use rtrt_core::scene::Image;
 use std::io::Cursor;
 
-/// The picture in these bytes (PNG, JPEG or WebP), 8 bits a channel.
+/// The picture in these bytes (PNG, JPEG, WebP or KTX 2), 8 bits a channel.
 ///
 /// # Errors
 /// The reason, in one line.
 pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
+    if ktx2::looks_like(bytes) {
+        return ktx2::decode(bytes);
+    }
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
     let mut limits = Limits::default();

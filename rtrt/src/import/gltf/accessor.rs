@@ -101,6 +101,20 @@ impl<'a> Column<'a> {
         Ok(Self { bytes, stride, count, component, width, normalized: accessor.normalized, sparse: replaced })
     }
 
+    /// The column of `count` elements of `width` numbers, given as `f32`.
+    pub fn of_floats(bytes: &'a [u8], width: usize, count: usize) -> Self {
+        let (stride, component) = (4 * width, ComponentType::F32);
+        Self {
+            bytes: Some(bytes),
+            stride,
+            count,
+            component,
+            width,
+            normalized: false,
+            sparse: HashMap::new(),
+        }
+    }
+
     /// The bytes from element `i` on; none if the element is 0.
     fn element(&self, i: usize) -> Option<&[u8]> {
         match self.sparse.get(&i) {

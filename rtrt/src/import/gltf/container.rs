@@ -1,6 +1,6 @@
 //! The JSON and the binary chunk of a file.
 
-use super::extensions::{SUPPORTED, WEBP};
+use super::extensions::{BASISU, SUPPORTED, WEBP};
 use crate::import::ImportError;
 use crate::import::builder::Builder;
 use crate::import::error::quoted;
@@ -52,7 +52,8 @@ pub(super) fn open<'a, J: rtrt_core::scene::Join>(
 fn take_images_of_extensions(root: &mut Root) {
     for texture in &mut root.textures {
         let extensions = texture.extensions.as_ref().map(|extensions| &extensions.others);
-        let source = extensions.and_then(|others| others.get(WEBP)?.get("source")?.as_u64());
+        let source = extensions
+            .and_then(|others| others.get(WEBP).or_else(|| others.get(BASISU))?.get("source")?.as_u64());
         if let Some(source) = source {
             texture.source = Index::new(u32::try_from(source).unwrap_or(u32::MAX - 1));
         }

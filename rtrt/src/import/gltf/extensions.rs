@@ -12,6 +12,10 @@ pub(super) const IOR: &str = "KHR_materials_ior";
 pub(super) const IRIDESCENCE: &str = "KHR_materials_iridescence";
 /// Buffer views with smaller bytes.
 pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
+/// Images in KTX 2, compressed by Basis Universal.
+pub(super) const BASISU: &str = "KHR_texture_basisu";
+/// Primitives with fewer bytes.
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 /// Images in WebP.
 pub(super) const WEBP: &str = "EXT_texture_webp";
 /// Levels of detail of nodes.
@@ -28,6 +32,7 @@ pub(super) const SUPPORTED: &[&str] = &[
     GPU_INSTANCING,
     MESHOPT,
     WEBP,
+    DRACO,
     "KHR_lights_punctual",
     ANISOTROPY,
     CLEARCOAT,
@@ -41,6 +46,7 @@ pub(super) const SUPPORTED: &[&str] = &[
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    BASISU,
     TEXTURE_TRANSFORM,
     LOD,
 ];

@@ -9,6 +9,7 @@ mod animation;
 mod buffer;
 mod container;
 mod extended;
+mod draco;
 mod extensions;
 mod levels;
 mod light;

@@ -2,6 +2,7 @@
 
 use super::accessor::Column;
 use super::buffer::Buffers;
+use super::draco::Draco;
 use crate::import::ImportError;
 use crate::import::geometry::{Deform, Geometry, JointWeights, Tangents, Target, pack_color};
 use glam::Vec3;
@@ -50,8 +51,16 @@ pub(super) fn geometry(
         return Ok(Err("points and lines"));
     }
     let column = |index: Index<Accessor>, types: &[Type]| Column::new(path, root, buffers, index, types);
-    let attribute = |semantic: Semantic, types: &[Type]| {
-        primitive.attributes.get(&Checked::Valid(semantic)).map(|&index| column(index, types)).transpose()
+    let draco = Draco::new(path, root, buffers, primitive)?;
+    let attribute = |semantic: Semantic, types: &[Type]| match draco
+        .as_ref()
+        .and_then(|draco| draco.column(&semantic, types))
+    {
+        Some(column) => column.map(Some).map_err(|why| ImportError::Invalid { path: path.to_owned(), why }),
+        None => {
+            let index = primitive.attributes.get(&Checked::Valid(semantic));
+            index.map(|&index| column(index, types)).transpose()
+        }
     };
     let Some(positions) = attribute(Semantic::Positions, &[Type::Vec3])? else {
         return Ok(Err("primitives without positions"));
@@ -79,17 +88,18 @@ pub(super) fn geometry(
         return Err(invalid("a primitive has more than 4 billion vertices"));
     }
 
-    let indices: Vec<u32> = match primitive.indices {
-        Some(index) => {
+    let indices: Vec<u32> = match (&draco, primitive.indices) {
+        (Some(draco), _) => draco.indices.clone(),
+        (None, Some(index)) => {
             let indices = column(index, &[Type::Scalar])?;
             if !indices.is_index() {
                 return Err(invalid("the indices of a primitive are not unsigned integers"));
             }
             (0..indices.count).map(|i| indices.index(i)).collect()
         }
-        None => (0..positions.count as u32).collect(),
+        (None, None) => (0..positions.count as u32).collect(),
     };
-    let mut indices = triangles(mode, indices);
+    let mut indices = if draco.is_some() { indices } else { triangles(mode, indices) };
     let vertices = used(&mut indices, positions.count);
     let at = |vertex: &u32| *vertex as usize;
     let attributes = vertices.iter().map(|vertex| {
@@ -116,7 +126,7 @@ pub(super) fn geometry(
         (None, Some(slot)) => Tangents::Made { second: slot == 1 },
     };
     let deform = Deform {
-        joint_sets: joint_sets(primitive, &column, positions_count, &vertices)?,
+        joint_sets: joint_sets(&attribute, positions_count, &vertices)?,
         targets: targets(primitive, &column, &vertices)?,
     };
     let geometry = Geometry { positions, attributes, indices, second_uv, tangents, deform };
@@ -127,19 +137,17 @@ pub(super) fn geometry(
 
 /// The joints of the vertices of a skin, a list for each set of four.
 fn joint_sets<'a>(
-    primitive: &Primitive,
-    column: &impl Fn(Index<Accessor>, &[Type]) -> Result<Column<'a>, ImportError>,
+    attribute: &impl Fn(Semantic, &[Type]) -> Result<Option<Column<'a>>, ImportError>,
     count: usize,
     vertices: &[u32],
 ) -> Result<Vec<Vec<JointWeights>>, ImportError> {
-    let get = |semantic| primitive.attributes.get(&Checked::Valid(semantic));
     let mut sets = Vec::new();
     for set in 0.. {
-        let (Some(&joints), Some(&weights)) = (get(Semantic::Joints(set)), get(Semantic::Weights(set)))
+        let get = |semantic| attribute(semantic, &[Type::Vec4]);
+        let (Some(joints), Some(weights)) = (get(Semantic::Joints(set))?, get(Semantic::Weights(set))?)
         else {
             break;
         };
-        let (joints, weights) = (column(joints, &[Type::Vec4])?, column(weights, &[Type::Vec4])?);
         if joints.count != count || weights.count != count {
             return Ok(vec![]);
         }
