@@ -6,7 +6,7 @@ use glam::Vec3;
 use image::codecs::{png::PngEncoder, webp::WebPEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use rtrt::debug::{DebugView, show};
-use rtrt::import::{ImportError, Loaded, load};
+use rtrt::import::{self, ImportError, Loaded, load, load_with};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows};
 use rtrt_core::scene::{Camera, Projection, Sequential};
 use rtrt_cpu::{Cpu, Options};
@@ -208,11 +208,11 @@ fn a_texture_of_ply_stands_upright() {
 }
 
 #[test]
-fn files_without_faces_are_refused_in_words() {
-    let points = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
-                  end_header\n0 0 0\n";
+fn files_that_are_cut_are_refused_in_words() {
+    let points = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n\
+                  end_header\n";
     for (name, bytes, why) in [
-        ("points.ply", points.as_bytes(), "it has 1 points and no faces"),
+        ("points.ply", points.as_bytes(), "it has no vertices"),
         ("cut.ply", &points.as_bytes()[..60], "the header has no end"),
         ("cut.stl", &stl(true)[..100], "2 facets need 184 bytes; the file has 100"),
         ("cut-text.stl", &stl(false)[..71], "the text ends within a facet"),
@@ -479,5 +479,96 @@ fn draco_meshes_are_drawn() {
         assert_ne!(broken, gltf);
         let error = opened("draco-broken", &[("a.gltf", broken.as_bytes())]).map(drop).expect_err(why);
         assert!(error.to_string().ends_with(&format!("KHR_draco_mesh_compression: {why}")), "{error}");
+    }
+}
+
+/// The scene in the first of these files, with points and lines of this diameter.
+fn with_diameter(test: &str, files: &[(&str, &[u8])], diameter: f32) -> Loaded {
+    let options = import::Options { point_size: Some(diameter), ..import::Options::default() };
+    let loaded = load_with(&folder(test, files).join(files[0].0), &Sequential, &options).unwrap();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    loaded
+}
+
+/// The middles of the quarters in the order of [`FOUR`], each with its color.
+const MIDDLES: [([f32; 3], [u8; 3]); 4] = [
+    ([-0.5, 0.5, 0.0], [255, 0, 0]),
+    ([0.5, 0.5, 0.0], [0, 255, 0]),
+    ([-0.5, -0.5, 0.0], [0, 0, 255]),
+    ([0.5, -0.5, 0.0], [255; 3]),
+];
+
+/// A point in the middle of each quarter as glTF, all `scale` times as near to the middle of the picture; the node
+/// enlarges them again.
+fn points_gltf(mode: u32, scale: f32) -> String {
+    let mut bytes: Vec<u8> =
+        MIDDLES.iter().flat_map(|(at, _)| at.map(|c| c * scale)).flat_map(f32::to_le_bytes).collect();
+    bytes.extend(MIDDLES.iter().flat_map(|(_, [r, g, b])| [*r, *g, *b, 255]));
+    let (grown, half) = (1.0 / scale, 0.5 * scale);
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],
+        "nodes":[{{"mesh":0,"scale":[{grown},{grown},{grown}]}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"COLOR_0":1}},"mode":{mode}}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[-{half},-{half},0],
+        "max":[{half},{half},0]}},{{"bufferView":0,"byteOffset":48,"componentType":5121,"normalized":true,"count":4,
+        "type":"VEC4"}}],"bufferViews":[{{"buffer":0,"byteLength":64}}],"buffers":[{{"byteLength":64,"uri":"{}"}}]}}"#,
+        data(&bytes)
+    )
+}
+
+#[test]
+fn points_are_drawn_in_their_colors_and_the_size_that_is_asked_for() {
+    let cloud = MIDDLES.map(|([x, y, z], [r, g, b])| format!("{x} {y} {z} {r} {g} {b}\n")).concat();
+    let ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n{cloud}"
+    );
+    let obj = MIDDLES.map(|([x, y, z], c)| {
+        let [r, g, b] = c.map(|c| f32::from(c) / 255.0);
+        format!("v {x} {y} {z} {r} {g} {b}\n")
+    });
+    let obj = obj.concat() + "p 1 2 3 -1\n";
+    for (name, text) in [
+        ("points.gltf", points_gltf(0, 1.0)),
+        ("scaled.gltf", points_gltf(0, 0.125)),
+        ("cloud.ply", ply),
+        ("points.obj", obj),
+    ] {
+        let files: [(&str, &[u8]); 1] = [(name, text.as_bytes())];
+        let scene = with_diameter("points", &files, 0.5);
+        assert_eq!(quarters(&scene), FOUR, "{name}");
+        assert_eq!(scene.scene.drawn_triangles(), 4 * 8, "{name}");
+        // 4 pixels to the right of the middle is the corner of an octahedron of that size; 6 are beyond it.
+        let lit = |scene: &Loaded, x: usize| seen(scene, DebugView::Albedo)[32 * 8 + x] == [255, 0, 0];
+        assert_eq!([lit(&scene, 10), lit(&scene, 14)], [true, false], "{name}");
+        assert!(lit(&with_diameter("points-large", &files, 0.9), 13), "{name}");
+        // By default they are a small part of the whole.
+        let scene = loaded("points-default", &files);
+        let (low, high) = scene.scene.extent().unwrap();
+        let expected = 1.0 + 2.0_f32.sqrt() / 250.0;
+        assert!((high.x - low.x - expected).abs() < 1e-5, "{name} {}", high.x - low.x);
+    }
+}
+
+#[test]
+fn lines_are_drawn_in_each_mode() {
+    // The four points in their order: the upper two, the lower two; a Z through all of them; back to the start.
+    for (mode, lines) in [(1, 2), (3, 3), (2, 4)] {
+        let text = points_gltf(mode, 0.5);
+        let scene = with_diameter("lines", &[("a.gltf", text.as_bytes())], 0.25);
+        assert_eq!(scene.scene.drawn_triangles(), lines * 12, "mode {mode}");
+        let pixels = seen(&scene, DebugView::Albedo);
+        // On the upper line halfway: red and green. On the diagonal of the Z; on the way back.
+        let is_drawn = |x: usize, y: usize| pixels[32 * y + x] != pixels[0];
+        assert!(is_drawn(16, 8), "mode {mode}");
+        assert_eq!([is_drawn(15, 16), is_drawn(20, 20)], [mode != 1, mode == 2], "mode {mode}");
+    }
+    let obj = b"v -0.5 0.5 0\nv 0.5 0.5 0\nv 0 0 0\nvt 0 0\nl 1/1 2/1\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
+               element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n-0.5 0.5 0\n0.5 0.5 0\n0 1\n";
+    for (name, bytes) in [("a.obj", &obj[..]), ("a.ply", ply.as_bytes())] {
+        let scene = with_diameter("lines-others", &[(name, bytes)], 0.25);
+        let pixels = seen(&scene, DebugView::Albedo);
+        assert!(scene.scene.drawn_triangles() == 12 && pixels[32 * 8 + 16] != pixels[0], "{name}");
     }
 }

@@ -42,7 +42,7 @@ const REAL: &[(&str, u64, u64, usize)] = &[
     ("cornell/cornell_box/scene.gltf", 32, 32, 0),
     ("features/BoxInterleaved.glb", 12, 12, 0),
     ("features/Cameras/Cameras.gltf", 2, 2, 2),
-    ("features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_00.gltf", 0, 0, 0),
+    ("features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_00.gltf", 8_192, 8_192, 0),
     ("features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_05.gltf", 2, 2, 0),
     ("features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_06.gltf", 2, 2, 0),
     ("features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_12.gltf", 2, 2, 0),

@@ -17,6 +17,14 @@ pub enum Error {
         /// The name behind `demo:`.
         name: String,
     },
+    /// A picture of the scene would be blank.
+    #[error("nothing to draw: {}: {}", scene.display(), blank(warnings))]
+    Blank {
+        /// The scene.
+        scene: PathBuf,
+        /// The warnings of the import.
+        warnings: Vec<String>,
+    },
     /// The scene has fewer cameras.
     #[error("unknown camera: {}: there is no camera {asked}, {}", scene.display(), listed(names))]
     Camera {
@@ -205,7 +213,7 @@ impl Error {
             | Self::Line { .. }
             | Self::Defaults { .. }
             | Self::Usage(_) => 2,
-            Self::Import(_) | Self::Reference { .. } => 3,
+            Self::Import(_) | Self::Blank { .. } | Self::Reference { .. } => 3,
             Self::Strict { code, .. } => *code,
             #[cfg(feature = "viewer")]
             Self::Record { .. } => 1,
@@ -229,6 +237,7 @@ impl Error {
         match self {
             Self::Line { hint, .. } => hint,
             Self::Demo { .. } => DEMOS,
+            Self::Blank { .. } => "export the scene with its meshes; demo:matchbox needs no file",
             Self::Camera { .. } => {
                 "--camera takes a name, or a number from 0; --eye and --look-at need no camera"
             }
@@ -315,6 +324,11 @@ fn of_writing(error: &io::Error) -> &'static str {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "make room, or write it elsewhere",
         _ => "write it elsewhere",
     }
+}
+
+/// Why nothing of a file is drawn: what the import left out, if it says so.
+fn blank(warnings: &[String]) -> String {
+    if warnings.is_empty() { "it has no surfaces, points or lines".into() } else { warnings.join("; ") }
 }
 
 /// Which cameras or animations there are, in words.

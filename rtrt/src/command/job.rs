@@ -273,19 +273,25 @@ fn load(common: &Common, console: &Console) -> Result<Loaded, Error> {
         }
     };
     let name = &common.scene;
-    match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
-        Some("matchbox") => Ok(pool.install(|| demo::matchbox(&Parallel))?),
-        Some("glass") => Ok(pool.install(|| demo::glass(&Parallel))?),
-        Some("spheres") => Ok(pool.install(|| demo::spheres(&Parallel))?),
-        Some("levels") => Ok(pool.install(|| demo::levels(&Parallel))?),
-        Some("moving") => Ok(pool.install(|| demo::moving(&Parallel))?),
-        Some(unknown) => Err(Error::Demo { name: unknown.into() }),
+    let options = import::Options { cache: cache.as_ref(), point_size: common.point_size };
+    let loaded = match name.to_str().and_then(|name| name.strip_prefix("demo:")) {
+        Some("matchbox") => pool.install(|| demo::matchbox(&Parallel))?,
+        Some("glass") => pool.install(|| demo::glass(&Parallel))?,
+        Some("spheres") => pool.install(|| demo::spheres(&Parallel))?,
+        Some("levels") => pool.install(|| demo::levels(&Parallel))?,
+        Some("moving") => pool.install(|| demo::moving(&Parallel))?,
+        Some(unknown) => return Err(Error::Demo { name: unknown.into() }),
         None if stream::is_stream(name) => {
             let bytes = stream::read(name);
             let bytes = bytes.map_err(|source| ImportError::Unreadable { path: name.clone(), source })?;
-            Ok(pool.install(|| import::load_bytes(name, &bytes, &Parallel, cache.as_ref()))?)
+            pool.install(|| import::load_bytes(name, &bytes, &Parallel, &options))?
         }
-        None => Ok(pool.install(|| import::load_cached(name, &Parallel, cache.as_ref()))?),
+        None => pool.install(|| import::load_with(name, &Parallel, &options))?,
+    };
+    if loaded.scene.drawn_triangles() > 0 {
+        Ok(loaded)
+    } else {
+        Err(Error::Blank { scene: name.clone(), warnings: loaded.warnings })
     }
 }
 

@@ -203,6 +203,10 @@ pub struct Common {
     /// default camera of a file without cameras has the whole animation in view
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
+    /// The diameter of points and the thickness of lines, world units. The default is 1/250 of the diagonal of the file's
+    /// content
+    #[arg(long, value_name = "SIZE", value_parser = height, allow_negative_numbers = true)]
+    pub point_size: Option<f32>,
     /// Cache the BVHs of large meshes in this folder. A damaged file is built again
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,

@@ -2,7 +2,7 @@
 
 use super::shape::Shape;
 use crate::import::builder::Builder;
-use crate::import::{ImportError, Loaded, NamedCamera};
+use crate::import::{ImportError, Loaded, NamedCamera, Options};
 use glam::Mat4;
 use rtrt_core::layout::Texture;
 use rtrt_core::scene::{Camera, Image, Join, Material, MaterialIndex, MeshIndex, Scene};
@@ -30,7 +30,7 @@ pub(super) struct DemoBuilder<'a, J> {
 impl<'a, J: Join> DemoBuilder<'a, J> {
     /// An empty scene. `name` is for messages.
     pub fn new(name: &'static str, join: &'a J) -> Self {
-        Self { builder: Builder::new(Path::new(name), join, None), name }
+        Self { builder: Builder::new(Path::new(name), join, &Options::default()), name }
     }
 
     /// A texture from an image that was computed.

@@ -4,7 +4,7 @@ use super::builder::loaded;
 use super::noise::hash;
 use super::shape::Shape;
 use crate::import::builder::Builder;
-use crate::import::{ImportError, Loaded};
+use crate::import::{ImportError, Loaded, Options};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::scene::{Camera, Join, Light, Material, MaterialIndex, Projection};
 use std::f32::consts::PI;
@@ -37,7 +37,7 @@ const CORNER: Vec3 = vec3(-1.9, 0.35, -1.35);
 /// # Errors
 /// Those of [`crate::import::load`]; the scene causes none.
 pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut stage = GlassBuilder { builder: Builder::new(Path::new(GLASS), join, None) };
+    let mut stage = GlassBuilder { builder: Builder::new(Path::new(GLASS), join, &Options::default()) };
     stage.room()?;
     stage.window()?;
     stage.sheets()?;

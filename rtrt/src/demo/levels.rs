@@ -4,7 +4,7 @@ use super::builder::loaded;
 use super::shape::Shape;
 use crate::import::builder::Builder;
 use crate::import::geometry::Geometry;
-use crate::import::{ImportError, Loaded};
+use crate::import::{ImportError, Loaded, Options};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{Camera, Join, Light, Material, Projection};
@@ -24,7 +24,7 @@ const STEPS: [(f32, u32, u32); 4] =
 /// # Errors
 /// Those of [`crate::import::load`]; the scene causes none.
 pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut builder = Builder::new(Path::new(LEVELS), join, None);
+    let mut builder = Builder::new(Path::new(LEVELS), join, &Options::default());
     let floor = builder.add_material(Material::new([0.5, 0.48, 0.45]).roughness(0.9))?;
     let shape = Shape::default().tiled(vec3(-60.0, 0.0, -120.0), Vec3::X * 120.0, Vec3::Z * 130.0, 1.0);
     let mesh = builder.add_mesh(LEVELS, shape.0)?;

@@ -2,7 +2,7 @@
 
 use super::file::Files;
 use super::geometry::{Geometry, Tangents};
-use super::{ImportError, picture};
+use super::{ImportError, Options, picture};
 use crate::cache::Cache;
 use glam::Vec3;
 use rtrt_core::layout::{Texture, Wrap};
@@ -35,6 +35,8 @@ pub(crate) struct Builder<'a, J> {
     /// Features of the file that the renderer does not have.
     pub not_drawn: BTreeSet<&'static str>,
     pub bvh_build_ms: f64,
+    /// The diameter of points and lines that is asked for, in units of the scene.
+    pub point_size: Option<f32>,
     /// The scene's file.
     pub path: PathBuf,
     /// The files that were read.
@@ -46,16 +48,17 @@ pub(crate) struct Builder<'a, J> {
 }
 
 impl<'a, J: Join> Builder<'a, J> {
-    pub fn new(path: &Path, join: &'a J, cache: Option<&'a Cache>) -> Self {
+    pub fn new(path: &Path, join: &'a J, options: &Options<'a>) -> Self {
         Self {
             scene: Scene::new(),
             warnings: Vec::new(),
             not_drawn: BTreeSet::new(),
             bvh_build_ms: 0.0,
+            point_size: options.point_size,
             path: path.to_owned(),
             files: Files::default(),
             join,
-            cache,
+            cache: options.cache,
             texels: 0,
             deformed: 0,
         }
@@ -117,6 +120,12 @@ impl<'a, J: Join> Builder<'a, J> {
         }
         let path = &self.path;
         self.scene.add_material(material).map_err(|source| ImportError::Scene { path: path.clone(), source })
+    }
+
+    /// Adds a copy of a material that shows its base color as it is, without light.
+    pub fn add_unlit(&mut self, material: MaterialIndex) -> Result<MaterialIndex, ImportError> {
+        let unlit = self.scene.material(material).cloned().unwrap_or_default().unlit(true);
+        self.add_material(unlit)
     }
 
     /// Counts vertices of deformed meshes against their limit.

@@ -29,6 +29,7 @@ mod gltf;
 mod ground;
 mod ktx2;
 mod loaded;
+mod marks;
 mod normals;
 mod obj;
 mod picture;
@@ -57,20 +58,30 @@ use std::path::Path;
 /// # Errors
 /// The file cannot be read, cannot be drawn, or is too large; see [`ImportError`].
 pub fn load(path: &Path, join: &impl Join) -> Result<Loaded, ImportError> {
-    load_cached(path, join, None)
+    load_with(path, join, &Options::default())
 }
 
-/// [`load`] with a cache: BVHs of meshes come from it, and new ones are added to it.
+/// How a scene is loaded.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options<'a> {
+    /// BVHs of meshes come from this cache, and new ones are added to it. A cache that cannot be written is a warning.
+    pub cache: Option<&'a Cache>,
+    /// The diameter of points and lines, in units of the scene, above 0; none for 1/250 of the diagonal of what the file
+    /// holds.
+    pub point_size: Option<f32>,
+}
+
+/// [`load`] with options.
 ///
 /// # Errors
-/// As for [`load`]. A cache that cannot be written is a warning.
-pub fn load_cached(path: &Path, join: &impl Join, cache: Option<&Cache>) -> Result<Loaded, ImportError> {
+/// As for [`load`].
+pub fn load_with(path: &Path, join: &impl Join, options: &Options<'_>) -> Result<Loaded, ImportError> {
     let bytes = file::read(path, file::LONGEST);
     let bytes = bytes.map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
-    load_bytes(path, &bytes, join, cache)
+    load_bytes(path, &bytes, join, options)
 }
 
-/// [`load_cached`] of the bytes of a scene that is in no file. Messages call it `path`, and files that it names are
+/// [`load_with`] of the bytes of a scene that is in no file. Messages call it `path`, and files that it names are
 /// looked for beside that.
 ///
 /// # Errors
@@ -79,9 +90,9 @@ pub fn load_bytes(
     path: &Path,
     bytes: &[u8],
     join: &impl Join,
-    cache: Option<&Cache>,
+    options: &Options<'_>,
 ) -> Result<Loaded, ImportError> {
-    let mut builder = builder::Builder::new(path, join, cache);
+    let mut builder = builder::Builder::new(path, join, options);
     builder.files.add(path);
     if bytes.trim_ascii().is_empty() {
         return Err(builder.invalid("it is empty".into()));

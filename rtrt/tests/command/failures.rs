@@ -46,6 +46,8 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         "--bits -1",
         "--size -1x5",
         "--structure -1",
+        "--point-size -1",
+        "--point-size 0",
     ] {
         let output = folder.run(&format!("render scene.obj -o out.png --backend cpu --quiet {wrong}"));
         let said = stderr(&output);
@@ -179,4 +181,25 @@ fn a_backend_that_is_not_there_is_exit_code_4() {
         }
     }
     assert_eq!(folder.files(), [""; 0]);
+}
+
+#[test]
+fn a_scene_with_nothing_to_draw_is_no_blank_picture() {
+    let folder = Folder::new("blank");
+    let empty = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{}]}"#;
+    for (name, text, why) in [
+        ("empty.gltf", empty, "it has no surfaces, points or lines"),
+        (
+            "curve.obj",
+            "v 0 0 0\nv 1 0 0\ncurv 0 1 1 2\n",
+            "1 curves, surfaces or faces of fewer than three corners",
+        ),
+    ] {
+        fs::write(folder.0.join(name), text).unwrap();
+        let output = folder.run(&format!("render {name} -o out.png --size 8x8 --backend cpu --quiet"));
+        let said = stderr(&output);
+        assert_eq!(code(&output), 3, "{said}");
+        assert!(said.contains(&format!("error: nothing to draw: {name}: {why}")), "{said}");
+        assert!(!folder.0.join("out.png").exists());
+    }
 }

@@ -138,14 +138,7 @@ impl<'a> Column<'a> {
 
     fn number(&self, bytes: &[u8]) -> f32 {
         let number = number_at(bytes, self.component);
-        let scale = match self.component {
-            _ if !self.normalized => 1.0,
-            ComponentType::I8 => 127.0,
-            ComponentType::U8 => 255.0,
-            ComponentType::I16 => 32767.0,
-            ComponentType::U16 => 65535.0,
-            ComponentType::U32 | ComponentType::F32 => 1.0,
-        };
+        let scale = if self.normalized { one(self.component) } else { 1.0 };
         if scale == 1.0 { number as f32 } else { (number / scale).max(-1.0) as f32 }
     }
 
@@ -157,6 +150,17 @@ impl<'a> Column<'a> {
     /// Whether the type is one that indices may have.
     pub fn is_index(&self) -> bool {
         matches!(self.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)
+    }
+}
+
+/// The normalized number that stands for 1.
+pub(super) fn one(component: ComponentType) -> f64 {
+    match component {
+        ComponentType::I8 => 127.0,
+        ComponentType::U8 => 255.0,
+        ComponentType::I16 => 32767.0,
+        ComponentType::U16 => 65535.0,
+        ComponentType::U32 | ComponentType::F32 => 1.0,
     }
 }
 

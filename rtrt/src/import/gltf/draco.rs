@@ -1,11 +1,11 @@
 //! KHR_draco_mesh_compression: primitives with fewer bytes.
 
-use super::accessor::Column;
+use super::accessor::{Column, one};
 use super::buffer::Buffers;
 use super::extensions::DRACO;
 use crate::import::ImportError;
 use draco_core::{DecodeLimits, DecoderBuffer, Mesh as Decoded, MeshDecoder};
-use gltf_json::accessor::{Accessor, ComponentType, Type};
+use gltf_json::accessor::{Accessor, Type};
 use gltf_json::mesh::{Primitive, Semantic};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, Value};
@@ -86,13 +86,6 @@ fn shape(root: &Root, index: Index<Accessor>) -> Option<(usize, f32)> {
     let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_) else {
         return None;
     };
-    let scale = match component.0 {
-        _ if !accessor.normalized => 1.0,
-        ComponentType::I8 => 127.0,
-        ComponentType::U8 => 255.0,
-        ComponentType::I16 => 32767.0,
-        ComponentType::U16 => 65535.0,
-        ComponentType::U32 | ComponentType::F32 => 1.0,
-    };
+    let scale = if accessor.normalized { one(component.0) as f32 } else { 1.0 };
     Some((kind.multiplicity(), scale))
 }

@@ -2,6 +2,7 @@
 
 use super::accessor::Column;
 use super::buffer::Buffers;
+use super::mark_size::{MarkSizes, is_mark};
 use super::material::Materials;
 use super::primitive;
 use crate::import::animation::SceneNode;
@@ -30,6 +31,9 @@ pub(super) struct Import<'a, 'b, J> {
     pub materials: Materials<'a>,
     /// The meshes that were added, by index.
     pub meshes: HashMap<usize, MeshParts>,
+    /// The materials of points and lines without normals, by the number of their material in the file.
+    pub unlit: HashMap<Option<usize>, MaterialIndex>,
+    pub mark_sizes: MarkSizes,
     /// The way of each node of the file to world space at rest.
     pub rest_worlds: Vec<DMat4>,
     pub cameras: Vec<NamedCamera>,
@@ -107,6 +111,20 @@ impl<'a, J: Join> Import<'a, '_, J> {
         })
     }
 
+    /// The material for points and lines without normals: the format has their colors as they are, without light.
+    fn without_light(
+        &mut self,
+        number: Option<usize>,
+        material: MaterialIndex,
+    ) -> Result<MaterialIndex, ImportError> {
+        if let Some(&unlit) = self.unlit.get(&number) {
+            return Ok(unlit);
+        }
+        let unlit = self.builder.add_unlit(material)?;
+        self.unlit.insert(number, unlit);
+        Ok(unlit)
+    }
+
     pub fn source(&self, index: Index<Mesh>) -> Result<&'a Mesh, ImportError> {
         let missing = || self.invalid(format!("there is no mesh {}", index.value()));
         self.root.get(index).ok_or_else(missing)
@@ -126,8 +144,17 @@ impl<'a, J: Join> Import<'a, '_, J> {
         };
         let (material, coordinates) = self.materials.get(self.builder, primitive.material)?;
         let path = &self.builder.path;
-        match primitive::geometry(path, self.root, self.buffers, primitive, &coordinates)? {
-            Ok(geometry) => Ok(Some((name, geometry, material))),
+        let diameter = self.mark_sizes.of(number);
+        match primitive::geometry(path, self.root, self.buffers, primitive, &coordinates, diameter)? {
+            Ok(geometry) => {
+                let has_normals = primitive.attributes.contains_key(&Checked::Valid(Semantic::Normals));
+                let material = if is_mark(primitive) && !has_normals {
+                    self.without_light(primitive.material.map(|index| index.value()), material)?
+                } else {
+                    material
+                };
+                Ok(Some((name, geometry, material)))
+            }
             Err(kind) => {
                 self.builder.not_drawn.insert(kind);
                 Ok(None)

@@ -13,6 +13,7 @@ mod draco;
 mod extensions;
 mod levels;
 mod light;
+mod mark_size;
 mod material;
 mod meshes;
 mod meshopt;
@@ -24,6 +25,7 @@ use crate::import::animation::Animation;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, NamedCamera};
 use buffer::Buffers;
+use mark_size::MarkSizes;
 use material::Materials;
 use meshes::Import;
 use rtrt_core::scene::Join;
@@ -48,6 +50,8 @@ pub(super) fn load<J: Join>(
         buffers: &buffers,
         materials: Materials::new(&root, &buffers),
         meshes: HashMap::new(),
+        unlit: HashMap::new(),
+        mark_sizes: MarkSizes::new(&root, builder.point_size),
         rest_worlds: if root.skins.is_empty() { vec![] } else { rest_worlds(&root.nodes) },
         cameras: Vec::new(),
         nodes: Vec::new(),

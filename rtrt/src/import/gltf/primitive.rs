@@ -5,6 +5,7 @@ use super::buffer::Buffers;
 use super::draco::Draco;
 use crate::import::ImportError;
 use crate::import::geometry::{Deform, Geometry, JointWeights, Tangents, Target, pack_color};
+use crate::import::marks::Marks;
 use glam::Vec3;
 use gltf_json::accessor::{Accessor, Type};
 use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
@@ -30,7 +31,7 @@ impl Coordinates {
     }
 }
 
-/// The triangles of a primitive, or the name of its kind if it is not drawn.
+/// The triangles of a primitive, or the name of its kind if it is not drawn. Points and lines have this diameter.
 ///
 /// A vertex without a normal gets the normal 0. The renderer replaces it by the triangle's normal: flat
 /// shading without a copy of each vertex for each triangle.
@@ -40,6 +41,7 @@ pub(super) fn geometry(
     buffers: &Buffers<'_>,
     primitive: &Primitive,
     coordinates: &Coordinates,
+    diameter: f64,
 ) -> Result<Result<Geometry, &'static str>, ImportError> {
     let Checked::Valid(mode) = primitive.mode else {
         return Err(ImportError::Invalid {
@@ -47,9 +49,6 @@ pub(super) fn geometry(
             why: "a primitive has an unknown mode".into(),
         });
     };
-    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-        return Ok(Err("points and lines"));
-    }
     let column = |index: Index<Accessor>, types: &[Type]| Column::new(path, root, buffers, index, types);
     let draco = Draco::new(path, root, buffers, primitive)?;
     let attribute = |semantic: Semantic, types: &[Type]| match draco
@@ -99,7 +98,8 @@ pub(super) fn geometry(
         }
         (None, None) => (0..positions.count as u32).collect(),
     };
-    let mut indices = if draco.is_some() { indices } else { triangles(mode, indices) };
+    let mode = if draco.is_some() { Mode::Triangles } else { mode };
+    let mut indices = corners(mode, indices);
     let vertices = used(&mut indices, positions.count);
     let at = |vertex: &u32| *vertex as usize;
     let attributes = vertices.iter().map(|vertex| {
@@ -130,6 +130,9 @@ pub(super) fn geometry(
         targets: targets(primitive, &column, &vertices)?,
     };
     let geometry = Geometry { positions, attributes, indices, second_uv, tangents, deform };
+    if let Some(marks) = marks(mode, &geometry.indices) {
+        return marks.geometry(&geometry, diameter).map(Ok).map_err(|why| invalid(&why));
+    }
     // A normal map needs normals.
     let is_flat = coordinates.bump.is_some() && normals.is_none();
     Ok(Ok(if is_flat { faceted(geometry) } else { geometry }))
@@ -213,8 +216,17 @@ fn two([u, v, _, _]: [f32; 4]) -> [f32; 2] {
     [u, v]
 }
 
-/// The corners of all triangles of a list, strip or fan, without an incomplete last one.
-fn triangles(mode: Mode, mut indices: Vec<u32>) -> Vec<u32> {
+/// The points or lines between these corners; none of triangles.
+fn marks(mode: Mode, corners: &[u32]) -> Option<Marks> {
+    match mode {
+        Mode::Points => Some(Marks::Points(corners.into())),
+        Mode::Lines | Mode::LineLoop | Mode::LineStrip => Some(Marks::Lines(corners.as_chunks().0.to_vec())),
+        Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan => None,
+    }
+}
+
+/// The corners of all points, lines or triangles, without an incomplete last one.
+fn corners(mode: Mode, mut indices: Vec<u32>) -> Vec<u32> {
     match mode {
         Mode::TriangleStrip => {
             let turned =
@@ -225,8 +237,19 @@ fn triangles(mode: Mode, mut indices: Vec<u32>) -> Vec<u32> {
             let rim = indices.get(1..).unwrap_or(&[]);
             rim.windows(2).flat_map(|edge| [indices[0], edge[0], edge[1]]).collect()
         }
-        _ => {
-            indices.truncate(indices.len() / 3 * 3);
+        Mode::LineStrip => indices.windows(2).flatten().copied().collect(),
+        Mode::LineLoop => {
+            let next = indices.iter().cycle().skip(1);
+            let lines = if indices.len() < 2 { 0 } else { indices.len() };
+            indices.iter().zip(next).take(lines).flat_map(|(&a, &b)| [a, b]).collect()
+        }
+        Mode::Triangles | Mode::Lines | Mode::Points => {
+            let corners = match mode {
+                Mode::Triangles => 3,
+                Mode::Lines => 2,
+                _ => 1,
+            };
+            indices.truncate(indices.len() / corners * corners);
             indices
         }
     }
@@ -254,11 +277,22 @@ mod tests {
 
     #[test]
     fn strips_turn_every_other_triangle() {
-        assert_eq!(triangles(Mode::TriangleStrip, vec![0, 1, 2, 3]), [0, 1, 2, 2, 1, 3]);
-        assert_eq!(triangles(Mode::TriangleFan, vec![0, 1, 2, 3]), [0, 1, 2, 0, 2, 3]);
-        assert_eq!(triangles(Mode::Triangles, vec![0, 1, 2, 3]), [0, 1, 2]);
+        assert_eq!(corners(Mode::TriangleStrip, vec![0, 1, 2, 3]), [0, 1, 2, 2, 1, 3]);
+        assert_eq!(corners(Mode::TriangleFan, vec![0, 1, 2, 3]), [0, 1, 2, 0, 2, 3]);
+        assert_eq!(corners(Mode::Triangles, vec![0, 1, 2, 3]), [0, 1, 2]);
         for mode in [Mode::Triangles, Mode::TriangleStrip, Mode::TriangleFan] {
-            assert!(triangles(mode, vec![0]).is_empty() && triangles(mode, vec![]).is_empty());
+            assert!(corners(mode, vec![0]).is_empty() && corners(mode, vec![]).is_empty());
+        }
+    }
+
+    #[test]
+    fn loops_return_to_their_start() {
+        assert_eq!(corners(Mode::Lines, vec![0, 1, 2]), [0, 1]);
+        assert_eq!(corners(Mode::LineStrip, vec![0, 1, 2]), [0, 1, 1, 2]);
+        assert_eq!(corners(Mode::LineLoop, vec![0, 1, 2]), [0, 1, 1, 2, 2, 0]);
+        assert_eq!(corners(Mode::Points, vec![4, 5]), [4, 5]);
+        for mode in [Mode::Lines, Mode::LineStrip, Mode::LineLoop] {
+            assert!(corners(mode, vec![0]).is_empty() && corners(mode, vec![]).is_empty());
         }
     }
 

@@ -9,6 +9,7 @@ mod texture;
 use crate::import::builder::Builder;
 use crate::import::error::quoted;
 use crate::import::geometry::{Geometry, Tangents, pack_color};
+use crate::import::marks::{Marks, bounds, diameter};
 use crate::import::polygon::Splitter;
 use crate::import::{ImportError, NamedCamera, text};
 use glam::Mat4;
@@ -42,12 +43,28 @@ pub(super) fn load<J: Join>(
     for &polygon in &obj.polygons {
         groups[polygon.material.map_or(0, |material| material + 1)].push(polygon);
     }
-    for (number, polygons) in groups.into_iter().enumerate().filter(|(_, polygons)| !polygons.is_empty()) {
+    let marks = Drawn::new(builder, &obj);
+    for (number, polygons) in groups.into_iter().enumerate() {
+        let marks_here = marks.of(number);
+        if polygons.is_empty() && marks_here.is_empty() {
+            continue;
+        }
         let name = number.checked_sub(1).map(|material| obj.materials[material].clone());
         let source = name.as_ref().and_then(|name| materials.find(name));
         unknown += usize::from(name.is_some() && source.is_none());
         let (material, has_normal_map) = materials.add(builder, source.as_ref(), !obj.colors.is_empty())?;
         let name = name.map_or("the polygons without a material".into(), |name| quoted(&name));
+        for shapes in marks_here {
+            // They have no normals, so their colors are shown as they are.
+            let unlit = builder.add_unlit(material)?;
+            let drawn =
+                shapes.geometry(&marks.vertices, marks.diameter).map_err(|why| builder.invalid(why))?;
+            let mesh = builder.add_mesh(&name, drawn)?;
+            builder.add_instance(&name, mesh, unlit, Mat4::IDENTITY)?;
+        }
+        if polygons.is_empty() {
+            continue;
+        }
         if has_normal_map {
             add_face_normals(&mut obj, &polygons);
         }
@@ -61,11 +78,52 @@ pub(super) fn load<J: Join>(
     Ok(Vec::new())
 }
 
+/// The points and lines of a file.
+struct Drawn {
+    /// By the group of polygons with the same material.
+    groups: HashMap<usize, [Marks; 2]>,
+    vertices: Geometry,
+    diameter: f64,
+}
+
+impl Drawn {
+    fn new<J: Join>(builder: &Builder<'_, J>, obj: &Obj) -> Self {
+        let mut groups = HashMap::new();
+        for (marks, material) in &obj.marks {
+            let group = material.map_or(0, |material| material + 1);
+            let empty = || [Marks::Points(Vec::new()), Marks::Lines(Vec::new())];
+            for have in groups.entry(group).or_insert_with(empty) {
+                match (have, marks) {
+                    (Marks::Points(have), Marks::Points(more)) => have.extend(more),
+                    (Marks::Lines(have), Marks::Lines(more)) => have.extend(more),
+                    _ => {}
+                }
+            }
+        }
+        if groups.is_empty() {
+            return Self { groups, vertices: Geometry::default(), diameter: 1.0 };
+        }
+        let (low, high) = bounds(obj.positions.iter().copied());
+        let attributes = (0..obj.positions.len() as u32).map(|vertex| attribute(obj, [vertex, NONE, NONE]));
+        let vertices = Geometry {
+            positions: obj.positions.clone(),
+            attributes: attributes.collect(),
+            ..Geometry::default()
+        };
+        Self { groups, vertices, diameter: diameter(builder.point_size, low, high) }
+    }
+
+    /// The points, and the lines, of a group; none that are empty.
+    fn of(&self, group: usize) -> Vec<&Marks> {
+        self.groups.get(&group).into_iter().flatten().filter(|marks| !marks.is_empty()).collect()
+    }
+}
+
 /// Warns of elements that are not drawn as the file has them.
 fn warn<J: Join>(builder: &mut Builder<'_, J>, obj: &Obj) {
     let Obj { skipped, unresolved, not_finite, .. } = *obj;
     if skipped > 0 {
-        builder.warn(format!("{skipped} points, lines or curves are left out"));
+        builder.warn(format!("{skipped} curves, surfaces or faces of fewer than three corners are left out"));
     }
     if unresolved > 0 {
         builder.warn(format!("{unresolved} references to texture coordinates or normals lead nowhere"));

@@ -5,6 +5,7 @@
 
 use crate::import::color::srgb_to_linear;
 use crate::import::error::quoted;
+use crate::import::marks::Marks;
 use crate::import::polygon::face_normal;
 use crate::import::text::{lines, numbers};
 use glam::DVec3;
@@ -38,6 +39,8 @@ pub(super) struct Obj {
     pub normals: Vec<[f32; 3]>,
     pub corners: Vec<Corner>,
     pub polygons: Vec<Polygon>,
+    /// Points, and lines between neighboring vertices, each with its material.
+    pub marks: Vec<(Marks, Option<usize>)>,
     /// The names of materials in the order of their first use.
     pub materials: Vec<String>,
     /// The `mtllib` lines: each names one or several files with materials.
@@ -46,7 +49,7 @@ pub(super) struct Obj {
     pub unresolved: usize,
     /// How many references lead to texture coordinates or normals that are not finite.
     pub not_finite: usize,
-    /// How many elements are lines, points, curves or surfaces.
+    /// How many elements are curves or surfaces, or faces of fewer than three corners.
     pub skipped: usize,
 }
 
@@ -83,7 +86,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Obj, String> {
                 obj.libraries.push(rest.to_owned());
                 Ok(())
             }
-            "l" | "p" | "curv" | "surf" => {
+            "l" | "p" => obj.marks(key, rest).map(|marks| obj.marks.push((marks, material))),
+            "curv" | "surf" => {
                 obj.skipped += 1;
                 Ok(())
             }
@@ -140,6 +144,17 @@ impl Obj {
             self.skipped += 1;
         }
         Ok(())
+    }
+
+    /// Reads the vertices of points (`p`) or of a line (`l`), which may have texture coordinates.
+    fn marks(&self, key: &str, rest: &str) -> Result<Marks, String> {
+        let vertex = |word: &str| reference(word.split('/').next().unwrap_or(word), self.positions.len());
+        let vertices = rest.split_whitespace().map(vertex).collect::<Result<Vec<u32>, _>>()?;
+        Ok(if key == "p" {
+            Marks::Points(vertices)
+        } else {
+            Marks::Lines(vertices.windows(2).map(|ends| [ends[0], ends[1]]).collect())
+        })
     }
 
     /// Checks that every corner has its vertex, which may stand after the face. Texture coordinates that are missing or

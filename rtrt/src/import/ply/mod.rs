@@ -9,7 +9,10 @@
 //! |---|---|
 //! | `vertex` | `x y z`; `nx ny nz`; `red green blue alpha`, `r g b a`, `diffuse_red` …; `u v`, `s t`, `texture_u texture_v` |
 //! | `face` | `vertex_indices` or `vertex_index`; `texcoord` (a pair for each corner); colors as of vertices |
+//! | `edge` | `vertex1`, `vertex2` |
 //! | `tristrips` | `vertex_indices`, in which −1 ends a strip |
+//!
+//! A file with vertices alone is a cloud of points.
 //!
 //! Colors are sRGB, which is what scanners and editors write: integers up to the largest of their type, or numbers of
 //! 0 ..= 1. `comment TextureFile NAME` names the image of the base color, whose `v` points up.
@@ -24,6 +27,7 @@ mod table;
 use super::builder::Builder;
 use super::error::quoted;
 use super::geometry::Geometry;
+use super::marks::{Marks, bounds, diameter};
 use super::normals::{angle_weighted, finite};
 use super::polygon::Splitter;
 use super::{ImportError, file, picture};
@@ -34,16 +38,16 @@ use rtrt_core::scene::{Join, Material};
 use std::collections::HashMap;
 use table::Ply;
 
-/// Adds the faces of a file to the scene as one object.
+/// Adds the faces of a file to the scene as one object, its edges as another; or its points.
 pub(super) fn load<J: Join>(builder: &mut Builder<'_, J>, bytes: &[u8]) -> Result<(), ImportError> {
     let header = header::parse(bytes).map_err(|why| builder.invalid(why))?;
     let mut ply = table::read(&header, bytes).map_err(|why| builder.invalid(why))?;
-    if ply.faces.ends.is_empty() {
-        let count = ply.positions.len();
-        return Err(builder.invalid(format!("it has {count} points and no faces; only faces are drawn")));
+    if ply.positions.is_empty() {
+        return Err(builder.invalid("it has no vertices".into()));
     }
-    if ply.has_edges {
-        builder.not_drawn.insert("edges of PLY");
+    add_marks(builder, &ply)?;
+    if ply.faces.ends.is_empty() {
+        return Ok(());
     }
     if ply.skipped > 0 {
         builder.warn(format!("{} faces with fewer than three corners are left out", ply.skipped));
@@ -60,6 +64,41 @@ pub(super) fn load<J: Join>(builder: &mut Builder<'_, J>, bytes: &[u8]) -> Resul
     let dull = Material::new([if is_colored { 1.0 } else { 0.7 }; 3]).roughness(0.8).base_color_map(texture);
     let material = builder.add_material(if is_see_through(&geometry) { dull.blend(1.0) } else { dull })?;
     let name = "the faces";
+    let mesh = builder.add_mesh(name, geometry)?;
+    builder.add_instance(name, mesh, material, Mat4::IDENTITY)?;
+    Ok(())
+}
+
+/// Adds the edges, and all vertices as points if there is nothing else.
+///
+/// Points with colors and without normals show their colors as they are: scanners measure those under light.
+fn add_marks<J: Join>(builder: &mut Builder<'_, J>, ply: &Ply) -> Result<(), ImportError> {
+    let (marks, name) = if !ply.edges.is_empty() {
+        (Marks::Lines(ply.edges.clone()), "the edges")
+    } else if ply.faces.ends.is_empty() {
+        let is_finite = |vertex: &u32| ply.positions[*vertex as usize].iter().all(|c| c.is_finite());
+        let points: Vec<u32> = (0..ply.positions.len() as u32).filter(is_finite).collect();
+        let missing = ply.positions.len() - points.len();
+        if missing > 0 {
+            builder.warn(format!("{missing} points are left out: their coordinates are not finite"));
+        }
+        (Marks::Points(points), "the points")
+    } else {
+        return Ok(());
+    };
+    let attribute = |vertex: usize| Attribute {
+        normal: ply.normals.get(vertex).copied().map_or([0.0; 3], finite),
+        uv: [0.0; 2],
+        color: ply.colors.get(vertex).copied().unwrap_or(u32::MAX),
+    };
+    let attributes = (0..ply.positions.len()).map(attribute).collect();
+    let source = Geometry { positions: ply.positions.clone(), attributes, ..Geometry::default() };
+    let (low, high) = bounds(ply.positions.iter().copied());
+    let diameter = diameter(builder.point_size, low, high);
+    let geometry = marks.geometry(&source, diameter).map_err(|why| builder.invalid(why))?;
+    let has_colors = !ply.colors.is_empty();
+    let material = Material::new([if has_colors { 1.0 } else { 0.7 }; 3]).roughness(0.8);
+    let material = builder.add_material(material.unlit(has_colors && ply.normals.is_empty()))?;
     let mesh = builder.add_mesh(name, geometry)?;
     builder.add_instance(name, mesh, material, Mat4::IDENTITY)?;
     Ok(())

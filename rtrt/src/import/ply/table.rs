@@ -17,7 +17,8 @@ pub(super) struct Ply {
     pub faces: Faces,
     /// How many faces have fewer than three corners.
     pub skipped: usize,
-    pub has_edges: bool,
+    /// The vertices of each edge, in range.
+    pub edges: Vec<[u32; 2]>,
 }
 
 /// Polygons with their corners.
@@ -43,17 +44,21 @@ enum Meaning {
     /// The vertices of a face or of strips.
     Corners,
     CornerUvs,
+    /// A vertex of an edge.
+    End(usize),
     Nothing,
 }
 
 impl Meaning {
     fn of(property: &Property) -> Self {
-        use Meaning::{Color, CornerUvs, Corners, Normal, Nothing, Position, Uv};
+        use Meaning::{Color, CornerUvs, Corners, End, Normal, Nothing, Position, Uv};
         let is_list = property.length.is_some();
         match property.name.as_str() {
             "vertex_indices" | "vertex_index" if is_list => Corners,
             "texcoord" if is_list => CornerUvs,
             _ if is_list => Nothing,
+            "vertex1" => End(0),
+            "vertex2" => End(1),
             "x" => Position(0),
             "y" => Position(1),
             "z" => Position(2),
@@ -87,6 +92,7 @@ struct Row {
     color: [f32; 4],
     corners: Vec<f64>,
     corner_uvs: Vec<f64>,
+    ends: [f64; 2],
 }
 
 impl<'a> Columns<'a> {
@@ -128,6 +134,7 @@ impl<'a> Columns<'a> {
                 Meaning::Position(i) => row.position[i] = number,
                 Meaning::Normal(i) => row.normal[i] = number,
                 Meaning::Uv(i) => row.uv[i] = number,
+                Meaning::End(i) => row.ends[i] = number,
                 Meaning::Color(3) => row.color[3] = (number / property.of.full()) as f32,
                 Meaning::Color(i) if property.of == Type::U8 => {
                     row.color[i] = self.linear.get(number as usize).copied().unwrap_or(1.0);
@@ -151,6 +158,7 @@ impl Row {
             color: [1.0; 4],
             corners: Vec::new(),
             corner_uvs: Vec::new(),
+            ends: [0.0; 2],
         }
     }
 }
@@ -171,7 +179,9 @@ pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Ply, String> {
             "face" | "tristrips" if !columns.has(&[Meaning::Corners]) => {
                 return Err(format!("the elements \"{}\" have no vertex_indices", element.name));
             }
-            "edge" => ply.has_edges |= element.count > 0,
+            "edge" if !columns.has(&[Meaning::End(0), Meaning::End(1)]) => {
+                return Err("the edges have no vertex1 and vertex2".into());
+            }
             _ => {}
         }
         for number in 0..element.count {
@@ -180,14 +190,19 @@ pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Ply, String> {
             match element.name.as_str() {
                 "vertex" => ply.add_vertex(&columns, &row),
                 "face" => ply.add_face(&columns, &row).map_err(failed)?,
+                "edge" => {
+                    let [a, b] = row.ends.map(index);
+                    ply.edges.push([a.map_err(failed)?, b.map_err(failed)?]);
+                }
                 "tristrips" => ply.add_strips(&row.corners).map_err(failed)?,
                 _ => {}
             }
         }
     }
     let vertices = ply.positions.len();
-    match ply.faces.corners.iter().find(|&&vertex| vertex as usize >= vertices) {
-        Some(vertex) => Err(format!("a face uses vertex {vertex} of {vertices}")),
+    let mut used = ply.faces.corners.iter().chain(ply.edges.as_flattened());
+    match used.find(|&&vertex| vertex as usize >= vertices) {
+        Some(vertex) => Err(format!("a face or an edge uses vertex {vertex} of {vertices}")),
         None => Ok(ply),
     }
 }
@@ -312,7 +327,7 @@ mod tests {
         assert_eq!(refused("0 0 0 1 0"), "vertex 1: the file ends");
         assert_eq!(refused("0 0 0 1 0 z 0 0 0"), "vertex 1: \"z\" is not a number");
         assert_eq!(refused("0 0 0 1 0 0 0 1 0 3 0 1"), "face 0: the file ends");
-        assert_eq!(refused("0 0 0 1 0 0 0 1 0 3 0 1 3"), "a face uses vertex 3 of 3");
+        assert_eq!(refused("0 0 0 1 0 0 0 1 0 3 0 1 3"), "a face or an edge uses vertex 3 of 3");
         assert_eq!(refused("0 0 0 1 0 0 0 1 0 3 0 1 -1"), "face 0: -1 is not an index");
         assert_eq!(refused("0 0 0 1 0 0 0 1 0 -3 0 1 2"), "face 0: a list has the length -3");
         assert_eq!(refused("0 0 0 1 0 0 0 1 0 4294967295 0 1 2"), "face 0: the file ends");
