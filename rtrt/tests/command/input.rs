@@ -25,7 +25,8 @@ fn a_scene_may_come_from_standard_input() {
     assert_eq!(stdout(&piped(&folder, &format!("render - {LINE} -o {{scene}}.png"), &commented)), hashes);
     assert!(folder.0.join("stdin.png").is_file());
     let gltf = br#"{"asset":{"version":"2.0"}}"#;
-    stdout(&piped(&folder, &format!("render - {LINE}"), gltf));
+    let said = stderr(&piped(&folder, &format!("render - {LINE}"), gltf));
+    assert!(said.contains("nothing to draw: -: it has no surfaces"), "{said}");
     for (bytes, why) in [(&b""[..], "invalid scene: -: it is empty"), (b"hello", "not a scene: -")] {
         let output = piped(&folder, &format!("render - {LINE}"), bytes);
         assert!(code(&output) == 3 && stderr(&output).contains(why), "{}", stderr(&output));

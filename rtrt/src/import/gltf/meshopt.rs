@@ -396,14 +396,19 @@ mod tests {
             assert!(attributes(&bytes[..length], 300, 4).is_err());
         }
         assert!(attributes(&bytes, 299, 4).is_ok() && attributes(&bytes, 400, 4) == Err(CUT));
-        assert_eq!(attributes(&bytes, 200, 4), Err("its bytes go on after the last element"));
+        assert!(attributes(&bytes, 200, 4).is_err());
+        // A block of two elements, and a byte too many before the tail.
+        let long = [&[0xa0, 0, 0, 0, 0, 9][..], &[5; 32]].concat();
+        assert_eq!(attributes(&long, 2, 4), Err("its bytes go on after the last element"));
+        assert_eq!(attributes(&[&long[..5], &[5; 32]].concat(), 2, 4), Ok(vec![5; 8]));
     }
 
     #[test]
     fn numbers_are_those_of_the_specification() {
         let read = |mut bytes: &[u8]| number(&mut bytes);
         assert_eq!([read(&[0x7f]), read(&[0x81, 0x04])], [Ok(0x7f), Ok(0x201)]);
-        assert_eq!([read(&[0xff, 0xa0, 0x05]), read(&[0x80])], [Ok(0x1_fd005), Err(CUT)]);
+        // Its third example, 0x1fd005, has the highest bits first, and contradicts the others and LEB128.
+        assert_eq!([read(&[0xff, 0xa0, 0x05]), read(&[0x80])], [Ok(0x1_507f), Err(CUT)]);
         assert!(read(&[0xff; 6]).is_err());
         assert_eq!([moved(5, 0), moved(5, 1), moved(5, 2), moved(0, 1)], [5, 4, 6, u32::MAX]);
     }

@@ -300,14 +300,14 @@ mod tests {
         let more = "property float quality\nproperty list uchar int spare\nproperty ushort red\nproperty float green\n\
                     property uchar blue\nproperty uchar alpha\nproperty float nx\nproperty float ny\nproperty float nz\n\
                     property float s\nproperty float t\n";
-        let body = "0 0 0 9 2 7 7 65535 0.5 188 51 0 0 1 0.25 0.75\n1 0 0 9 0 0 2 300 0 0 0 1 0 0 0\n\
+        let body = "0 0 0 9 2 7 7 65535 0.5 188 51 0 0 1 0.25 0.75\n1 0 0 9 0 0 2 300 0 0 1 0 0 0\n\
                     0 1 0 9 1 5 0 0 0 0 0 0 1 1 1\n3 0 1 2";
         let ply = table(&triangle(more, "", body)).unwrap();
         assert_eq!(ply.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
         assert_eq!((ply.normals[1], ply.uvs[0]), ([0.0, 1.0, 0.0], [0.25, 0.75]));
         // sRGB 1 is 1 in linear light, 0.5 is 0.2140, 188 of 255 is 0.5029; alpha is linear. 255 of each are full.
         assert_eq!(ply.colors[0].to_le_bytes(), [255, 55, 128, 51]);
-        assert_eq!(ply.colors[1].to_le_bytes(), [0, 255, 0, 0]);
+        assert_eq!(ply.colors[1].to_le_bytes(), [0, 255, 255, 0]);
         assert_eq!((ply.faces.corners, ply.faces.ends), (vec![0, 1, 2], vec![3]));
     }
 
