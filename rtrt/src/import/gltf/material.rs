@@ -330,7 +330,7 @@ impl<'a> Materials<'a> {
             None => {
                 let (name, image) = match source {
                     Some(source) => (image_name(key, source), self.image(source)),
-                    None => (number.to_string(), Err("it has no PNG or JPEG image".into())),
+                    None => (number.to_string(), Err("it has no image that is read".into())),
                 };
                 let image = match kind {
                     Kind::Plain(content) => builder.add_map(&name, image, content)?,

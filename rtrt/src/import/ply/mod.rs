@@ -130,7 +130,8 @@ fn geometry(ply: &mut Ply) -> (Geometry, usize) {
     const NONE: u32 = u32::MAX;
     let triangles = triangles(ply);
     if ply.normals.is_empty() {
-        let vertices: Vec<u32> = triangles.iter().map(|&(corner, _)| ply.faces.corners[corner]).collect();
+        let vertices: Vec<u32> =
+            triangles.iter().map(|&(corner, _)| ply.faces.corners[corner as usize]).collect();
         ply.normals = angle_weighted(&ply.positions, &vertices);
     }
     let mut geometry = Geometry::default();
@@ -139,6 +140,7 @@ fn geometry(ply: &mut Ply) -> (Geometry, usize) {
     let mut known: HashMap<Corner, u32> = HashMap::new();
     let has_corners = !ply.faces.uvs.is_empty() || !ply.faces.colors.is_empty();
     for (corner, face) in triangles {
+        let (corner, face) = (corner as usize, face as usize);
         let vertex = ply.faces.corners[corner];
         let of = vertex as usize;
         let uv = ply.faces.uvs.get(corner).or(ply.uvs.get(of)).copied().unwrap_or([0.0, 1.0]);
@@ -162,14 +164,14 @@ fn geometry(ply: &mut Ply) -> (Geometry, usize) {
 }
 
 /// The corners of the triangles of all faces, each with its face.
-fn triangles(ply: &Ply) -> Vec<(usize, usize)> {
+fn triangles(ply: &Ply) -> Vec<(u32, u32)> {
     let (mut splitter, mut outline) = (Splitter::new(), Vec::new());
     let mut triangles = Vec::with_capacity(ply.faces.corners.len());
     let mut first = 0;
-    for (face, &end) in ply.faces.ends.iter().enumerate() {
+    for (face, &end) in (0..).zip(&ply.faces.ends) {
         outline.clear();
         outline.extend(ply.faces.corners[first..end].iter().map(|&vertex| ply.positions[vertex as usize]));
-        triangles.extend(splitter.split(&outline).iter().map(|&corner| (first + corner as usize, face)));
+        triangles.extend(splitter.split(&outline).iter().map(|&corner| (first as u32 + corner, face)));
         first = end;
     }
     triangles

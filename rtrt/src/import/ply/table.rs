@@ -199,6 +199,9 @@ pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Ply, String> {
             }
         }
     }
+    if u32::try_from(ply.faces.corners.len()).is_err() || u32::try_from(ply.positions.len()).is_err() {
+        return Err("it has more than 4 billion corners or vertices".into());
+    }
     let vertices = ply.positions.len();
     let mut used = ply.faces.corners.iter().chain(ply.edges.as_flattened());
     match used.find(|&&vertex| vertex as usize >= vertices) {
