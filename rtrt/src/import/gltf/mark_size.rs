@@ -16,8 +16,8 @@ pub(super) fn is_mark(primitive: &Primitive) -> bool {
 
 /// The diameters of points and lines, in the units of their meshes.
 pub(super) struct MarkSizes {
-    /// In the scene.
-    diameter: f64,
+    /// In the scene; none if the file does not state its bounds.
+    diameter: Option<f64>,
     /// How much the first node of each mesh enlarges it at rest.
     scales: HashMap<usize, f64>,
 }
@@ -27,7 +27,7 @@ impl MarkSizes {
     pub fn new(root: &Root, asked: Option<f32>) -> Self {
         let mut scales = HashMap::new();
         if !root.meshes.iter().flat_map(|mesh| &mesh.primitives).any(is_mark) {
-            return Self { diameter: 1.0, scales };
+            return Self { diameter: None, scales };
         }
         let mut corners = Vec::new();
         for (node, world) in root.nodes.iter().zip(rest_worlds(&root.nodes)) {
@@ -44,13 +44,14 @@ impl MarkSizes {
                 }));
             }
         }
+        let is_known = asked.is_some() || !corners.is_empty();
         let (low, high) = marks::bounds(corners);
-        Self { diameter: marks::diameter(asked, low, high), scales }
+        Self { diameter: is_known.then(|| marks::diameter(asked, low, high)), scales }
     }
 
-    /// The diameter in the units of the mesh with this number.
-    pub fn of(&self, mesh: usize) -> f64 {
-        self.diameter / self.scales.get(&mesh).copied().unwrap_or(1.0)
+    /// The diameter in the units of the mesh with this number; none if it follows from the mesh alone.
+    pub fn of(&self, mesh: usize) -> Option<f64> {
+        Some(self.diameter? / self.scales.get(&mesh).copied().unwrap_or(1.0))
     }
 }
 

@@ -5,7 +5,7 @@ use super::buffer::Buffers;
 use super::draco::Draco;
 use crate::import::ImportError;
 use crate::import::geometry::{Deform, Geometry, JointWeights, Tangents, Target, pack_color};
-use crate::import::marks::Marks;
+use crate::import::marks::{self, Marks};
 use glam::Vec3;
 use gltf_json::accessor::{Accessor, Type};
 use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
@@ -31,7 +31,8 @@ impl Coordinates {
     }
 }
 
-/// The triangles of a primitive, or the name of its kind if it is not drawn. Points and lines have this diameter.
+/// The triangles of a primitive, or the name of its kind if it is not drawn. Points and lines have this diameter, or one
+/// that follows from the primitive's bounds.
 ///
 /// A vertex without a normal gets the normal 0. The renderer replaces it by the triangle's normal: flat
 /// shading without a copy of each vertex for each triangle.
@@ -41,7 +42,7 @@ pub(super) fn geometry(
     buffers: &Buffers<'_>,
     primitive: &Primitive,
     coordinates: &Coordinates,
-    diameter: f64,
+    diameter: Option<f64>,
 ) -> Result<Result<Geometry, &'static str>, ImportError> {
     let Checked::Valid(mode) = primitive.mode else {
         return Err(ImportError::Invalid {
@@ -130,8 +131,13 @@ pub(super) fn geometry(
         targets: targets(primitive, &column, &vertices)?,
     };
     let geometry = Geometry { positions, attributes, indices, second_uv, tangents, deform };
-    if let Some(marks) = marks(mode, &geometry.indices) {
-        return marks.geometry(&geometry, diameter).map(Ok).map_err(|why| invalid(&why));
+    if let Some(found) = marks_between(mode, &geometry.indices) {
+        let of_mesh = || {
+            let (low, high) = marks::bounds(geometry.positions.iter().copied());
+            marks::diameter(None, low, high)
+        };
+        let diameter = diameter.unwrap_or_else(of_mesh);
+        return found.geometry(&geometry, diameter).map(Ok).map_err(|why| invalid(&why));
     }
     // A normal map needs normals.
     let is_flat = coordinates.bump.is_some() && normals.is_none();
@@ -217,7 +223,7 @@ fn two([u, v, _, _]: [f32; 4]) -> [f32; 2] {
 }
 
 /// The points or lines between these corners; none of triangles.
-fn marks(mode: Mode, corners: &[u32]) -> Option<Marks> {
+fn marks_between(mode: Mode, corners: &[u32]) -> Option<Marks> {
     match mode {
         Mode::Points => Some(Marks::Points(corners.into())),
         Mode::Lines | Mode::LineLoop | Mode::LineStrip => Some(Marks::Lines(corners.as_chunks().0.to_vec())),
