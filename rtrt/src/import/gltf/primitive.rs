@@ -153,10 +153,8 @@ fn joint_sets<'a>(
     let mut sets = Vec::new();
     for set in 0.. {
         let get = |semantic| attribute(semantic, &[Type::Vec4]);
-        let (Some(joints), Some(weights)) = (get(Semantic::Joints(set))?, get(Semantic::Weights(set))?)
-        else {
-            break;
-        };
+        let Some(weights) = get(Semantic::Weights(set))? else { break };
+        let Some(joints) = get(Semantic::Joints(set))? else { break };
         if joints.count != count || weights.count != count {
             return Ok(vec![]);
         }
