@@ -103,3 +103,8 @@ pub(crate) const fn zoom(fov_y: f32, camera: Camera) -> Camera {
 pub(crate) const fn parallel(height: f32, camera: Camera) -> Camera {
     Camera { projection: Projection::Orthographic { height }, ..camera }
 }
+
+/// A camera whose picture has these edges, at distance 1.
+pub const fn off_center(left: f32, right: f32, bottom: f32, top: f32, camera: Camera) -> Camera {
+    Camera { projection: Projection::OffCenter { left, right, bottom, top }, ..camera }
+}

@@ -12,6 +12,23 @@ pub enum Projection {
         /// Radians.
         fov_y: f32,
     },
+    /// Rays leave one point, and the middle of the picture need not be straight ahead, nor its pixels square: where
+    /// the edges of the picture are at distance 1 in front of the camera. `left < right` and `bottom < top`, each
+    /// within ±2²⁰, and apart by 2⁻²⁰ at least.
+    ///
+    /// A lens of focal lengths `fx`, `fy` and a principal point `cx`, `cy`, in pixels from the upper left corner of a
+    /// picture of `width` × `height`, has `left = −cx / fx`, `right = (width − cx) / fx`, `top = cy / fy` and
+    /// `bottom = (cy − height) / fy`.
+    OffCenter {
+        /// The tangent of the angle to the right at which the left edge is.
+        left: f32,
+        /// That of the right edge.
+        right: f32,
+        /// The tangent of the angle upward at which the lower edge is.
+        bottom: f32,
+        /// That of the upper edge.
+        top: f32,
+    },
     /// Rays are parallel; `height` is what the picture shows from top to bottom, world
     /// units, more than 0.
     Orthographic {

@@ -1,6 +1,6 @@
 //! Sizes, samples and cameras.
 
-use crate::case::{Case, look, parallel, zoom};
+use crate::case::{Case, look, off_center, parallel, zoom};
 use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
 use rtrt_core::scene::{Camera, Light, Scene};
@@ -12,6 +12,15 @@ pub(super) const CASES: &[Case] = &[
         scene: still_life,
         size: [1, 1],
         blank: true,
+        ..Case::USUAL
+    },
+    Case {
+        name: "camera/off_center",
+        claim: "The middle of the picture may be beside the view, and its pixels wider than high.",
+        scene: still_life,
+        camera: off_center(-0.9, 0.3, -0.2, 0.5, look([0.0, 0.0, 4.0], [0.0, -0.2, 0.0])),
+        size: [50, 37],
+        samples: 4,
         ..Case::USUAL
     },
     Case {

@@ -218,6 +218,12 @@ fn camera_ray(request: &Request<'_>, at: DVec2) -> Ray {
             let half = (f64::from(fov_y) * 0.5).tan();
             Ray { origin: eye, direction: forward + (right * x - up * y) * half, doubt: 0.0 }
         }
+        Projection::OffCenter { left, right: right_edge, bottom, top } => {
+            let [left, right_edge, bottom, top] = [left, right_edge, bottom, top].map(f64::from);
+            let [x, y] = (at / size).to_array();
+            let (x, y) = (left + (right_edge - left) * x, top + (bottom - top) * y);
+            Ray { origin: eye, direction: forward + right * x + up * y, doubt: 0.0 }
+        }
         Projection::Orthographic { height } => {
             let half = f64::from(height) * 0.5;
             let origin = eye + (right * x - up * y) * half;

@@ -241,6 +241,7 @@ fn has_inverse(to_world: &Mat4) -> bool {
 pub(super) fn camera(projection: Projection, to_world: &DMat4) -> Option<Camera> {
     let usable = match projection {
         Projection::Perspective { fov_y } => fov_y > 0.0 && fov_y < std::f32::consts::PI,
+        Projection::OffCenter { left, right, bottom, top } => left < right && bottom < top,
         Projection::Orthographic { height } => height > 0.0 && height.is_finite(),
     };
     let eye = to_world.w_axis.truncate();

@@ -39,6 +39,8 @@ impl NamedCamera {
                 let tangent = libm::tan(f64::from(fov_y) * 0.5) * scale;
                 Projection::Perspective { fov_y: (2.0 * libm::atan(tangent)) as f32 }
             }
+            // Its edges are those of the picture, whatever shape that has.
+            Projection::OffCenter { .. } => self.camera.projection,
             Projection::Orthographic { height } => {
                 Projection::Orthographic { height: (f64::from(height) * scale) as f32 }
             }

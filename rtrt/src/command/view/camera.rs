@@ -64,6 +64,11 @@ pub fn zoomed(camera: &Camera, notches: f64) -> Camera {
             let fov_y = 2.0 * libm::atan(1.0 / focal.clamp(FOCAL[0], FOCAL[1]));
             Projection::Perspective { fov_y: fov_y as f32 }
         }
+        Projection::OffCenter { left, right, bottom, top } => {
+            let [left, right, bottom, top] =
+                [left, right, bottom, top].map(|edge| (f64::from(edge) / scale) as f32);
+            Projection::OffCenter { left, right, bottom, top }
+        }
         Projection::Orthographic { height } => {
             Projection::Orthographic { height: (f64::from(height) / scale) as f32 }
         }
@@ -85,6 +90,10 @@ pub fn standard(
             let tangent = libm::tan(f64::from(fov_y) * 0.5) * aspect.min(1.0);
             (camera.projection, radius / libm::sin(libm::atan(tangent)))
         }
+        Projection::OffCenter { left, right, bottom, top } => {
+            let tangent = [-left, right, -bottom, top].into_iter().fold(f32::MAX, f32::min).max(0.01);
+            (camera.projection, radius / libm::sin(libm::atan(f64::from(tangent))))
+        }
         Projection::Orthographic { .. } => {
             let height = (2.0 * radius / aspect.min(1.0)) as f32;
             (Projection::Orthographic { height }, 2.0 * radius)
@@ -104,6 +113,7 @@ pub fn pivot(camera: &Camera, (center, radius): (DVec3, f64)) -> f64 {
 pub fn height_at(camera: &Camera, distance: f64) -> f64 {
     match camera.projection {
         Projection::Perspective { fov_y } => 2.0 * distance * libm::tan(f64::from(fov_y) * 0.5),
+        Projection::OffCenter { bottom, top, .. } => distance * (f64::from(top) - f64::from(bottom)),
         Projection::Orthographic { height } => f64::from(height),
     }
 }
@@ -129,7 +139,7 @@ fn looking(camera: &Camera, eye: DVec3, forward: DVec3) -> Camera {
 fn usable(camera: &Camera, next: Camera) -> Camera {
     let finite = next.eye.is_finite() && next.look_at.is_finite() && next.up.is_finite();
     let height = match next.projection {
-        Projection::Perspective { .. } => 1.0,
+        Projection::Perspective { .. } | Projection::OffCenter { .. } => 1.0,
         Projection::Orthographic { height } => height,
     };
     let is_usable = finite && height > 1e-9 && height < 1e9 && axes(&next).is_some();
@@ -203,6 +213,7 @@ mod tests {
     fn the_wheel_changes_the_focal_length_and_goes_back() {
         let fov_y = |camera: &Camera| match camera.projection {
             Projection::Perspective { fov_y } => fov_y,
+            Projection::OffCenter { top, .. } => top,
             Projection::Orthographic { height } => height,
         };
         let near = zoomed(&FRONT, 3.0);

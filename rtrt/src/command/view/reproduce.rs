@@ -211,6 +211,8 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
             option(format_args!("--fov-y {}", f64::from(fov_y).to_degrees()));
         }
         Projection::Orthographic { height } => option(format_args!("--parallel {height}")),
+        // No file and no option of the viewer makes one.
+        Projection::OffCenter { .. } => {}
     }
     if shot.hybrid {
         // The CPU has no hybrid frames.
@@ -316,6 +318,7 @@ mod tests {
                 Projection::Orthographic { height } => {
                     assert_eq!(read.common.camera.parallel, Some(height));
                 }
+                Projection::OffCenter { .. } => unreachable!("none is made above"),
             }
             assert_eq!((read.common.size, read.common.samples), ([123, 45], Some(16)));
             assert_eq!((read.common.shadows(), read.common.transparency_depth), (Shadows::Off, 3));
