@@ -105,6 +105,6 @@ pub(crate) const fn parallel(height: f32, camera: Camera) -> Camera {
 }
 
 /// A camera whose picture has these edges, at distance 1.
-pub const fn off_center(left: f32, right: f32, bottom: f32, top: f32, camera: Camera) -> Camera {
+pub(crate) const fn off_center(left: f32, right: f32, bottom: f32, top: f32, camera: Camera) -> Camera {
     Camera { projection: Projection::OffCenter { left, right, bottom, top }, ..camera }
 }

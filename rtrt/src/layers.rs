@@ -41,6 +41,11 @@ pub struct Layers {
     pub triangle: Vec<u32>,
     /// The same triangles as the source numbers them ([`Scene::source_triangle`]), or [`NONE`].
     pub source: Vec<u32>,
+    /// The numbers of materials ([`Scene::materials`]), or [`NONE`].
+    pub material: Vec<u32>,
+    /// Where the surfaces are, world space: where rays from them start, which is off by some roundings; 0 without a
+    /// hit.
+    pub position: Vec<[f32; 3]>,
     /// Barycentric weights of the triangle's second and third corner.
     pub barycentrics: Vec<[f32; 2]>,
     /// Texture coordinates.
@@ -77,6 +82,9 @@ impl Layers {
             let instance = scene.instance_index(hit.instance);
             let source = instance.and_then(|instance| scene.source_triangle(instance, hit.triangle));
             layers.source.push(source.unwrap_or(NONE));
+            // 0 is no hit, which becomes NONE.
+            layers.material.push(surface.material.wrapping_sub(1));
+            layers.position.push(surface.origin);
             layers.barycentrics.push([hit.u, hit.v]);
             layers.uv.push(surface.uv);
             let [r, g, b, lit] = average(grid, pixel, &|ray| {

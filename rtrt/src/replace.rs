@@ -18,20 +18,11 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
 /// # Errors
 /// The error of the system. `path` has not changed then.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let beside = beside(path);
-    parts().push(beside.clone());
-    let written = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(&beside)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&beside, path));
-    if written.is_err() {
-        // The error matters more than a partial file that cannot be removed.
-        fs::remove_file(&beside).ok();
-    }
-    parts().retain(|part| *part != beside);
-    written
+    let part = Part::new(path);
+    let mut file = OpenOptions::new().write(true).create_new(true).open(part.path())?;
+    file.write_all(bytes).and_then(|()| file.sync_all())?;
+    drop(file);
+    part.keep(path)
 }
 
 /// Checks that [`replace`] may write beside `path`, by an empty file that is gone afterwards.
@@ -39,12 +30,42 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// The error of the system.
 pub fn check(path: &Path) -> io::Result<()> {
-    let beside = beside(path);
-    parts().push(beside.clone());
-    let made = OpenOptions::new().write(true).create_new(true).open(&beside);
-    let checked = made.and_then(|_| fs::remove_file(&beside));
-    parts().retain(|part| *part != beside);
-    checked
+    let part = Part::new(path);
+    OpenOptions::new().write(true).create_new(true).open(part.path()).map(drop)
+}
+
+/// A file that is being written beside the one that it will be. It is removed unless it is kept.
+#[derive(Debug)]
+pub struct Part(PathBuf);
+
+impl Part {
+    /// The part of a file at `path`. Nothing is there yet.
+    pub fn new(path: &Path) -> Self {
+        let beside = beside(path);
+        parts().push(beside.clone());
+        Self(beside)
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// Makes it the file at `path`.
+    ///
+    /// # Errors
+    /// The error of the system. `path` has not changed then.
+    pub fn keep(self, path: &Path) -> io::Result<()> {
+        fs::rename(&self.0, path)
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        // It is not there if it was kept. Where it cannot be removed, another error is already known.
+        fs::remove_file(&self.0).ok();
+        parts().retain(|part| *part != self.0);
+    }
 }
 
 /// Where the bytes of a file are until all of them are there.

@@ -163,7 +163,8 @@ mod tests {
                 // The ray through that place goes through the point.
                 let [x, y] = pixel.map(|at| (at * f64::from(side) - 0.5) as f32);
                 let ray = camera_ray::<f32>(&view, x, y);
-                let along = DVec3::new(ray.direction.x.into(), ray.direction.y.into(), ray.direction.z.into());
+                let along =
+                    DVec3::new(ray.direction.x.into(), ray.direction.y.into(), ray.direction.z.into());
                 assert!((along * front - offset).length() < 1e-5, "{along} {offset}");
             }
         }

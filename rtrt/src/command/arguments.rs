@@ -7,7 +7,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 /// Options that ask for a picture or its numbers: with one of them, a scene alone is rendered.
-const RESULTS: [&str; 5] = ["--output", "--aov", "--compare", "--hash", "--json"];
+const RESULTS: [&str; 6] = ["--output", "--aov", "--compare", "--hash", "--json", "--report"];
 
 /// The arguments with the subcommand that `rtrt SCENE` stands for, and with the defaults of the file that
 /// `RTRT_CONFIG` names.

@@ -53,6 +53,28 @@ pub enum Error {
         /// A way out.
         hint: String,
     },
+    /// The file of `--cameras` is invalid.
+    #[error("cameras refused: {}: {why}", path.display())]
+    Poses {
+        /// The file.
+        path: PathBuf,
+        /// The camera, and the reason.
+        why: String,
+    },
+    /// The film could not be made.
+    #[error("cannot make the film: {}: {why}", path.display())]
+    Video {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        why: String,
+    },
+    /// Two pictures would have the same name.
+    #[error("two pictures have one name: {}", path.display())]
+    SameName {
+        /// The name.
+        path: PathBuf,
+    },
     /// The file with defaults is invalid.
     #[error("defaults refused: {}: {why}", path.display())]
     Defaults {
@@ -205,15 +227,16 @@ impl Error {
     /// The exit code of the process.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Encode { .. } | Self::Write { .. } | Self::Print(_) => 1,
+            Self::Encode { .. } | Self::Write { .. } | Self::Video { .. } | Self::Print(_) => 1,
             Self::Demo { .. }
             | Self::Camera { .. }
             | Self::Animation { .. }
             | Self::TooLarge { .. }
             | Self::Line { .. }
             | Self::Defaults { .. }
+            | Self::SameName { .. }
             | Self::Usage(_) => 2,
-            Self::Import(_) | Self::Blank { .. } | Self::Reference { .. } => 3,
+            Self::Import(_) | Self::Blank { .. } | Self::Reference { .. } | Self::Poses { .. } => 3,
             Self::Strict { code, .. } => *code,
             #[cfg(feature = "viewer")]
             Self::Record { .. } => 1,
@@ -242,6 +265,9 @@ impl Error {
                 "--camera takes a name, or a number from 0; --eye and --look-at need no camera"
             }
             Self::Animation { .. } => "--animation takes a number, a name, or all",
+            Self::Poses { .. } => "README.md, \"Many views\", has the keys of that file",
+            Self::Video { .. } => "a film needs ffmpeg; -o - writes frames for another program",
+            Self::SameName { .. } => "names of files may contain {scene}, {camera}, {frame} and {n}",
             Self::Defaults { .. } => {
                 "the file that RTRT_CONFIG names has an option a line, such as --size 640x360"
             }

@@ -7,15 +7,15 @@ use super::parse::Exposure;
 use super::report::Machine;
 use super::stream;
 use super::surroundings::{Surrounded, surrounded};
+use super::views::{View, Viewpoint};
 use rtrt::cache::Cache;
 use rtrt::choose::{self, ChooseError, Chosen, choose};
 use rtrt::debug::{DebugImage, DebugView, show};
 use rtrt::demo;
-use rtrt::import::{self, Animation, ImportError, Loaded, NamedCamera};
+use rtrt::import::{self, Animation, ImportError, Label, Loaded, NamedCamera};
 use rtrt_core::backend::{Backend, Picture, Request, Shadows, ToneMap};
 use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
-#[cfg(feature = "viewer")]
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -48,10 +48,11 @@ pub struct RenderJob {
     pub surrounded: Surrounded,
     animation: Option<Animation>,
     cameras: Vec<NamedCamera>,
-    /// Which of the cameras is used, if there are any.
-    camera_number: usize,
+    /// Which of the cameras is used; none for one that is none of them.
+    camera_number: Option<usize>,
+    /// What the file calls its instances.
+    pub labels: Vec<Label>,
     /// The files of the scene and its environment.
-    #[cfg(feature = "viewer")]
     files: Vec<PathBuf>,
     common: Common,
 }
@@ -84,7 +85,7 @@ impl RenderJob {
         choose_animation(common, &mut loaded, time.is_some(), console)?;
         let camera_number = camera_number(common, &loaded.cameras)?;
         let camera = camera(common, &mut loaded, camera_number, time.is_some())?;
-        let Loaded { mut scene, cameras, animation, files, bvh_build_ms, .. } = loaded;
+        let Loaded { mut scene, cameras, labels, animation, files, bvh_build_ms, .. } = loaded;
         let own_lights = common.lights.is_empty() && !scene.lights().is_empty();
         if !common.lights.is_empty() {
             scene.lights_mut().clone_from(&common.lights);
@@ -133,8 +134,8 @@ impl RenderJob {
             surrounded,
             animation,
             cameras,
-            camera_number,
-            #[cfg(feature = "viewer")]
+            camera_number: Some(camera_number),
+            labels,
             files,
             common: common.clone(),
         };
@@ -157,10 +158,56 @@ impl RenderJob {
         for (index, camera) in pose.cameras {
             self.cameras[index].camera = camera;
         }
-        if let Some(named) = self.cameras.get(self.camera_number) {
+        self.aim();
+        Ok(())
+    }
+
+    /// Takes the chosen camera of the file as it is now.
+    fn aim(&mut self) {
+        if let Some(named) = self.camera_number.and_then(|number| self.cameras.get(number)) {
             self.camera = changed(named.fitted(aspect(self.size)), &self.common.camera, &self.scene);
         }
+    }
+
+    /// Looks from a view, in its size. The animation stays at its time.
+    pub fn look(&mut self, view: &View, deferred: bool) -> Result<(), Error> {
+        self.size = view.size.unwrap_or(self.common.size);
+        self.rays = rays(self.size, self.samples, deferred)?;
+        match view.from {
+            Viewpoint::Options => {}
+            Viewpoint::File(number) => {
+                self.camera_number = Some(number);
+                self.aim();
+            }
+            Viewpoint::Camera(camera) => (self.camera_number, self.camera) = (None, camera),
+        }
         Ok(())
+    }
+
+    /// The names of the file's cameras.
+    pub fn camera_names(&self) -> Vec<String> {
+        self.cameras.iter().map(|camera| camera.name.clone()).collect()
+    }
+
+    /// The name of the camera in use, if the file has it.
+    pub fn camera_name(&self) -> Option<&str> {
+        self.camera_number.and_then(|number| self.cameras.get(number)).map(|camera| camera.name.as_str())
+    }
+
+    /// Whether nothing but the bounds of the scene decides where the camera is.
+    pub fn is_framed(&self) -> bool {
+        let CameraOptions { eye, look_at, .. } = self.common.camera;
+        self.cameras.is_empty() && eye.is_none() && look_at.is_none()
+    }
+
+    /// Width / height of pictures.
+    pub fn aspect(&self) -> f32 {
+        aspect(self.size)
+    }
+
+    /// The files of the scene and its environment.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// The request for a frame.
@@ -242,11 +289,6 @@ impl RenderJob {
         if let (Some(light), Some(placed)) = (light, placed) {
             (light.direction, light.color) = (placed.direction, placed.color);
         }
-    }
-
-    /// The files of the scene and its environment.
-    pub fn files(&self) -> &[PathBuf] {
-        &self.files
     }
 
     /// Whether the file has cameras.

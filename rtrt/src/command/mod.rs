@@ -13,18 +13,24 @@ mod job;
 mod line;
 mod memory;
 mod names;
+mod npy;
 mod options;
 mod output;
 mod parse;
+mod poses;
 mod render;
 mod report;
+mod run_report;
+mod sinks;
 mod stream;
 mod surroundings;
 mod usage;
 mod verify;
 mod version;
+mod video;
 #[cfg(feature = "viewer")]
 mod view;
+mod views;
 
 use clap::{CommandFactory, Parser};
 pub use error::Error;

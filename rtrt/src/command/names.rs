@@ -4,10 +4,10 @@ use super::Error;
 use std::path::{Path, PathBuf};
 
 /// What stands in braces in names of files.
-const PLACEHOLDERS: [&str; 3] = ["scene", "frame", "n"];
+const PLACEHOLDERS: [&str; 4] = ["scene", "camera", "frame", "n"];
 
-/// Fills in `{scene}`, `{n}` and `{frame}`.
-pub fn filled(path: &Path, scene: &Path, frame: u32) -> PathBuf {
+/// Fills in `{scene}`, `{camera}`, `{n}` and `{frame}`.
+pub fn filled(path: &Path, scene: &Path, camera: &str, frame: u32) -> PathBuf {
     let Some(name) = path.to_str() else { return path.to_owned() };
     let scene = match scene.to_str() {
         Some("-") => "stdin".into(),
@@ -15,9 +15,15 @@ pub fn filled(path: &Path, scene: &Path, frame: u32) -> PathBuf {
         _ => scene.file_stem().unwrap_or_default().to_string_lossy(),
     };
     name.replace("{scene}", &scene)
+        .replace("{camera}", camera)
         .replace("{n}", &frame.to_string())
         .replace("{frame}", &format!("{frame:04}"))
         .into()
+}
+
+/// Whether the name differs from camera to camera.
+pub fn has_camera(path: &Path) -> bool {
+    path.to_str().is_some_and(|name| name.contains("{camera}"))
 }
 
 /// Whether the name differs from frame to frame.
@@ -44,9 +50,10 @@ fn unknown(name: &str) -> Option<&str> {
 
 #[test]
 fn placeholders_are_filled_in() {
-    let name = |path: &str, scene: &str| filled(path.as_ref(), scene.as_ref(), 7);
+    let name = |path: &str, scene: &str| filled(path.as_ref(), scene.as_ref(), "left", 7);
     assert_eq!(name("out/{scene}-{n}-{frame}.png", "a/box.v2.glb"), Path::new("out/box.v2-7-0007.png"));
     assert_eq!(name("{scene}.png", "demo:glass"), Path::new("glass.png"));
+    assert_eq!(name("{camera}/{n}.png", "a.glb"), Path::new("left/7.png"));
     assert_eq!(name("{scene}.png", "-"), Path::new("stdin.png"));
     assert!(is_numbered("a{n}.png".as_ref()) && !is_numbered("{scene}.png".as_ref()));
 }

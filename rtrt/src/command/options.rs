@@ -3,9 +3,9 @@
 #[cfg(feature = "viewer")]
 use super::parse::png;
 use super::parse::{
-    Background, Environment, EnvironmentSun, Exposure, angle, background, choice, environment,
-    environment_sun, exposure, exr, height, intensity, light, mip, occluders, one_of, part, picture, radius,
-    rate, seconds, shadows, size, structure, tone, tone_map, turn, vector, view,
+    Background, Environment, EnvironmentSun, Exposure, Stream, angle, background, choice, encoding,
+    environment, environment_sun, exposure, height, intensity, json, layers, light, mip, occluders, one_of,
+    part, picture, radius, rate, seconds, shadows, size, structure, tone, tone_map, turn, vector, view,
 };
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -20,16 +20,17 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub struct RenderOptions {
     // clap takes {n} for a line break, unless a style is inside of it.
-    #[arg(short, long, value_name = "FILE", help = "Write the picture to this file: PNG; EXR, in linear color; or -, a PNG on standard output. In names of files, {scene} becomes the scene's name, {frame} the frame's number with at least four digits, and {\u{1b}[0mn} the number alone", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "compare", "hash", "json"])]
+    #[arg(short, long, value_name = "FILE", help = "Write the picture to this file: PNG; EXR or NPY (an array of NumPy), in linear color; MP4, a film of all pictures, by ffmpeg; or -, standard output. In names of files, {scene} becomes the scene's name, {camera} the camera's, {frame} the number of the frame with at least four digits, and {\u{1b}[0mn} the number alone; where each view has one frame, it is the number of the view", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "compare", "hash", "json", "report"])]
     pub output: Option<PathBuf>,
     /// Bits per channel of the PNG
     #[arg(long, default_value = "8", value_parser = one_of(["8", "16"]), allow_negative_numbers = true)]
     pub bits: u32,
-    /// Write the deferred buffers to this EXR file, with the layers color (linear), depth, normal,
-    /// albedo, object, triangle (as stored, and as in the source), barycentrics, uv and shadow (the
-    /// share of lights that reach a surface). Color, albedo and shadow are averages over sub-rays; the
-    /// others come from each pixel's first sub-ray
-    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr))]
+    /// Write the deferred buffers to this EXR or NPZ file, with the layers color (linear), depth, normal,
+    /// albedo, object, material, triangle (as stored, and as in the source), barycentrics, uv, position,
+    /// shadow (the share of lights that reach a surface), and, with --frames, motion (pixels since the
+    /// frame before). Color, albedo and shadow are averages over sub-rays; the others come from each
+    /// pixel's first sub-ray
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(layers))]
     pub aov: Option<PathBuf>,
     /// Render this view in place of the picture. blocks is black for an empty list of a block, blue for a
     /// ray that misses all bounding spheres, and white for one that misses all meshes; heat is the
@@ -58,6 +59,20 @@ pub struct RenderOptions {
     /// files then need {frame}. --hash and --json print for each frame
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     pub frames: u32,
+    /// The pictures on standard output (-o -): PNG files one behind the other, or the bytes red, green,
+    /// blue and alpha, row by row
+    #[arg(long, value_name = "ENCODING", default_value = "png", value_parser = encoding())]
+    pub stream: Stream,
+    /// Render a view from each camera of this file: JSON with poses and lenses, or transforms.json of NeRF
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["camera", "eye", "look_at", "up", "fov_y", "parallel", "orbit"])]
+    pub cameras: Option<PathBuf>,
+    /// Render so many views around the point that the camera looks at, evenly, counterclockwise from above
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
+    pub orbit: Option<u32>,
+    /// Write what was rendered to this JSON file: poses, lenses, names of files, hashes, times, memory;
+    /// names of objects; and their visible pixels and boxes in each picture. --cameras reads it
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(json))]
+    pub report: Option<PathBuf>,
     /// Frames per second
     #[arg(long, value_name = "F", default_value = "24", value_parser = rate, allow_negative_numbers = true)]
     pub fps: f64,
@@ -71,6 +86,9 @@ pub struct RenderOptions {
     pub hybrid: bool,
     #[command(flatten)]
     pub common: Common,
+    /// Further scenes, for which everything else is the same; names of files then need {scene}
+    #[arg(value_name = "SCENE")]
+    pub more: Vec<PathBuf>,
 }
 
 /// Options of `rtrt verify`.
@@ -285,8 +303,9 @@ pub struct SurroundingsOptions {
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraOptions {
-    /// Use this camera of the scene: its name, or its number, counted from 0
-    #[arg(long, value_name = "N|NAME", allow_negative_numbers = true)]
+    /// Use this camera of the scene: its name, or its number, counted from 0. all renders a view from each
+    /// (render only)
+    #[arg(long, value_name = "N|NAME|all", allow_negative_numbers = true)]
     pub camera: Option<String>,
     /// The position of the camera; without --look-at it looks at the center of the scene
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]

@@ -327,10 +327,32 @@ pub fn spot(position: &str, direction: &str, outer: &str, size: &str) -> Result<
     Ok(light.inverse_square(true).radius(radius))
 }
 
-/// The path of a PNG or EXR file, or `-`.
+/// The path of a picture, an array or a film, or `-`.
 pub fn picture(path: PathBuf) -> Result<PathBuf, &'static str> {
-    let is_known = is_standard(&path) || ends_in(&path, "png") || ends_in(&path, "exr");
-    if is_known { Ok(path) } else { Err("the name must end in .png or .exr, or be -") }
+    let is_known = is_standard(&path) || ["png", "exr", "npy", "mp4"].iter().any(|e| ends_in(&path, e));
+    if is_known { Ok(path) } else { Err("the name must end in .png, .exr, .npy or .mp4, or be -") }
+}
+
+/// The path of a JSON file.
+pub fn json(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if ends_in(&path, "json") { Ok(path) } else { Err("the name must end in .json") }
+}
+
+/// The encoding of pictures on standard output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stream {
+    /// PNG files, one behind the other.
+    Png,
+    /// Bytes of red, green, blue and alpha, row by row.
+    Rgba,
+}
+
+/// The encoding of pictures on standard output.
+pub fn encoding() -> impl TypedValueParser<Value = Stream> {
+    PossibleValuesParser::new(["png", "rgba"]).map(|name| match &name[..] {
+        "rgba" => Stream::Rgba,
+        _ => Stream::Png,
+    })
 }
 
 /// The path of a PNG file.
@@ -339,9 +361,10 @@ pub fn png(path: PathBuf) -> Result<PathBuf, &'static str> {
     if ends_in(&path, "png") { Ok(path) } else { Err("the name must end in .png") }
 }
 
-/// The path of an EXR file.
-pub fn exr(path: PathBuf) -> Result<PathBuf, &'static str> {
-    if ends_in(&path, "exr") { Ok(path) } else { Err("the name must end in .exr") }
+/// The path of a file of layers.
+pub fn layers(path: PathBuf) -> Result<PathBuf, &'static str> {
+    let is_known = ends_in(&path, "exr") || ends_in(&path, "npz");
+    if is_known { Ok(path) } else { Err("the name must end in .exr or .npz") }
 }
 
 /// Whether a path means standard output.

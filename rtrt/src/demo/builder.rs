@@ -14,6 +14,7 @@ pub(super) fn loaded(scene: Scene, name: &str, camera: Camera, bvh_build_ms: f64
         scene,
         cameras: vec![NamedCamera { name: name.into(), camera, aspect: None }],
         camera,
+        labels: Vec::new(),
         animation: None,
         warnings: Vec::new(),
         files: Vec::new(),

@@ -2,7 +2,7 @@
 
 use super::file::Files;
 use super::geometry::{Geometry, Tangents};
-use super::{ImportError, Options, picture};
+use super::{ImportError, Label, Options, picture};
 use crate::cache::Cache;
 use glam::Vec3;
 use rtrt_core::layout::{Texture, Wrap};
@@ -37,6 +37,9 @@ pub(crate) struct Builder<'a, J> {
     pub bvh_build_ms: f64,
     /// The diameter of points and lines that is asked for, in units of the scene.
     pub point_size: Option<f32>,
+    /// The names of materials, by number.
+    materials: Vec<String>,
+    labels: Vec<Label>,
     /// The scene's file.
     pub path: PathBuf,
     /// The files that were read.
@@ -55,6 +58,8 @@ impl<'a, J: Join> Builder<'a, J> {
             not_drawn: BTreeSet::new(),
             bvh_build_ms: 0.0,
             point_size: options.point_size,
+            materials: Vec::new(),
+            labels: Vec::new(),
             path: path.to_owned(),
             files: Files::default(),
             join,
@@ -126,6 +131,27 @@ impl<'a, J: Join> Builder<'a, J> {
     pub fn add_unlit(&mut self, material: MaterialIndex) -> Result<MaterialIndex, ImportError> {
         let unlit = self.scene.material(material).cloned().unwrap_or_default().unlit(true);
         self.add_material(unlit)
+    }
+
+    /// Names the material that was added last.
+    pub fn name_material(&mut self, name: String) {
+        self.materials.resize(self.scene.materials().len(), String::new());
+        self.materials.last_mut().into_iter().for_each(|last| last.clone_from(&name));
+    }
+
+    /// Labels an instance with the names of its node and mesh, and of its material.
+    pub fn label(&mut self, object: InstanceIndex, node: String, mesh: String) {
+        let number = object.number() as usize;
+        let material = self.scene.instances().get(number).map_or(0, |instance| instance.material as usize);
+        let material = self.materials.get(material).cloned().unwrap_or_default();
+        self.labels.resize(self.scene.instances().len(), Label::default());
+        self.labels[number] = Label { node, mesh, material };
+    }
+
+    /// The labels of all instances.
+    pub fn labels(&mut self) -> Vec<Label> {
+        self.labels.resize(self.scene.instances().len(), Label::default());
+        std::mem::take(&mut self.labels)
     }
 
     /// Counts vertices of deformed meshes against their limit.

@@ -16,7 +16,12 @@ const FILL: f64 = 0.95;
 /// of the bounds from a fixed direction (front, right, above) with a vertical field of view of 45°. The bounds fill
 /// 95 % of the picture's width or height. The same scene gives the same camera on every host.
 pub fn framing(scene: &Scene, aspect: f32) -> Camera {
-    around(scene.extent(), aspect)
+    around(scene.extent(), aspect, FROM)
+}
+
+/// [`framing`] from another direction: `from` leads from the center of the scene to the camera, and has any length.
+pub fn framing_from(scene: &Scene, aspect: f32, from: Vec3) -> Camera {
+    around(scene.extent(), aspect, from.as_dvec3())
 }
 
 /// [`framing`] of a whole animation: of the bounds at 33 evenly spaced times. The scene is at the end of the
@@ -34,15 +39,15 @@ pub fn framing_played(scene: &mut Scene, animation: &Animation, aspect: f32) -> 
             (all, now) => all.or(now),
         };
     }
-    Ok(around(extent, aspect))
+    Ok(around(extent, aspect, FROM))
 }
 
-/// A camera with these bounds in view.
-fn around(extent: Option<(Vec3, Vec3)>, aspect: f32) -> Camera {
+/// A camera with these bounds in view, which are in this direction of it.
+fn around(extent: Option<(Vec3, Vec3)>, aspect: f32, from: DVec3) -> Camera {
     let (low, high) = extent.unwrap_or((Vec3::splat(-1.0), Vec3::splat(1.0)));
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let center = (low + high) * 0.5;
-    let back = unit(FROM);
+    let back = unit(from);
     let right = unit(DVec3::Y.cross(back));
     let up = back.cross(right);
     let tangent = libm::tan(FOV_Y * 0.5) * FILL;

@@ -49,6 +49,17 @@ impl NamedCamera {
     }
 }
 
+/// What a file calls an object. What has no name there has its number: `node 3`.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Label {
+    /// The node, or group.
+    pub node: String,
+    /// The mesh.
+    pub mesh: String,
+    /// The material.
+    pub material: String,
+}
+
 /// A scene from a file.
 #[derive(Debug)]
 pub struct Loaded {
@@ -59,6 +70,9 @@ pub struct Loaded {
     /// The first of them, for any picture ([`NamedCamera::fitted`] is for one of a given shape), or
     /// [`framing`](super::framing) for a picture of 16 to 9.
     pub camera: Camera,
+    /// What the file calls each instance, in the order of their numbers, which are the same whenever the file is loaded.
+    /// Empty words where it has none.
+    pub labels: Vec<Label>,
     /// The animations of the file, if it has any; see [`Animation::play`]. The scene is at rest.
     pub animation: Option<Animation>,
     /// Deviations from the file, a line each.

@@ -43,9 +43,9 @@ mod track;
 pub use animation::{Animation, Pose};
 pub use environment::{Surroundings, light_by_default, surround, surround_with_studio};
 pub use error::ImportError;
-pub use framing::{framing, framing_played};
+pub use framing::{framing, framing_from, framing_played};
 pub use ground::add_ground;
-pub use loaded::{Loaded, NamedCamera};
+pub use loaded::{Label, Loaded, NamedCamera};
 
 use crate::cache::Cache;
 use rtrt_core::scene::Join;
@@ -109,6 +109,7 @@ pub fn load_bytes(
         _ if obj::looks_like(bytes) => (obj::load(&mut builder, bytes)?, None),
         _ => return Err(ImportError::Format { path: path.to_owned() }),
     };
+    let labels = builder.labels();
     let scene = builder.scene;
     let camera = cameras.first().map_or_else(|| framing(&scene, 16.0 / 9.0), |named| named.camera);
     let mut warnings = builder.warnings;
@@ -117,5 +118,5 @@ pub fn load_bytes(
         warnings.push(format!("not drawn: {}", list.join(", ")));
     }
     let (files, bvh_build_ms) = (builder.files.list(), builder.bvh_build_ms);
-    Ok(Loaded { scene, cameras, camera, animation, warnings, files, bvh_build_ms })
+    Ok(Loaded { scene, cameras, camera, labels, animation, warnings, files, bvh_build_ms })
 }

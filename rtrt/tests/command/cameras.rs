@@ -1,6 +1,7 @@
 //! Cameras of files, and many views in one run.
 
 use crate::folder::{Folder, code, stderr, stdout};
+use serde_json::{Value, json};
 use std::fs;
 
 const LINE: &str = "--size 16x8 --backend cpu --samples 1";
@@ -40,4 +41,110 @@ fn a_camera_is_chosen_by_its_name_or_number() {
     let said = stderr(&output);
     assert_eq!(code(&output), 2);
     assert!(said.contains(r#"there is no camera Mian, the scene has 0 ("Main"), 1 ("Side view")"#), "{said}");
+}
+
+/// The first line of each picture's hashes.
+fn pixels(hashes: &str) -> Vec<String> {
+    hashes.lines().filter_map(|line| line.strip_suffix("  pixels")).map(str::to_owned).collect()
+}
+
+fn report(folder: &Folder, name: &str) -> Value {
+    serde_json::from_slice(&fs::read(folder.0.join(name)).unwrap()).unwrap()
+}
+
+#[test]
+fn many_views_are_what_each_is_alone() {
+    let folder = folder("many_views");
+    let poses = json!({"fov_y": 50, "cameras": [
+        {"name": "near", "eye": [0, 0, 2], "look_at": [0, 0, 0]},
+        {"name": "aside", "eye": [1.5, 0.5, 2], "look_at": [0.1, 0, 0], "up": [0.2, 1, 0], "size": [12, 20]},
+        {"eye": [0, 0, 9], "look_at": [0, 0, 0], "parallel": 3}]});
+    fs::write(folder.0.join("poses.json"), poses.to_string()).unwrap();
+    let run =
+        |options: &str| pixels(&stdout(&folder.run(&format!("render square.gltf {LINE} --hash {options}"))));
+    let together = run("--cameras poses.json -o {camera}-{n}.png --report run.json");
+    let alone = [
+        "--eye 0,0,2 --look-at 0,0,0 --up 0,1,0 --fov-y 50",
+        "--eye 1.5,0.5,2 --look-at 0.1,0,0 --up 0.2,1,0 --fov-y 50 --size 12x20",
+        "--eye 0,0,9 --look-at 0,0,0 --up 0,1,0 --parallel 3",
+    ];
+    assert_eq!(together, alone.map(|line| run(&line.replace("--size", "--samples 1 --size"))[0].clone()));
+    for name in ["near-0.png", "aside-1.png", "2-2.png"] {
+        assert!(folder.0.join(name).is_file(), "{name}");
+    }
+    // The report names what there is, and is a file of cameras itself.
+    let report = report(&folder, "run.json");
+    let frames = report["frames"].as_array().unwrap();
+    let hashes: Vec<_> = frames.iter().map(|frame| frame["hash"].as_str().unwrap()).collect();
+    assert_eq!(hashes, together);
+    assert_eq!(frames[0]["file_path"], "near-0.png");
+    assert_eq!(frames[0]["transform_matrix"][2], json!([0.0, 0.0, 1.0, 2.0]));
+    assert_eq!([&frames[1]["w"], &frames[1]["h"]], [12, 20]);
+    assert_eq!(report["scenes"][0]["files"], json!(["square.bin", "square.gltf"]));
+    let object = json!({"id": 0, "node": "square", "mesh": "quad", "material": "paint", "material_id": 0});
+    assert_eq!(report["scenes"][0]["objects"], json!([object]));
+    assert_eq!(run("--cameras run.json"), together);
+}
+
+/// A lens whose principal point is in a corner of the picture: a square of ±1 at a distance of 4 is from
+/// cx − fx / 4 to cx + fx / 4, and likewise from above.
+#[test]
+fn a_point_is_at_its_pixel() {
+    let folder = folder("lens");
+    let matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 4], [0, 0, 0, 1]];
+    let lens = json!({"fl_x": 40, "fl_y": 24, "cx": 12, "cy": 8, "w": 64, "h": 48});
+    let mut file = lens.clone();
+    file["frames"] = json!([{"file_path": "./images/0001.png", "transform_matrix": matrix}]);
+    fs::write(folder.0.join("transforms.json"), file.to_string()).unwrap();
+    let line = "render square.gltf --backend cpu --samples 1 --cameras transforms.json --report run.json";
+    stdout(&folder.run(line));
+    let frame = &report(&folder, "run.json")["frames"][0];
+    let seen = json!([{"id": 0, "pixels": 20 * 12, "box_2d": [2, 2, 22, 14], "box_3d": [[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]]}]);
+    assert_eq!(frame["seen"], seen);
+    assert_eq!(frame["camera"], "images_0001");
+    for (key, value) in lens.as_object().unwrap() {
+        assert!((frame[key].as_f64().unwrap() - value.as_f64().unwrap()).abs() < 1e-5, "{key}: {frame}");
+    }
+}
+
+#[test]
+fn all_cameras_an_orbit_and_several_scenes() {
+    let folder = folder("sets");
+    let run = |line: &str| pixels(&stdout(&folder.run(&format!("render {line} {LINE} --hash"))));
+    let each = ["--camera 0", "--camera 1"].map(|camera| run(&format!("square.gltf {camera}"))[0].clone());
+    assert_eq!(run("square.gltf --camera all -o {camera}.png"), each);
+    assert!(folder.0.join("Main.png").is_file() && folder.0.join("Side view.png").is_file());
+    let around = run("square.gltf --eye 0,0,3 --look-at 0,0,0 --orbit 4");
+    assert_eq!(around[0], run("square.gltf --eye 0,0,3 --look-at 0,0,0")[0]);
+    assert_eq!((around.len(), around[0] == around[2], around[0] == around[1]), (4, true, false));
+    let scenes = run("square.gltf scene.obj -o {scene}.png");
+    assert_eq!(scenes, [each[0].clone(), run("scene.obj")[0].clone()]);
+    assert!(folder.0.join("square.png").is_file() && folder.0.join("scene.png").is_file());
+    for (line, why) in [
+        ("square.gltf scene.obj -o out.png", "two pictures have one name: out.png"),
+        ("square.gltf --orbit 2 -o out.png", "every view needs a file of its own"),
+        ("square.gltf --camera all --orbit 2", "--orbit goes around one camera"),
+        ("square.gltf --orbit 2 --frames 2 -o {n}.png", "every view needs a file of its own"),
+        ("square.gltf --orbit 0", "invalid value '0' for '--orbit <N>'"),
+    ] {
+        let output = folder.run(&format!("render {line} {LINE} --hash"));
+        assert!(code(&output) == 2 && stderr(&output).contains(why), "{line}: {}", stderr(&output));
+    }
+    let output = folder.run(&format!("render square.gltf {LINE} --hash --cameras missing.json"));
+    assert!(code(&output) == 3 && stderr(&output).contains("cameras refused: missing.json"));
+    assert_eq!(code(&folder.run(&format!("verify square.gltf {LINE} --camera all"))), 2);
+}
+
+/// All of a scene that is framed is in each view of an orbit.
+#[test]
+fn an_orbit_around_a_framed_scene_crops_nothing() {
+    let folder = Folder::new("orbit");
+    stdout(
+        &folder.run("render scene.obj --size 60x40 --backend cpu --samples 1 --orbit 8 --report run.json"),
+    );
+    for frame in report(&folder, "run.json")["frames"].as_array().unwrap() {
+        let sides = frame["seen"][0]["box_2d"].as_array().unwrap();
+        let [left, top, right, bottom] = [0, 1, 2, 3].map(|i| sides[i].as_u64().unwrap());
+        assert!(left > 0 && top > 0 && right < 60 && bottom < 40, "{sides:?}");
+    }
 }

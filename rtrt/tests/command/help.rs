@@ -10,7 +10,7 @@ fn help_has_examples_that_run() {
     let examples: Vec<&str> = help.lines().filter_map(|line| line.trim().strip_prefix("rtrt ")).collect();
     assert_eq!(examples.len(), 5);
     let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("with at least four digits, and {n} the number alone"), "{help}");
+    assert!(words.contains("with at least four digits, and {n} the number alone;"), "{help}");
     for example in examples {
         // On a smaller scene, with the reference that one of them is compared with.
         stdout(&folder.run("render scene.obj --size 8x8 --backend cpu -o yesterday.png"));

@@ -37,7 +37,7 @@ fn layers_are_the_deferred_buffers() {
         rtrt_core::backend::Backend::render(&mut backend, &scene, &request, &mut picture).unwrap();
         let deferred = picture.deferred.unwrap();
         let grid = Grid { width: 37, height: 21, side: samples.isqrt() };
-        assert_eq!(all.layer_data.len(), 9);
+        assert_eq!(all.layer_data.len(), 11);
         let get = |layer, names: &[&str]| -> Vec<Vec<u32>> {
             names.iter().map(|name| channel(&all, layer, name)).collect()
         };
@@ -45,6 +45,7 @@ fn layers_are_the_deferred_buffers() {
         let (object, triangle) = (get("object", &["id"]), get("triangle", &["id", "source"]));
         let (weights, uv) = (get("barycentrics", &["U", "V"]), get("uv", &["U", "V"]));
         let (colors, shadow) = (get("color", &["R", "G", "B", "A"]), get("shadow", &["Y"]));
+        let (material, position) = (get("material", &["id"]), get("position", &["X", "Y", "Z"]));
         let albedo = get("albedo", &["R", "G", "B"]);
         let mut hits = 0;
         for pixel in 0..37 * 21 {
@@ -64,6 +65,10 @@ fn layers_are_the_deferred_buffers() {
             let source = instance.and_then(|instance| scene.source_triangle(instance, hit.triangle));
             assert_eq!(at(&triangle)[1], source.unwrap_or(NONE));
             assert_eq!(floats(&weights), [hit.u, hit.v]);
+            assert_eq!(at(&material), [if is_hit { surface.material - 1 } else { NONE }]);
+            // The floor is the plane y = 0, and the triangle 5 and 6 has z = 0.
+            let axis = if at(&triangle)[1] == 2 { 2 } else { 1 };
+            assert!(floats(&position)[axis].abs() < 1e-4, "{:?}", floats(&position));
             let mean = |value: &dyn Fn(usize) -> f32| {
                 rays.iter().fold(0.0, |sum, &ray| sum + value(ray)) / samples as f32
             };
@@ -77,6 +82,12 @@ fn layers_are_the_deferred_buffers() {
         }
         assert!(hits > 50 && hits < 37 * 21, "{hits}");
         assert_eq!(color.layer_data.len(), 1);
+        let header = exr::meta::MetaData::read_from_file(folder.0.join("color.exr"), false).unwrap();
+        let text = header.headers[0].shared_attributes.other.get(&exr::prelude::Text::from("rtrt"));
+        let Some(exr::meta::attribute::AttributeValue::Text(json)) = text else { panic!("{text:?}") };
+        let shot: serde_json::Value = serde_json::from_str(&json.to_string()).unwrap();
+        assert_eq!((&shot["w"], &shot["samples"]), (&37.into(), &samples.into()));
+        assert_eq!(shot["eye"][0].as_f64().unwrap() as f32, camera.eye.x);
         for (name, expected) in ["R", "G", "B", "A"].iter().zip(&colors) {
             assert_eq!(channel(&color, "color", name), *expected);
         }

@@ -20,6 +20,7 @@ mod names;
 mod pictures;
 mod reports;
 mod shorthand;
+mod streams;
 mod surroundings;
 mod talk;
 mod verify;

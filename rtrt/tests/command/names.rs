@@ -15,7 +15,7 @@ fn names_are_filled_in_and_every_frame_has_its_own() {
     let output = folder.run(&format!("{line} -o {{scene}}-{{frmae}}.png"));
     let said = stderr(&output);
     assert!(said.contains("unknown placeholder: {scene}-{frmae}.png: nothing is called {frmae}"), "{said}");
-    assert!(said.contains("hint: names of files may contain {scene}, {frame}, {n}"), "{said}");
+    assert!(said.contains("hint: names of files may contain {scene}, {camera}, {frame}, {n}"), "{said}");
     stdout(&folder.run("render demo:glass --size 8x8 --backend cpu -o {scene}.png"));
     assert!(folder.0.join("glass.png").is_file());
 }

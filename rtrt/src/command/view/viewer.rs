@@ -436,9 +436,9 @@ impl Viewer {
     /// The first unused name for a picture, if the name has a number.
     fn free_name(&self) -> PathBuf {
         if !is_numbered(&self.output) {
-            return filled(&self.output, &self.options.scene, 0);
+            return filled(&self.output, &self.options.scene, "camera", 0);
         }
-        let mut names = (0..10_000).map(|number| filled(&self.output, &self.options.scene, number));
+        let mut names = (0..10_000).map(|number| filled(&self.output, &self.options.scene, "camera", number));
         names.find(|name| !name.exists()).unwrap_or_else(|| self.output.clone())
     }
 

@@ -65,6 +65,9 @@ impl<'a> Materials<'a> {
             }
             None => &none,
         };
+        let name = index.map_or(String::new(), |index| {
+            source.name.clone().unwrap_or_else(|| format!("material {}", index.value()))
+        });
         let mut coordinates = Coordinates::default();
         let material = self.surface(builder, source, &mut coordinates)?;
         let material = self.usual_maps(builder, source, &mut coordinates, material)?;
@@ -77,6 +80,7 @@ impl<'a> Materials<'a> {
             builder.not_drawn.insert("levels of detail of materials");
         }
         let made = (builder.add_material(material)?, coordinates);
+        builder.name_material(name);
         self.made.insert(key, made.clone());
         Ok(made)
     }

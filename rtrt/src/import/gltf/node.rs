@@ -13,7 +13,7 @@ use glam::{DMat4, Mat4};
 use gltf_json::accessor::{Accessor, Type};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Node, camera};
-use rtrt_core::scene::{Join, Projection};
+use rtrt_core::scene::{InstanceIndex, Join, Projection};
 use std::collections::HashMap;
 
 impl<J: Join> Import<'_, '_, J> {
@@ -106,9 +106,14 @@ impl<J: Join> Import<'_, '_, J> {
             } else {
                 self.mesh(index)?
             };
+            let label = [
+                node.name.clone().unwrap_or_else(|| format!("node {number}")),
+                self.source(index)?.name.clone().unwrap_or_else(|| format!("mesh {}", index.value())),
+            ];
             // The joints place a skinned mesh; the node of the mesh does not.
             for &(mesh, material) in parts.iter().filter(|_| is_skinned) {
-                self.builder.add_instance(&name, mesh, material, Mat4::IDENTITY)?;
+                let object = self.builder.add_instance(&name, mesh, material, Mat4::IDENTITY)?;
+                self.label(object, &label);
             }
             let is_rigid = !is_skinned && !has_targets;
             let levels = if is_rigid { self.levels(&name, node, &parts)? } else { vec![] };
@@ -121,6 +126,7 @@ impl<J: Join> Import<'_, '_, J> {
                     } else {
                         self.builder.add_instance(&name, mesh, material, to_world)?
                     };
+                    self.label(object, &label);
                     if let Some(object) = object.filter(|_| !levels.is_empty()) {
                         self.set_levels(object, part, &levels)?;
                     }
@@ -157,6 +163,13 @@ impl<J: Join> Import<'_, '_, J> {
             placed.light = (self.builder.scene.lights().len() > before).then_some(before);
         }
         Ok(())
+    }
+
+    /// Labels an instance with the names of its node and its mesh.
+    fn label(&mut self, object: Option<InstanceIndex>, [node, mesh]: &[String; 2]) {
+        if let Some(object) = object {
+            self.builder.label(object, node.clone(), mesh.clone());
+        }
     }
 
     /// The transforms of the node's mesh relative to the node: one, or those of EXT_mesh_gpu_instancing.

@@ -1,0 +1,224 @@
+//! What a run has rendered: the JSON of `--report`, and the header of EXR files.
+//!
+//! Its list `frames` has the keys of [`super::poses`], so that `--cameras` renders the same views again.
+
+use super::job::RenderJob;
+use super::memory::peak_rss_bytes;
+use super::report::{Machine, PerStage, buffer_hashes};
+use glam::DMat4;
+use rtrt::hash;
+use rtrt::layers::Layers;
+use rtrt::objects::seen;
+use rtrt::pose::{Pinhole, to_world};
+use rtrt_core::backend::{Picture, ToneMap};
+use rtrt_core::scene::Projection;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// All of a run.
+#[derive(Serialize)]
+pub struct RunReport {
+    version: &'static str,
+    /// SHA-256 of the shaders.
+    shaders: String,
+    #[serde(flatten)]
+    machine: Machine,
+    scenes: Vec<SceneReport>,
+    frames: Vec<FrameReport>,
+    /// Wall-clock time since the command began.
+    total_ms: f64,
+    /// The peak memory of the process; null on systems without that figure.
+    peak_rss_bytes: Option<u64>,
+}
+
+/// A scene of a run.
+#[derive(Serialize)]
+struct SceneReport {
+    scene: PathBuf,
+    /// The files that it was read from.
+    files: Vec<PathBuf>,
+    load_ms: f64,
+    bvh_build_ms: f64,
+    triangles: u64,
+    drawn_triangles: u64,
+    /// The bytes of its arrays.
+    scene_bytes: usize,
+    /// Each object that can be in a picture.
+    objects: Vec<ObjectReport>,
+}
+
+/// What the file calls an object.
+#[derive(Serialize)]
+struct ObjectReport {
+    /// The number in the layer object.
+    id: usize,
+    node: String,
+    mesh: String,
+    material: String,
+    /// The number in the layer material.
+    material_id: u32,
+}
+
+/// A picture of a run.
+#[derive(Serialize)]
+struct FrameReport {
+    /// Its place in `scenes`.
+    scene: usize,
+    file_path: Option<PathBuf>,
+    aov: Option<PathBuf>,
+    #[serde(flatten)]
+    shot: Shot,
+    /// SHA-256 of the pixels.
+    hash: String,
+    /// SHA-256 of each deferred buffer.
+    buffers: Option<BTreeMap<&'static str, String>>,
+    frame_ms: f64,
+    stages_ms: PerStage<f64>,
+    /// The objects of which something is seen.
+    seen: Vec<SeenReport>,
+}
+
+/// What is seen of an object.
+#[derive(Serialize)]
+struct SeenReport {
+    id: u32,
+    /// Pixels whose first sub-ray hits it.
+    pixels: u32,
+    /// Left, top, and the first column and row beyond.
+    box_2d: [u32; 4],
+    /// Lower and upper corner around all of it, world space.
+    box_3d: [[f32; 3]; 2],
+}
+
+/// How a picture was taken, without anything that differs from run to run.
+#[derive(Serialize)]
+pub struct Shot {
+    camera: String,
+    frame: u32,
+    /// Seconds; null for a scene at rest.
+    time: Option<f64>,
+    w: u32,
+    h: u32,
+    samples: u32,
+    /// Stops by which light was raised.
+    exposure: f32,
+    tone_map: &'static str,
+    /// Rows of the matrix from the camera's axes (x to the right, y up, z backward) to world space.
+    transform_matrix: [[f64; 4]; 4],
+    eye: [f32; 3],
+    look_at: [f32; 3],
+    up: [f32; 3],
+    /// The lens, pixels from the upper left corner; null for parallel rays.
+    fl_x: Option<f64>,
+    fl_y: Option<f64>,
+    cx: Option<f64>,
+    cy: Option<f64>,
+    /// Degrees; null unless it says all of the lens.
+    fov_y: Option<f64>,
+    /// The height of the picture, world units, with parallel rays.
+    parallel: Option<f32>,
+}
+
+impl Shot {
+    /// How the job's picture is taken, at this time of its animation.
+    pub fn new(job: &RenderJob, camera: &str, frame: u32, time: Option<f64>) -> Self {
+        let lens = Pinhole::new(&job.camera, job.size);
+        let (fov_y, parallel) = match job.camera.projection {
+            Projection::Perspective { fov_y } => (Some(f64::from(fov_y).to_degrees()), None),
+            Projection::Orthographic { height } => (None, Some(height)),
+            Projection::OffCenter { .. } => (None, None),
+        };
+        let tone_map = ToneMap::ALL.iter().find(|(_, map)| *map == job.tone_map);
+        Self {
+            camera: camera.into(),
+            frame,
+            time,
+            w: job.size[0],
+            h: job.size[1],
+            samples: job.samples,
+            exposure: job.exposure,
+            tone_map: tone_map.map_or("none", |(name, _)| name),
+            // A camera that looks nowhere is refused before it is rendered.
+            transform_matrix: to_world(&job.camera).unwrap_or(DMat4::IDENTITY).transpose().to_cols_array_2d(),
+            eye: job.camera.eye.into(),
+            look_at: job.camera.look_at.into(),
+            up: job.camera.up.into(),
+            fl_x: lens.map(|lens| lens.fx),
+            fl_y: lens.map(|lens| lens.fy),
+            cx: lens.map(|lens| lens.cx),
+            cy: lens.map(|lens| lens.cy),
+            fov_y,
+            parallel,
+        }
+    }
+}
+
+impl RunReport {
+    /// A report without scenes.
+    pub fn new(machine: &Machine) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            shaders: hash::of(rtrt_gpu::SHADERS),
+            machine: machine.clone(),
+            scenes: vec![],
+            frames: vec![],
+            total_ms: 0.0,
+            peak_rss_bytes: None,
+        }
+    }
+
+    /// Adds a scene, to which the next frames belong.
+    pub fn add_scene(&mut self, path: &Path, job: &RenderJob) {
+        let object = |(id, instance): (usize, &rtrt_core::layout::Instance)| {
+            let label = job.labels.get(id).cloned().unwrap_or_default();
+            let (node, mesh, material) = (label.node, label.mesh, label.material);
+            ObjectReport { id, node, mesh, material, material_id: instance.material }
+        };
+        self.scenes.push(SceneReport {
+            scene: path.to_owned(),
+            files: job.files().to_vec(),
+            load_ms: job.load_ms,
+            bvh_build_ms: job.bvh_build_ms,
+            triangles: job.scene.triangles(),
+            drawn_triangles: job.scene.drawn_triangles(),
+            scene_bytes: job.scene.bytes(),
+            objects: job.scene.instances().iter().enumerate().map(object).collect(),
+        });
+    }
+
+    /// Adds a picture of the last scene.
+    pub fn add_frame(
+        &mut self,
+        shot: Shot,
+        [file_path, aov]: [Option<&Path>; 2],
+        job: &RenderJob,
+        picture: &Picture,
+        layers: &Layers,
+        frame_ms: f64,
+    ) {
+        let report = |seen: rtrt::objects::Seen| SeenReport {
+            id: seen.object,
+            pixels: seen.pixels,
+            box_2d: seen.box_2d,
+            box_3d: seen.box_3d,
+        };
+        self.frames.push(FrameReport {
+            scene: self.scenes.len().saturating_sub(1),
+            file_path: file_path.map(Path::to_owned),
+            aov: aov.map(Path::to_owned),
+            shot,
+            hash: hash::pixels(picture),
+            buffers: buffer_hashes(picture),
+            frame_ms,
+            stages_ms: PerStage(picture.stages_ms),
+            seen: seen(&job.scene, layers).into_iter().map(report).collect(),
+        });
+    }
+
+    /// The report as it is at the end of a run that began then.
+    pub fn finished(self, began: Instant) -> Self {
+        Self { total_ms: began.elapsed().as_secs_f64() * 1e3, peak_rss_bytes: peak_rss_bytes(), ..self }
+    }
+}
