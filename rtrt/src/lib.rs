@@ -1,14 +1,14 @@
 //! Backends chosen at run time, and scenes from files and in code.
 //!
 //! All backends give the same bits. `choose` opens a backend, `import` reads glTF and OBJ, `demo` has
-//! scenes without files, `layers` and `debug` show the buffers of a frame, `objects` and `motion` what is seen of each object and
-//! how it moves, `pose` has cameras as matrices and lenses. `hash` compares frames of two machines, `difference` two
-//! pictures.
+//! scenes without files, `layers` and `debug` show the buffers of a frame, `objects` and `motion` what is
+//! seen of each object and how it moves, `pose` has cameras as matrices and lenses. `hash` compares frames
+//! of two machines, `difference` two pictures; `golden` compares pictures with stored ones in tests.
 //!
 //! | feature | adds |
 //! |---|---|
 //! | `gpu` | the GPUs of [`choose`](mod@choose), by `rtrt-gpu` |
-//! | `import` | the modules `import`, `demo`, `motion` and `pose` |
+//! | `import` | the modules `import`, `demo`, `golden`, `motion` and `pose` |
 //! | `command` | the `rtrt` command; includes the other two |
 //! | `viewer` | `rtrt view`, which opens a window; includes `command` |
 //!
@@ -31,6 +31,8 @@ pub mod debug;
 #[cfg(feature = "import")]
 pub mod demo;
 pub mod difference;
+#[cfg(feature = "import")]
+pub mod golden;
 pub mod hash;
 #[cfg(feature = "import")]
 pub mod import;
