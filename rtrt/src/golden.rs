@@ -111,9 +111,9 @@ pub enum Mismatch {
         /// Pixels of the picture.
         all: usize,
         /// How they differ.
-        difference: Difference,
+        difference: Box<Difference>,
         /// What is stored, what was rendered, and the difference, as pictures.
-        files: [PathBuf; 3],
+        files: Box<[PathBuf; 3]>,
     },
     /// A file cannot be read or written.
     #[error("picture {name:?}: {}: {why}", path.display())]
@@ -173,7 +173,7 @@ pub fn check(folder: &Path, picture: &Picture, name: &str, bless: &str) -> Resul
     let size = [picture.width, picture.height];
     let is = picture.bytes().as_chunks::<4>().0;
     let stored = files.read()?;
-    let (has, expected) = stored.as_ref().map_or(([0; 2], &[][..]), |(size, pixels)| (*size, &pixels[..]));
+    let (has, expected) = stored.as_ref().map_or(([0; 2], &[][..]), |stored| (stored.size, &stored.pixels));
     if has == size && is == expected {
         files.clear();
         return Ok(());
@@ -194,8 +194,14 @@ pub fn check(folder: &Path, picture: &Picture, name: &str, bless: &str) -> Resul
     }
     files.write(&differs, &shown(is, expected), size)?;
     let Some(difference) = difference(is, expected, size[0], 0) else { return Ok(()) };
-    let files = [before, actual, differs];
+    let (difference, files) = (Box::new(difference), Box::new([before, actual, differs]));
     Err(Mismatch::Differs { name: name.into(), all: is.len(), difference, files })
+}
+
+/// A picture in a file.
+struct Stored {
+    size: [u32; 2],
+    pixels: Vec<[u8; 4]>,
 }
 
 /// The files of a picture.
@@ -217,8 +223,8 @@ impl Files<'_> {
         Mismatch::File { name: self.name.into(), path: path.to_owned(), why: why.to_string() }
     }
 
-    /// The stored picture, with its size; none if there is none.
-    fn read(&self) -> Result<Option<([u32; 2], Vec<[u8; 4]>)>, Mismatch> {
+    /// The stored picture, if there is one.
+    fn read(&self) -> Result<Option<Stored>, Mismatch> {
         let path = self.golden();
         let bytes = match fs::read(&path) {
             Ok(bytes) => bytes,
@@ -228,7 +234,7 @@ impl Files<'_> {
         let picture = image::load_from_memory(&bytes).map_err(|error| self.refused(&path, &error))?;
         let picture = picture.into_rgba8();
         let pixels = picture.as_raw().as_chunks::<4>().0.to_vec();
-        Ok(Some((picture.dimensions().into(), pixels)))
+        Ok(Some(Stored { size: picture.dimensions().into(), pixels }))
     }
 
     fn write(&self, path: &Path, pixels: &[[u8; 4]], [width, height]: [u32; 2]) -> Result<(), Mismatch> {

@@ -72,23 +72,54 @@ mod tests {
     use super::*;
     use glam::{Mat4, Vec3};
     use rtrt_core::backend::{Backend, Picture, Request};
-    use rtrt_core::scene::{Material, Projection};
+    use rtrt_core::layout::Attribute;
+    use rtrt_core::scene::{Bvh, InstanceIndex, Material, Mesh, MeshIndex, Projection, Sequential};
 
-    /// A ball that moves by (0.3, 0.2) in a picture of 10 pixels a unit, and the motion in its middle.
-    fn in_the_middle(moves_camera: bool) -> [f32; 2] {
+    /// What moves from one frame to the next.
+    #[derive(Clone, Copy)]
+    enum Moved {
+        Ball,
+        Shape,
+        Camera,
+    }
+
+    const STEP: Vec3 = Vec3::new(0.3, 0.2, 0.0);
+
+    /// A triangle around the origin, moved by `by`.
+    fn triangle(by: Vec3) -> Mesh {
+        let corners = [[-4.0, -3.0, 0.0], [4.0, -3.0, 0.0], [0.0, 4.0, 0.0]];
+        let positions = corners.map(|corner| (Vec3::from(corner) + by).into()).to_vec();
+        let plain = Attribute { normal: [0.0, 0.0, 1.0], uv: [0.0; 2], color: !0 };
+        Mesh::new(positions, vec![plain; 3], vec![0, 1, 2]).unwrap()
+    }
+
+    /// A scene of a ball, or of the triangle.
+    fn scene(is_ball: bool) -> (Scene, InstanceIndex, Option<MeshIndex>) {
         let mut scene = Scene::new();
         let paint = scene.add_material(Material::new([0.8; 3])).unwrap();
-        let ball = scene.add_sphere(paint, Mat4::from_scale(Vec3::splat(2.0))).unwrap();
+        if is_ball {
+            let ball = scene.add_sphere(paint, Mat4::from_scale(Vec3::splat(2.0))).unwrap();
+            return (scene, ball, None);
+        }
+        let shape = triangle(Vec3::ZERO);
+        let mesh = scene.add_mesh(&shape, &Bvh::build(&shape, &Sequential)).unwrap();
+        let object = scene.add_instance(mesh, paint, Mat4::IDENTITY).unwrap();
+        (scene, object, Some(mesh))
+    }
+
+    /// The motion in the middle of a picture with 10 pixels a unit.
+    fn in_the_middle(moved: Moved) -> [f32; 2] {
+        let (mut scene, object, mesh) = scene(!matches!(moved, Moved::Shape));
         let projection = Projection::Orthographic { height: 6.4 };
         let mut camera = Camera { eye: Vec3::Z * 9.0, look_at: Vec3::ZERO, up: Vec3::Y, projection };
         let before = Before::new(&scene, &camera);
-        let step = Vec3::new(0.3, 0.2, 0.0);
-        if moves_camera {
-            (camera.eye, camera.look_at) = (camera.eye + step, camera.look_at + step);
-        } else {
-            scene
-                .set_transform(ball, Mat4::from_translation(step) * Mat4::from_scale(Vec3::splat(2.0)))
-                .unwrap();
+        match (moved, mesh) {
+            (Moved::Shape, Some(mesh)) => scene.reshape(mesh, &triangle(STEP)).unwrap(),
+            (Moved::Camera, _) => (camera.eye, camera.look_at) = (camera.eye + STEP, camera.look_at + STEP),
+            _ => {
+                let place = Mat4::from_translation(STEP) * Mat4::from_scale(Vec3::splat(2.0));
+                scene.set_transform(object, place).unwrap();
+            }
         }
         let mut picture = Picture::default();
         let request = Request::new(&camera, [64, 64]).deferred(true);
@@ -102,8 +133,10 @@ mod tests {
 
     #[test]
     fn what_moves_to_the_right_and_up_moves_so_in_the_picture() {
-        for (moves_camera, expected) in [(false, [3.0, -2.0]), (true, [-3.0, 2.0])] {
-            let found = in_the_middle(moves_camera);
+        for (moved, expected) in
+            [(Moved::Ball, [3.0, -2.0]), (Moved::Shape, [3.0, -2.0]), (Moved::Camera, [-3.0, 2.0])]
+        {
+            let found = in_the_middle(moved);
             assert!((0..2).all(|i: usize| (found[i] - expected[i]).abs() < 1e-3), "{found:?} {expected:?}");
         }
     }

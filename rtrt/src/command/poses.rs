@@ -121,7 +121,7 @@ fn parse(bytes: &[u8], size: [u32; 2]) -> Result<Poses, String> {
         for keys in [keys, &whole.all] {
             let is_bent =
                 |key: &&str| keys.others.get(*key).and_then(Value::as_f64).is_some_and(|k| k != 0.0);
-            if DISTORTION.iter().any(|key| is_bent(&key)) && warnings.is_empty() {
+            if DISTORTION.iter().any(is_bent) && warnings.is_empty() {
                 warnings.push("the distortion of lenses is not drawn".into());
             }
         }
