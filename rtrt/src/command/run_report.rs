@@ -70,6 +70,9 @@ struct FrameReport {
     aov: Option<PathBuf>,
     #[serde(flatten)]
     shot: Shot,
+    /// Stops by which light was raised.
+    exposure: f32,
+    tone_map: &'static str,
     /// SHA-256 of the pixels.
     hash: String,
     /// SHA-256 of each deferred buffer.
@@ -92,7 +95,7 @@ struct SeenReport {
     box_3d: [[f32; 3]; 2],
 }
 
-/// How a picture was taken, without anything that differs from run to run.
+/// How the light of a picture was taken: nothing that differs from run to run, and nothing of its display.
 #[derive(Serialize)]
 pub struct Shot {
     camera: String,
@@ -102,9 +105,6 @@ pub struct Shot {
     w: u32,
     h: u32,
     samples: u32,
-    /// Stops by which light was raised.
-    exposure: f32,
-    tone_map: &'static str,
     /// Rows of the matrix from the camera's axes (x to the right, y up, z backward) to world space.
     transform_matrix: [[f64; 4]; 4],
     eye: [f32; 3],
@@ -130,7 +130,6 @@ impl Shot {
             Projection::Orthographic { height } => (None, Some(height)),
             Projection::OffCenter { .. } => (None, None),
         };
-        let tone_map = ToneMap::ALL.iter().find(|(_, map)| *map == job.tone_map);
         Self {
             camera: camera.into(),
             frame,
@@ -138,8 +137,6 @@ impl Shot {
             w: job.size[0],
             h: job.size[1],
             samples: job.samples,
-            exposure: job.exposure,
-            tone_map: tone_map.map_or("none", |(name, _)| name),
             // A camera that looks nowhere is refused before it is rendered.
             transform_matrix: to_world(&job.camera).unwrap_or(DMat4::IDENTITY).transpose().to_cols_array_2d(),
             eye: job.camera.eye.into(),
@@ -204,11 +201,14 @@ impl RunReport {
             box_2d: seen.box_2d,
             box_3d: seen.box_3d,
         };
+        let tone_map = ToneMap::ALL.iter().find(|(_, map)| *map == job.tone_map);
         self.frames.push(FrameReport {
             scene: self.scenes.len().saturating_sub(1),
             file_path: file_path.map(Path::to_owned),
             aov: aov.map(Path::to_owned),
             shot,
+            exposure: job.exposure,
+            tone_map: tone_map.map_or("none", |(name, _)| name),
             hash: hash::pixels(picture),
             buffers: buffer_hashes(picture),
             frame_ms,

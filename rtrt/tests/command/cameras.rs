@@ -64,11 +64,15 @@ fn many_views_are_what_each_is_alone() {
         |options: &str| pixels(&stdout(&folder.run(&format!("render square.gltf {LINE} --hash {options}"))));
     let together = run("--cameras poses.json -o {camera}-{n}.png --report run.json");
     let alone = [
-        "--eye 0,0,2 --look-at 0,0,0 --up 0,1,0 --fov-y 50",
-        "--eye 1.5,0.5,2 --look-at 0.1,0,0 --up 0.2,1,0 --fov-y 50 --size 12x20",
-        "--eye 0,0,9 --look-at 0,0,0 --up 0,1,0 --parallel 3",
+        "--size 16x8 --eye 0,0,2 --look-at 0,0,0 --up 0,1,0 --fov-y 50",
+        "--size 12x20 --eye 1.5,0.5,2 --look-at 0.1,0,0 --up 0.2,1,0 --fov-y 50",
+        "--size 16x8 --eye 0,0,9 --look-at 0,0,0 --up 0,1,0 --parallel 3",
     ];
-    assert_eq!(together, alone.map(|line| run(&line.replace("--size", "--samples 1 --size"))[0].clone()));
+    let alone = alone.map(|camera| {
+        let line = format!("render square.gltf --backend cpu --samples 1 --hash {camera}");
+        pixels(&stdout(&folder.run(&line)))[0].clone()
+    });
+    assert_eq!(together, alone);
     for name in ["near-0.png", "aside-1.png", "2-2.png"] {
         assert!(folder.0.join(name).is_file(), "{name}");
     }
@@ -116,7 +120,7 @@ fn all_cameras_an_orbit_and_several_scenes() {
     assert!(folder.0.join("Main.png").is_file() && folder.0.join("Side view.png").is_file());
     let around = run("square.gltf --eye 0,0,3 --look-at 0,0,0 --orbit 4");
     assert_eq!(around[0], run("square.gltf --eye 0,0,3 --look-at 0,0,0")[0]);
-    assert_eq!((around.len(), around[0] == around[2], around[0] == around[1]), (4, true, false));
+    assert!(around.len() == 4 && (1..4).all(|view| !around[..view].contains(&around[view])));
     let scenes = run("square.gltf scene.obj -o {scene}.png");
     assert_eq!(scenes, [each[0].clone(), run("scene.obj")[0].clone()]);
     assert!(folder.0.join("square.png").is_file() && folder.0.join("scene.png").is_file());

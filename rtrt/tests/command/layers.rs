@@ -83,7 +83,7 @@ fn layers_are_the_deferred_buffers() {
         assert!(hits > 50 && hits < 37 * 21, "{hits}");
         assert_eq!(color.layer_data.len(), 1);
         let header = exr::meta::MetaData::read_from_file(folder.0.join("color.exr"), false).unwrap();
-        let text = header.headers[0].shared_attributes.other.get(&exr::prelude::Text::from("rtrt"));
+        let text = header.headers[0].own_attributes.other.get(&exr::prelude::Text::from("rtrt"));
         let Some(exr::meta::attribute::AttributeValue::Text(json)) = text else { panic!("{text:?}") };
         let shot: serde_json::Value = serde_json::from_str(&json.to_string()).unwrap();
         assert_eq!((&shot["w"], &shot["samples"]), (&37.into(), &samples.into()));
