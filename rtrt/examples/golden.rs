@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! $ cargo run --release -p rtrt --example golden
-//! HASH  three balls
+//! 749d77b93335abf1e9912a13a2a6090eff229d005d1874868042fb1463637ce2  three balls
 //! $ cargo test --release -p rtrt --example golden
 //! test a_ball_rests_on_its_floor ... ok
 //! test one_hash_on_every_machine ... ok
@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 #[test]
 fn one_hash_on_every_machine() {
-    assert_eq!(hash().unwrap(), "HASH");
+    assert_eq!(hash().unwrap(), "749d77b93335abf1e9912a13a2a6090eff229d005d1874868042fb1463637ce2");
 }
 
 #[test]
