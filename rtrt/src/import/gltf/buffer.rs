@@ -70,12 +70,14 @@ impl<'a> Buffers<'a> {
         let view = root.get(index).ok_or_else(|| invalid(format!("there is no buffer view {number}")))?;
         let stride = view.byte_stride.map(|stride| stride.0);
         let length = view.byte_length.0;
-        let Some(extension) = view.extensions.as_ref().and_then(|e| e.others.get(MESHOPT)) else {
+        let others = view.extensions.as_ref().map(|extensions| &extensions.others);
+        let found = |name: &'static str| Some((name, others?.get(name)?));
+        let Some((name, extension)) = MESHOPT.into_iter().find_map(found) else {
             let bytes =
                 self.range(number, view.buffer.value(), view.byte_offset.unwrap_or_default().0, length)?;
             return Ok((bytes, stride));
         };
-        let failed = |why: &str| invalid(format!("buffer view {number}: {MESHOPT}: {why}"));
+        let failed = |why: &str| invalid(format!("buffer view {number}: {name}: {why}"));
         let compressed = Compressed::new(extension).map_err(|why| failed(&why))?;
         let buffer = usize::try_from(compressed.buffer).unwrap_or(usize::MAX);
         let bytes = self.range(number, buffer, compressed.offset, compressed.length)?;

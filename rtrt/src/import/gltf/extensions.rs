@@ -11,7 +11,7 @@ pub(super) const IOR: &str = "KHR_materials_ior";
 /// A thin film.
 pub(super) const IRIDESCENCE: &str = "KHR_materials_iridescence";
 /// Buffer views with smaller bytes.
-pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
+pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 /// Images in KTX 2, compressed by Basis Universal.
 pub(super) const BASISU: &str = "KHR_texture_basisu";
 /// Primitives with fewer bytes.
@@ -30,7 +30,8 @@ pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 /// The extensions that the import reads.
 pub(super) const SUPPORTED: &[&str] = &[
     GPU_INSTANCING,
-    MESHOPT,
+    MESHOPT[0],
+    MESHOPT[1],
     WEBP,
     DRACO,
     "KHR_lights_punctual",

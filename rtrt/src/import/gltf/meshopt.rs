@@ -1,7 +1,8 @@
-//! EXT_meshopt_compression: buffer views with smaller bytes.
+//! EXT_meshopt_compression and KHR_meshopt_compression: buffer views with smaller bytes.
 //!
-//! Written from the extension's specification, whose appendices A (bitstream) and B (filters) are complete. Encoded bytes
-//! bound what is decoded: a byte gives 64 elements of attributes at most, a triangle, or an index.
+//! Written from the specifications, whose appendices A (bitstream) and B (filters) are complete. KHR adds version 1 of
+//! attributes and the filter of colors. Memory grows with what is decoded, not with what a file claims, except for
+//! elements without differences, which take next to no bytes.
 
 use gltf_json::Value;
 use std::borrow::Cow;
@@ -30,6 +31,7 @@ enum Filter {
     Octahedral,
     Quaternion,
     Exponential,
+    Color,
 }
 
 /// What is said of bytes that end too early.
@@ -56,6 +58,7 @@ impl Compressed {
             Some("OCTAHEDRAL") => Filter::Octahedral,
             Some("QUATERNION") => Filter::Quaternion,
             Some("EXPONENTIAL") => Filter::Exponential,
+            Some("COLOR") => Filter::Color,
             Some(_) => return Err("it has an unknown filter".into()),
         };
         let (stride, count) = (number("byteStride")?, number("count")?);
@@ -63,7 +66,7 @@ impl Compressed {
             (Mode::Attributes, Filter::None | Filter::Exponential) => {
                 (4..=256).contains(&stride) && stride.is_multiple_of(4)
             }
-            (Mode::Attributes, Filter::Octahedral) => stride == 4 || stride == 8,
+            (Mode::Attributes, Filter::Octahedral | Filter::Color) => stride == 4 || stride == 8,
             (Mode::Attributes, Filter::Quaternion) => stride == 8,
             (Mode::Triangles, Filter::None) => (stride == 2 || stride == 4) && count.is_multiple_of(3),
             (Mode::Indices, Filter::None) => stride == 2 || stride == 4,
@@ -121,6 +124,21 @@ impl Compressed {
                     *element = bytes_of(quaternion(four(element)));
                 }
             }
+            Filter::Color if self.stride == 4 => {
+                for element in decoded.as_chunks_mut::<4>().0 {
+                    let [y, co, cg, alpha] = *element;
+                    let [co, cg] = [co, cg].map(|c| i32::from(c as i8));
+                    *element = color(y.into(), co, cg, alpha.into(), 255.0).map(|c| c as u8);
+                }
+            }
+            Filter::Color => {
+                for element in decoded.as_chunks_mut::<8>().0 {
+                    let [y, co, cg, alpha] = four(element);
+                    let [y, alpha] = [y, alpha].map(|c| i32::from(c as u16));
+                    let rgba = color(y, co.into(), cg.into(), alpha, 65535.0);
+                    *element = bytes_of(rgba.map(|c| c as u16 as i16));
+                }
+            }
             Filter::Exponential => {
                 for element in decoded.as_chunks_mut::<4>().0 {
                     *element = exponential(i32::from_le_bytes(*element)).to_le_bytes();
@@ -131,31 +149,36 @@ impl Compressed {
     }
 }
 
-/// Mode 0: elements of `stride` bytes, as differences of each byte to the element before.
+/// Mode 0: elements of `stride` bytes, as differences to the element before.
 fn attributes(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'static str> {
-    let body = bytes.strip_prefix(&[0xa0]).ok_or("its bytes are no attributes of version 0")?;
-    let tail = body.len().checked_sub(stride.max(32)).ok_or(CUT)?;
+    let (header, body) = bytes.split_first().ok_or(CUT)?;
+    let (channels, least) = match header {
+        0xa0 => (0, 32),
+        0xa1 => (stride / 4, 24),
+        _ => return Err("its bytes are no attributes of version 0 or 1"),
+    };
+    let tail = body.len().checked_sub((stride + channels).max(least)).ok_or(CUT)?;
     let (mut data, tail) = body.split_at(tail);
-    let mut last = tail[tail.len() - stride..].to_vec();
+    let (last, channels) = tail[tail.len() - stride - channels..].split_at(stride);
+    let mut last = last.to_vec();
     let longest = ((8192 / stride) & !15).min(256);
     let mut decoded = Vec::new();
+    let mut differences = vec![[0; 256]; stride];
     let mut first = 0;
     while first < count {
         let elements = (count - first).min(longest);
-        let groups = elements.div_ceil(16);
-        if data.len() < stride * groups.div_ceil(4) {
-            return Err(CUT);
+        let controls = data.split_off(..channels.len()).ok_or(CUT)?;
+        for (byte, column) in differences.iter_mut().enumerate() {
+            let control = controls.get(byte / 4).map(|control| control >> (2 * (byte % 4)) & 3);
+            read_column(control, &mut column[..elements], &mut data)?;
         }
-        decoded.resize((first + elements) * stride, 0);
-        let block = &mut decoded[first * stride..];
-        for (byte, last) in last.iter_mut().enumerate() {
-            let headers = data.split_off(..groups.div_ceil(4)).ok_or(CUT)?;
-            for group in 0..groups {
-                let deltas = deltas(headers[group / 4] >> (2 * (group % 4)) & 3, &mut data)?;
-                for (element, delta) in (16 * group..elements).zip(deltas) {
-                    *last = last.wrapping_add(delta >> 1 ^ (delta & 1).wrapping_neg());
-                    block[element * stride + byte] = *last;
-                }
+        decoded.reserve(elements * stride);
+        for element in 0..elements {
+            let parts = last.as_chunks_mut::<4>().0.iter_mut().zip(differences.as_chunks::<4>().0);
+            for (channel, (last, columns)) in parts.enumerate() {
+                let difference = columns.each_ref().map(|column| column[element]);
+                *last = next(channels.get(channel).copied().unwrap_or(0), *last, difference)?;
+                decoded.extend(*last);
             }
         }
         first += elements;
@@ -163,25 +186,75 @@ fn attributes(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'st
     if data.is_empty() { Ok(decoded) } else { Err("its bytes go on after the last element") }
 }
 
-/// The 16 zigzag-encoded differences of a group, and `data` behind them.
-fn deltas(kind: u8, data: &mut &[u8]) -> Result<[u8; 16], &'static str> {
-    let bits = match kind {
-        0 => return Ok([0; 16]),
-        1 => 2,
-        2 => 4,
-        _ => return Ok(*data.split_off(..16).and_then(|bytes| bytes.first_chunk()).ok_or(CUT)?),
+/// Reads the differences of one byte of all elements of a block, and `data` behind them. Version 0 has no control.
+fn read_column(control: Option<u8>, column: &mut [u8], data: &mut &[u8]) -> Result<(), &'static str> {
+    let bits = match control {
+        None => [0, 2, 4, 8],
+        Some(0) => [0, 1, 2, 4],
+        Some(1) => [1, 2, 4, 8],
+        Some(2) => {
+            column.fill(0);
+            return Ok(());
+        }
+        Some(_) => {
+            column.copy_from_slice(data.split_off(..column.len()).ok_or(CUT)?);
+            return Ok(());
+        }
     };
+    let headers = data.split_off(..column.len().div_ceil(16).div_ceil(4)).ok_or(CUT)?;
+    for (group, column) in column.chunks_mut(16).enumerate() {
+        let kind = headers[group / 4] >> (2 * (group % 4)) & 3;
+        let differences = deltas(bits[usize::from(kind)], data)?;
+        column.copy_from_slice(&differences[..column.len()]);
+    }
+    Ok(())
+}
+
+/// The 16 differences of a group, of so many bits each, and `data` behind them. One with all bits set is a byte of its
+/// own.
+fn deltas(bits: usize, data: &mut &[u8]) -> Result<[u8; 16], &'static str> {
+    if bits == 0 {
+        return Ok([0; 16]);
+    }
+    if bits == 8 {
+        return Ok(*data.split_off(..16).and_then(|bytes| bytes.first_chunk()).ok_or(CUT)?);
+    }
     let packed = data.split_off(..2 * bits).ok_or(CUT)?;
     let mut deltas = [0; 16];
     for (place, delta) in deltas.iter_mut().enumerate() {
         let at = place * bits;
+        // Single bits begin at the lowest one of a byte, others at the highest.
+        let shift = if bits == 1 { at % 8 } else { 8 - bits - at % 8 };
         let sentinel = (1 << bits) - 1;
-        *delta = packed[at / 8] >> (8 - bits - at % 8) & sentinel;
+        *delta = packed[at / 8] >> shift & sentinel;
         if *delta == sentinel {
             *delta = *data.split_off_first().ok_or(CUT)?;
         }
     }
     Ok(deltas)
+}
+
+/// Four bytes of an element from those of the element before, by the mode of their channel.
+fn next(channel: u8, last: [u8; 4], difference: [u8; 4]) -> Result<[u8; 4], &'static str> {
+    let two = |bytes: [u8; 4], at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+    match channel {
+        0 => Ok([0, 1, 2, 3].map(|i| {
+            let delta = difference[i];
+            last[i].wrapping_add(delta >> 1 ^ (delta & 1).wrapping_neg())
+        })),
+        1 => {
+            let [low, high] = [0, 2].map(|at| {
+                let delta = two(difference, at);
+                two(last, at).wrapping_add(delta >> 1 ^ (delta & 1).wrapping_neg()).to_le_bytes()
+            });
+            Ok([low[0], low[1], high[0], high[1]])
+        }
+        _ if channel & 15 == 2 => {
+            let delta = u32::from_le_bytes(difference).rotate_right(u32::from(channel >> 4));
+            Ok((u32::from_le_bytes(last) ^ delta).to_le_bytes())
+        }
+        _ => Err("a channel of it has an unknown mode"),
+    }
 }
 
 /// The last 16 things of a kind.
@@ -350,6 +423,15 @@ fn quaternion(packed: [i16; 4]) -> [i16; 4] {
     out
 }
 
+/// Filter 4: red, green, blue and alpha from luma and chroma of up to 16 bits. The highest bit of alpha says how many.
+fn color(y: i32, co: i32, cg: i32, alpha: i32, one: f32) -> [f32; 4] {
+    // Of `alpha` = 1, nothing but the highest bit is there.
+    let full = (2 << alpha.max(1).ilog2()) - 1;
+    let alpha = alpha & full >> 1;
+    let scale = one / full as f32;
+    [y + co - cg, y + cg, y - co - cg, alpha << 1 | alpha & 1].map(|c| libm::roundf(c as f32 * scale))
+}
+
 /// Filter 3: 2 to the power of the upper 8 bits, times the lower 24.
 fn exponential(packed: i32) -> f32 {
     let (exponent, mantissa) = (packed >> 24, packed << 8 >> 8);
@@ -366,14 +448,17 @@ mod tests {
     fn differences_are_those_of_the_specification() {
         let mut data = &[0x17, 0x5f, 0xf0, 0xbc, 0x77, 0xa9, 0x21, 0x00, 0x34, 0xb5, 9][..];
         let found =
-            deltas(2, &mut data).unwrap().map(|delta| (delta >> 1 ^ (delta & 1).wrapping_neg()) as i8);
+            deltas(4, &mut data).unwrap().map(|delta| (delta >> 1 ^ (delta & 1).wrapping_neg()) as i8);
         assert_eq!(found, [-1, -4, -3, 26, -91, 0, -6, 6, -4, -4, 5, -5, 1, -1, 0, 0]);
         assert_eq!(data, [9]);
         // Two bits: 0, 1, 2 and a sentinel, four times.
         let mut data = &[0b00_01_10_11, 0, 0, 0b11_00_00_00, 200, 100][..];
-        assert_eq!(deltas(1, &mut data).unwrap()[..4], [0, 1, 2, 200]);
+        assert_eq!(deltas(2, &mut data).unwrap()[..4], [0, 1, 2, 200]);
+        // One bit: 0, 1, which is the sentinel, 0 …
+        let mut data = &[0b10, 0, 50][..];
+        assert_eq!(deltas(1, &mut data).unwrap()[..3], [0, 50, 0]);
         assert_eq!((deltas(0, &mut data), data.len()), (Ok([0; 16]), 0));
-        assert_eq!(deltas(3, &mut &[0; 15][..]), Err(CUT));
+        assert_eq!(deltas(8, &mut &[0; 15][..]), Err(CUT));
     }
 
     #[test]
@@ -401,6 +486,45 @@ mod tests {
         let long = [&[0xa0, 0, 0, 0, 0, 9][..], &[5; 32]].concat();
         assert_eq!(attributes(&long, 2, 4), Err("its bytes go on after the last element"));
         assert_eq!(attributes(&[&long[..5], &[5; 32]].concat(), 2, 4), Ok(vec![5; 8]));
+    }
+
+    #[test]
+    fn version_1_has_controls_and_channels() {
+        let stream = |control: u8, data: &[u8], last: [u8; 4], channel: u8| {
+            [&[0xa1, control], data, &[0; 19], &last, &[channel]].concat()
+        };
+        // Two elements; the differences are bytes as they are. 0x00ff grows by 1 (2 in zigzag), then shrinks; 0x0001 grows
+        // by 0x8000.
+        let literal = stream(0xff, &[2, 1, 0, 0, 0xff, 0, 0xff, 0], [0xff, 0, 1, 0], 1);
+        assert_eq!(attributes(&literal, 2, 4).unwrap(), [0, 1, 1, 0x80, 0xff, 0, 1, 0x80]);
+        // Exclusive or, with one bit turned back.
+        let or = stream(0xff, &[1, 0, 0, 0, 0, 0, 0, 0], [0, 0, 0, 5], 0x12);
+        assert_eq!(attributes(&or, 2, 4).unwrap(), [0, 0, 0, 0x85, 0, 0, 0, 0x85]);
+        // The first byte has one bit a difference, the second is 0 throughout, the third has two bits, the fourth bytes.
+        let mut data = vec![0b01, 0b10, 0, 9];
+        data.extend([0b01, 0b10_00_00_00, 0, 0, 0]);
+        data.extend([0b11, 4]);
+        data.extend([0; 15]);
+        let mixed = stream(0b01_01_10_00, &data, [1; 4], 0);
+        assert_eq!(attributes(&mixed, 2, 4).unwrap(), [1, 1, 2, 3, 252, 1, 2, 3]);
+        for length in 0..mixed.len() {
+            assert!(attributes(&mixed[..length], 2, 4).is_err());
+        }
+        assert_eq!(
+            attributes(&stream(0xaa, &[], [7; 4], 3), 2, 4),
+            Err("a channel of it has an unknown mode")
+        );
+        // Nothing differs from the tail.
+        assert_eq!(attributes(&stream(0xaa, &[], [7; 4], 0), 2, 4).unwrap(), [7; 8]);
+    }
+
+    #[test]
+    fn colors_have_luma_and_chroma() {
+        assert_eq!(color(255, 0, 0, 255, 255.0), [255.0; 4]);
+        assert_eq!(color(64, 127, -64, 128, 255.0), [255.0, 0.0, 1.0, 0.0]);
+        // Five bits of 16, half alpha: 8 of 15.
+        assert_eq!(color(31, 0, 0, 0b1_0111, 65535.0), [65535.0, 65535.0, 65535.0, 31710.0]);
+        color(0, 0, 0, 0, 255.0);
     }
 
     #[test]
