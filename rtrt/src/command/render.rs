@@ -217,8 +217,9 @@ impl Run<'_> {
         let stages_ms = stages(&self.picture);
         console.detail(format_args!("frame {number} of {}: {frame_ms:.1} ms, in {stages_ms}", view.name));
         let shot = Shot::new(job, &view.name, number, frame.time);
-        // Without deferred buffers nothing asks for them.
-        let layers = Layers::new(&job.scene, &self.picture, job.samples).unwrap_or_default();
+        let layers = needs_layers(options).then(|| Layers::new(&job.scene, &self.picture, job.samples));
+        // What needs them has asked for the deferred buffers.
+        let layers = layers.flatten().unwrap_or_default();
         if let Some(path) = &aov {
             console.step(format_args!("writing {}", path.display()));
             let still = || vec![[0.0; 2]; layers.object.len()];
@@ -247,7 +248,8 @@ impl Run<'_> {
         if !options.common.json && !options.hash {
             return Ok(());
         }
-        let (hash, buffers) = (hash::pixels(picture), buffer_hashes(picture).filter(|_| options.hash));
+        let hash = hash::pixels(picture);
+        let buffers = options.hash.then(|| buffer_hashes(picture)).flatten();
         if !options.common.json {
             return console.print_hashes(&hash, buffers);
         }
@@ -407,9 +409,13 @@ fn check(options: &RenderOptions, poses: &[Pose], scenes: &[&Path]) -> Result<()
 
 /// Whether the outputs need the deferred buffers.
 fn keeps_buffers(options: &RenderOptions) -> bool {
+    options.hash || options.debug.is_some() || needs_layers(options)
+}
+
+/// Whether the outputs need layers.
+fn needs_layers(options: &RenderOptions) -> bool {
     let is_light = options.output.as_deref().is_some_and(|path| ends_in(path, "exr") || ends_in(path, "npy"));
-    let is_asked = options.hash || options.aov.is_some() || options.debug.is_some() || options.bits != 8;
-    is_asked || is_light || options.report.is_some()
+    is_light || options.aov.is_some() || options.bits != 8 || options.report.is_some()
 }
 
 /// The error for a file that could not be encoded.

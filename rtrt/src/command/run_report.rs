@@ -4,7 +4,7 @@
 
 use super::job::RenderJob;
 use super::memory::peak_rss_bytes;
-use super::report::{Machine, PerStage, buffer_hashes};
+use super::report::{Machine, PerStage};
 use glam::DMat4;
 use rtrt::hash;
 use rtrt::layers::Layers;
@@ -13,7 +13,6 @@ use rtrt::pose::{Pinhole, to_world};
 use rtrt_core::backend::{Picture, ToneMap};
 use rtrt_core::scene::Projection;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -75,8 +74,6 @@ struct FrameReport {
     tone_map: &'static str,
     /// SHA-256 of the pixels.
     hash: String,
-    /// SHA-256 of each deferred buffer.
-    buffers: Option<BTreeMap<&'static str, String>>,
     frame_ms: f64,
     stages_ms: PerStage<f64>,
     /// The objects of which something is seen.
@@ -210,7 +207,6 @@ impl RunReport {
             exposure: job.exposure,
             tone_map: tone_map.map_or("none", |(name, _)| name),
             hash: hash::pixels(picture),
-            buffers: buffer_hashes(picture),
             frame_ms,
             stages_ms: PerStage(picture.stages_ms),
             seen: seen(&job.scene, layers).into_iter().map(report).collect(),
