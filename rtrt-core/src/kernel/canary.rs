@@ -17,7 +17,7 @@ use crate::kernel::falloff::falloff;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::microfacet::{Microfacets, alpha_squared, lambert, widened};
 use crate::kernel::mip::{footprint, levels};
-use crate::kernel::offset::offset;
+use crate::kernel::offset::{ErrorBound, offset};
 use crate::kernel::penumbra::penumbra_radius;
 use crate::kernel::ray::{Ray, normal, point, vector};
 use crate::kernel::screen_bounds::{screen_bounds, sphere_in_block};
@@ -27,6 +27,7 @@ use crate::kernel::slab::{RelativeBox, intersects, slab};
 use crate::kernel::sphere::{self, Chord, ENTRY, EXIT};
 use crate::kernel::split_sum::albedo;
 use crate::kernel::tangent;
+use crate::kernel::terminator::lift;
 use crate::kernel::texture::{Maps, MaterialLookup, TexCoords, finest, sample};
 use crate::kernel::thin_film::Film;
 use crate::kernel::tone_map::tone_map;
@@ -79,9 +80,12 @@ names! {
     "sphere longitude and latitude",
     "sphere texture density",
     "point",
+    "ray to object",
     "vector",
     "normal",
     "offset",
+    "placed offset",
+    "lift",
     "weights",
     "camera ray",
     "light block",
@@ -178,6 +182,7 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index:
     transmittance.add([v, w, u, u * 0.5]);
     let weights = Weights::new(u, v);
     let width = alpha_squared(w, u * 0.25);
+    let bound = ErrorBound::of_triangle(ray.origin, [ball, unit], v);
     let answer = Microfacets::new(ball, facing, width).respond(unit, lambert(ball, unit), v);
     let brushed = Brushed::new(ball, tangent, facing, width, u).respond(unit, lambert(ball, unit), v);
     let (white, fibers) = (albedo(u, w), Sheen::new(ball, facing, w));
@@ -212,10 +217,13 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index:
         fold(folded(flush3(tangent)), folded(flush3(bitangent))),
         fold(bits(longitude), bits(latitude)),
         bits(sphere::density(ball)),
-        folded(flush3(point(to_object, ray.origin))),
+        folded(flush3(point(&instances[0].to_world, ray.origin))),
+        folded(flush3(ray.to_object(&instances[0]).origin)),
         folded(flush3(vector(to_object, way))),
         folded(flush3(normal(to_object, unit))),
-        folded(flush3(offset(ray.origin, unit))),
+        folded(flush3(offset(ray.origin, unit, bound.distance(unit)))),
+        bits(bound.placed_distance(unit, &instances[0].to_world, to_object)),
+        folded(flush3(lift(&weights, ball, &[unit, facing, way], &[tangent, ball, unit], facing))),
         folded(flush3(weights.mix3(unit, ball, ray.origin))),
         fold(folded(flush3(seen.origin)), folded(flush3(seen.direction))),
         fold(light_block(&views[SPOT], ray.origin), light_block(&views[SUN], ray.origin)),

@@ -26,6 +26,7 @@ pub mod slab;
 pub mod sphere;
 pub(crate) mod split_sum;
 pub(crate) mod tangent;
+pub(crate) mod terminator;
 pub mod texture;
 pub(crate) mod thin_film;
 pub mod tiles;

@@ -27,10 +27,15 @@ impl<L: Lane, O: Lane> Ray<L, O> {
         Self { origin, direction, inverse }
     }
 
-    /// The same points, `t` for `t`, in the space that a matrix leads to.
+    /// The same points, `t` for `t`, in the space of an object with this
+    /// [`Instance::to_object`](crate::layout::Instance::to_object).
+    ///
+    /// Relative to the object's place the origin is exact where it is near (Sterbenz), however far both are from the
+    /// world's origin.
     #[inline(always)]
     pub(crate) fn transformed(&self, m: &[[f32; 4]; 3]) -> Self {
-        Self::new(point(m, self.origin), vector(m, self.direction))
+        let place = V3::splat(self.origin.x.token(), [m[0][3], m[1][3], m[2][3]]);
+        Self::new(vector(m, self.origin - place), vector(m, self.direction))
     }
 
     /// The same points, `t` for `t`, in the object's space.
@@ -90,13 +95,14 @@ mod tests {
     #[test]
     fn a_ray_keeps_its_t_on_the_way_into_an_object() {
         // Half the size, and moved.
-        let to_object = [[0.5, 0.0, 0.0, 1.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, -3.0]];
+        let to_object = [[0.5, 0.0, 0.0, -2.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 6.0]];
         let instance = Instance { to_object, ..Instance::zeroed() };
         let ray = Ray::<f32>::new(V3::splat((), [2.0, 4.0, 6.0]), V3::splat((), [0.0, -8.0, 2.0]));
         let local = ray.to_object(&instance);
         assert_eq!((local.origin.lane(0), local.direction.lane(0)), ([2.0, 2.0, 0.0], [0.0, -4.0, 1.0]));
         let ends = [ray.origin + ray.direction.scale(3.0), local.origin + local.direction.scale(3.0)];
-        assert_eq!(point(&to_object, ends[0]).lane(0), ends[1].lane(0));
+        let as_point = [[0.5, 0.0, 0.0, 1.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, -3.0]];
+        assert_eq!(point(&as_point, ends[0]).lane(0), ends[1].lane(0));
     }
 
     #[test]

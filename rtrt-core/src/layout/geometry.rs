@@ -65,7 +65,8 @@ pub enum Kind {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Instance {
-    /// World to object space, three rows.
+    /// World to object space, three rows: `m` and, last in each, a coordinate of the object's place `o` (the last
+    /// column of `to_world`). A point `p` goes to `m · (p − o)`.
     pub to_object: [[f32; 4]; 3],
     /// Object to world space, three rows.
     pub to_world: [[f32; 4]; 3],

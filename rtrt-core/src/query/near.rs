@@ -297,9 +297,8 @@ impl Placed {
             let column = |k: usize| DVec3::new(m[0][k].into(), m[1][k].into(), m[2][k].into());
             (DMat3::from_cols(column(0), column(1), column(2)), column(3))
         };
-        let ((to_world, moved), (to_ball, ball_moved)) =
-            (matrix(&instance.to_world), matrix(&instance.to_object));
-        Self { to_world, moved, to_ball, ball_moved }
+        let ((to_world, moved), (to_ball, _)) = (matrix(&instance.to_world), matrix(&instance.to_object));
+        Self { to_world, moved, to_ball, ball_moved: -(to_ball * moved) }
     }
 
     /// A triangle in world space.

@@ -2,9 +2,10 @@
 
 use super::source::Parts;
 use super::world::Hit;
-use crate::kernel::offset::offset;
+use crate::kernel::offset::{ErrorBound, offset};
 use crate::kernel::sphere::{longitude_and_latitude, point, start};
 use crate::lane::V3;
+use crate::num::sqrt;
 use crate::scene::MaterialIndex;
 use glam::{DMat3, DVec3};
 
@@ -58,7 +59,10 @@ pub(super) fn surface(source: &impl Parts, index: usize, hit: &Hit) -> Surface {
     let single = |v: DVec3| v.to_array().map(|c| c as f32);
     let (u, v) = (f64::from(hit.u), f64::from(hit.v));
 
+    let one = V3::<f32>::splat((), [1.0; 3]);
     let (position, normal, smooth, uv, leaving);
+    // Of the ball.
+    let mut bound = ErrorBound { reach: one, test: 0.0 };
     if instance.is_sphere() {
         let on_sphere = point(hit.u, hit.v);
         let n = unit(exact(on_sphere.lane(0)));
@@ -69,7 +73,11 @@ pub(super) fn surface(source: &impl Parts, index: usize, hit: &Hit) -> Surface {
         leaving = [true, false].map(|outside| place(exact(start(on_sphere, outside).lane(0))));
     } else {
         let vertices = source.corners(instance, hit.triangle);
-        let [a, b, c] = vertices.map(|vertex| exact(source.position(instance, vertex)));
+        let corners = vertices.map(|vertex| V3::<f32>::splat((), source.position(instance, vertex)));
+        let edges = [corners[1] - corners[0], corners[2] - corners[0]];
+        let across = edges[0].cross(edges[1]);
+        bound = ErrorBound::of_triangle(corners[0], edges, sqrt(across.dot(across)));
+        let [a, b, c] = corners.map(|corner| exact(corner.lane(0)));
         position = place(a * (1.0 - u - v) + b * u + c * v);
         normal = unit(to_normal * (b - a).cross(c - a));
         let [p, q, r] = vertices.map(|vertex| source.attribute(vertex));
@@ -90,6 +98,11 @@ pub(super) fn surface(source: &impl Parts, index: usize, hit: &Hit) -> Surface {
     let rounded = single(position);
     let flat = V3::<f32>::splat((), single(normal));
     let starts = [flat, -flat];
+    let distance = if instance.is_identity == 1 {
+        bound.distance(flat)
+    } else {
+        bound.placed_distance(flat, &instance.to_world, &instance.to_object)
+    };
     Surface {
         position: rounded,
         error: (rounded.iter().fold(0.0_f32, |most, c| most.max(c.abs())) as f64 * HALF_ULP) as f32,
@@ -99,6 +112,7 @@ pub(super) fn surface(source: &impl Parts, index: usize, hit: &Hit) -> Surface {
         material: source.material(instance),
         source_triangle: source.source_triangle(index, hit.triangle),
         user: source.tags()[index].user,
-        starts: [0, 1].map(|side| offset(V3::<f32>::splat((), single(leaving[side])), starts[side]).lane(0)),
+        starts: [0, 1]
+            .map(|side| offset(V3::<f32>::splat((), single(leaving[side])), starts[side], distance).lane(0)),
     }
 }

@@ -128,6 +128,7 @@ pub(crate) fn place(
     let center = m.transform_point3(mesh.center);
     let stretch = [m.x_axis, m.y_axis, m.z_axis].iter().map(|axis| axis.length_squared()).sum::<f64>();
     let radius = (mesh.radius * libm::sqrt(stretch)).min(half_diagonal(&corners).max(0.0));
+    let inverse = DMat4 { w_axis: m.w_axis, ..inverse };
     let (to_object, to_world_rows) = (rows(&inverse), rows(&m));
     if !to_object.as_flattened().iter().chain(to_world_rows.as_flattened()).all(|v| v.is_finite()) {
         return Err(SceneError::Transform);

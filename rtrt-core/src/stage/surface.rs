@@ -4,9 +4,10 @@ use crate::kernel::closest_hit::{ClosestHit, ClosestHitRows};
 use crate::kernel::geometry::Geometry;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::mip::footprint;
-use crate::kernel::offset::offset;
+use crate::kernel::offset::{ErrorBound, offset};
 use crate::kernel::ray::{normal, point, vector};
 use crate::kernel::sphere::{self, ENTRY};
+use crate::kernel::terminator::lift;
 use crate::kernel::texture::TexCoords;
 use crate::kernel::unique_gather::UniqueGather;
 use crate::kernel::variance::{self, Curve};
@@ -211,9 +212,9 @@ impl OfInstance for Round {
 /// The surfaces at the best hits of a group of rays with these directions; all zero in a lane
 /// without a hit.
 ///
-/// The point is interpolated between the triangle's corners rather than followed along
-/// the ray: its error is then that of the corners' coordinates, which the offset is made
-/// for. The normal faces the viewer; one that interpolates to nothing is replaced by the
+/// The point is interpolated between the triangle's corners rather than followed along the ray, so its error is that of
+/// the triangle's size (see [`offset`]), and lifted to the curved surface that the corners' normals mean (see
+/// [`lift`]). The normal faces the viewer; one that interpolates to nothing is replaced by the
 /// triangle's own. A sphere is smooth by itself; its texture coordinates are longitude and
 /// latitude.
 #[inline(always)]
@@ -266,14 +267,16 @@ pub fn surface<L: Lane>(
     let own = [V3 { x: ax, y: ay, z: az }, V3 { x: bx, y: by, z: bz }, V3 { x: cx, y: cy, z: cz }];
     let normals =
         [V3 { x: nax, y: nay, z: naz }, V3 { x: nbx, y: nby, z: nbz }, V3 { x: ncx, y: ncy, z: ncz }];
-    let [a, b, c] = [space.point(own[0]), space.point(own[1]), space.point(own[2])];
+    let own_edges = [own[1] - own[0], own[2] - own[0]];
+    let edges = [space.vector(own_edges[0]), space.vector(own_edges[1])];
     let weights = Weights::new(best.u, best.v);
     let own_normal = weights.mix3(normals[0], normals[1], normals[2]);
     let mut smooth = space.normal(own_normal);
     let mut uv_area = (sb - sa) * (tc - ta) - (sc - sa) * (tb - ta);
     let mut uv = [weights.mix(sa, sb, sc), weights.mix(ta, tb, tc)];
-    let mut place = weights.mix3(a, b, c);
-    let mut across = (b - a).cross(c - a);
+    // From a corner, so that its rounding is that of the triangle's size and not of how far away it is.
+    let mut point = own[0] + (own_edges[0].scale(best.u) + own_edges[1].scale(best.v));
+    let mut across = edges[0].cross(edges[1]);
     let mut flat = facing(normalize(across), -direction);
 
     let round = vertices.of_instances::<L, Round>(token, best.instance, &found);
@@ -288,7 +291,7 @@ pub fn surface<L: Lane>(
         across = V3::select(round, out, across);
         flat = V3::select(round, normalize(space.normal(toward)), flat);
         smooth = V3::select(round, space.normal(toward), smooth);
-        place = V3::select(round, space.point(sphere::start(n, enters)), place);
+        point = V3::select(round, sphere::start(n, enters), point);
         uv = [round.select(longitude, uv[0]), round.select(latitude, uv[1])];
         uv_area = round.select(sphere::density(n), uv_area);
     }
@@ -297,24 +300,35 @@ pub fn surface<L: Lane>(
     let has_normal = length.gt(length.broadcast(TINY));
     let smooth = flush3(V3::select(has_normal, facing(normalize(smooth), flat), flat));
 
-    let place = flush3(place);
     let mut pixel = best.t * camera.pixel_t + camera.pixel;
     if camera.by_angle == 1 {
         pixel = pixel * grazing(flat, direction);
     }
+    let own_across = own_edges[0].cross(own_edges[1]);
+    let own_area = space.own_area(own_across, area);
     let turns = [normals[1] - normals[0], normals[2] - normals[0]];
     let mut variance = zero;
-    let curved = is_curved(&turns);
+    let curved = is_curved(&turns) & !round;
     if curved.any() {
-        let edges = [own[1] - own[0], own[2] - own[0]];
-        let curve = Curve { edges, turns, normal: own_normal, area: space.own_area(edges, area) };
+        let curve = Curve { edges: own_edges, turns, normal: own_normal, area: own_area };
         variance = curved.select(variance::of_curve(pixel, area, &curve), zero);
+        // The side of the viewer, which a mirroring transform changes.
+        let front = space.normal(own_across).dot(direction).lt(zero);
+        let side = |v: V3<L>| V3::select(front, v, -v);
+        let normals = [side(normals[0]), side(normals[1]), side(normals[2])];
+        let lifted = point + lift(&weights, point, &own, &normals, side(own_across));
+        point = V3::select(curved, lifted, point);
     }
     if round.any() {
         variance = round.select(variance::of_sphere(pixel, area), variance);
     }
+    let mut bound = ErrorBound::of_triangle(own[0], own_edges, own_area);
+    let one = zero.broadcast(1.0);
+    bound.reach = V3::select(round, V3 { x: one, y: one, z: one }, bound.reach);
+    bound.test = round.select(zero, bound.test);
+    let start = offset(flush3(space.point(point)), flat, space.distance(&bound, flat));
     Surfaces {
-        origin: V3::select(missed, nothing, offset(place, flat)),
+        origin: V3::select(missed, nothing, start),
         normal: V3::select(missed, nothing, smooth),
         material: vertices.of_instances::<L, OneMaterial>(token, best.instance, &found),
         color: missed.select(none, mixed(&weights, colors)),
@@ -429,14 +443,20 @@ impl<L: Lane> Space<L> {
         if self.all_same { p } else { V3::select(self.same, p, point(&self.to_world, p)) }
     }
 
-    /// Twice the area of triangles with these edges in their own space, and this area in the world.
+    /// The length of the cross product of a triangle's edges in its own space; `area` is that in the world.
     #[inline(always)]
-    fn own_area(&self, edges: [V3<L>; 2], area: L) -> L {
+    fn own_area(&self, across: V3<L>, area: L) -> L {
+        if self.all_same { area } else { sqrt(across.dot(across)) }
+    }
+
+    /// How far from surfaces with these bounds and normals, in the world, rays start.
+    #[inline(always)]
+    fn distance(&self, bound: &ErrorBound<L>, normal: V3<L>) -> L {
+        let distance = bound.distance(normal);
         if self.all_same {
-            return area;
+            return distance;
         }
-        let across = edges[0].cross(edges[1]);
-        sqrt(across.dot(across))
+        self.same.select(distance, bound.placed_distance(normal, &self.to_world, &self.to_object))
     }
 
     /// A direction in world space.

@@ -119,6 +119,7 @@ fn sun() -> View {
 fn instance() -> Instance {
     Instance {
         to_object: [[0.6, 0.8, 0.0, 3.1], [-1.6, 1.2, 0.0, -0.7], [0.0, 0.0, 0.3, 12.3]],
+        to_world: [[0.6, -0.4, 0.0, 3.1], [0.8, 0.3, 0.0, -0.7], [0.0, 0.0, 3.3, 12.3]],
         slack: 1.0 / 8192.0,
         opened_from: NONE,
         ..Instance::zeroed()
