@@ -23,7 +23,7 @@ use glam::{DVec3, Vec3};
 use rtrt::import::Loaded;
 use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::kernel::geometry::Geometry;
-use rtrt_core::kernel::hit_filter::{Any, Closest, HitFilter};
+use rtrt_core::kernel::hit_filter::{Any, Closest, Faces, HitFilter};
 use rtrt_core::kernel::packet::{Packet, PacketHits, ray_hit_mask};
 use rtrt_core::kernel::ray::Ray as KernelRay;
 use rtrt_core::kernel::tiles::Tiles;
@@ -325,7 +325,7 @@ struct Twice<F> {
 
 impl<F: HitFilter<f32>> HitFilter<f32> for Twice<F> {
     const TERMINATES: bool = F::TERMINATES;
-    const CULLS_BACK_FACES: bool = false;
+    const FACES: Faces = Faces::Both;
 
     #[inline(always)]
     fn accept(

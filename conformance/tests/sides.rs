@@ -71,19 +71,23 @@ fn a_sphere_has_no_inside() {
 }
 
 #[test]
-fn light_meets_both_sides() {
+fn light_passes_what_it_sees_the_back_of() {
     // The sun is above the front of a floor, or below its back; another floor is beyond.
-    for (sun_goes, screen) in [(-1.0, 1.0), (1.0, -1.0)] {
-        let lit = |screens: bool| {
+    for (sun_goes, screen, through) in [(-1.0, 1.0, 0), (1.0, -1.0, 256)] {
+        let lit = |screen_material: Option<Material>| {
             let floor =
                 Build::default().shape(Shape::floor(3.0, 0.0)).light(Light::sun([0.1, sun_goes, 0.1]));
-            let screened = |build: Build| build.shape_of(Shape::floor(3.0, screen), one_sided());
-            let scene = if screens { screened(floor) } else { floor }.scene;
+            let scene = match screen_material {
+                Some(material) => floor.shape_of(Shape::floor(3.0, screen), material),
+                None => floor,
+            }
+            .scene;
             let deferred = seen(&scene, Vec3::new(0.0, 0.5 * screen, 0.01));
             assert!(deferred.hits.iter().all(|hit| hit.instance == 0));
             deferred.masks.iter().filter(|&&mask| mask == 1).count()
         };
-        assert_eq!((lit(false), lit(true)), (256, 0));
+        assert_eq!([lit(None), lit(Some(one_sided().double_sided(true)))], [256, 0]);
+        assert_eq!(lit(Some(one_sided())), through);
     }
 }
 

@@ -39,12 +39,12 @@ impl<'a> Brute<'a> {
     }
 
     /// Calls `visit(instance, triangle, meeting)` for everything that the ray meets at
-    /// `t ≤ limit`: from either side, or only the `fronts` of what is not double-sided.
+    /// `t ≤ limit`: of what is not double-sided only the fronts, toward the origin or, `from_end`, the end.
     fn each(
         &self,
         ray: &Ray<f32>,
         limit: f32,
-        fronts: bool,
+        from_end: bool,
         mut visit: impl FnMut(u32, u32, &Intersection<f32>),
     ) {
         let geometry = self.geometry();
@@ -58,7 +58,7 @@ impl<'a> Brute<'a> {
                     let seen = triangle.relative_to(local.origin);
                     (intersect(&local, &triangle, &seen, limit), seen.front(limit))
                 };
-                if found.mask && (!fronts || is_front || instance.double_sided == 1) {
+                if found.mask && (is_front != from_end || instance.double_sided == 1) {
                     visit(index, id, &found);
                 }
             }
@@ -78,7 +78,7 @@ impl<'a> Brute<'a> {
         let views = &self.setup.views;
         let (camera, view) =
             (&views[Frame::CAMERA as usize], &views[self.setup.frame.light_view(light) as usize]);
-        self.each(ray, limit, false, |instance, triangle, found| {
+        self.each(ray, limit, true, |instance, triangle, found| {
             let near =
                 view.kind != ViewKind::Sun as u32 || is_near(camera, view, &instances[instance as usize]);
             if near && !instances[instance as usize].shows(light) {
@@ -119,7 +119,7 @@ impl<'a> Brute<'a> {
         let at = grid.ray(ray);
         if grid.contains(at) {
             let ray = camera_ray(&self.setup.views[Frame::CAMERA as usize], at[0] as f32, at[1] as f32);
-            self.each(&ray, f32::MAX, true, |instance, triangle, found| {
+            self.each(&ray, f32::MAX, false, |instance, triangle, found| {
                 if self.is_there(instance, triangle, found) {
                     all.push(Hit { t: found.t, instance, triangle, u: found.u, v: found.v });
                 }
@@ -202,7 +202,7 @@ impl<'a> Brute<'a> {
             return best;
         }
         let ray = camera_ray(&self.setup.views[Frame::CAMERA as usize], at[0] as f32, at[1] as f32);
-        self.each(&ray, f32::MAX, true, |instance, triangle, &Intersection { t, u, v, .. }| {
+        self.each(&ray, f32::MAX, false, |instance, triangle, &Intersection { t, u, v, .. }| {
             if t < best.t || (t == best.t && (instance, triangle) < (best.instance, best.triangle)) {
                 best = Hit { t, instance, triangle, u, v };
             }

@@ -289,17 +289,17 @@ fn side<'a>(triangle: &'a Triangle, to_object: &[[f64; 4]; 3], ray: &Ray) -> Opt
     (t > -doubt).then_some(Candidate { triangle, t, doubt, is_safe: !is_grazing && t > doubt })
 }
 
-/// What a ray of the camera may meet: of an instance that is not double-sided, the side from which
-/// corners are counterclockwise, or clockwise where it is mirrored.
-fn seen<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
+/// What a ray may meet: of an instance that is not double-sided, the side from which corners are counterclockwise, or
+/// clockwise where it is mirrored, as seen from the ray's origin or, `from_end`, its end.
+fn seen<'a>(triangle: &'a Triangle, ray: &Ray, from_end: bool) -> Option<Candidate<'a>> {
     let found = candidate(triangle, ray)?;
     let Some(sign) = triangle.one_sided else { return Some(found) };
     if triangle.sphere.is_some() {
-        return (triangle.id == 0).then_some(found);
+        return (triangle.id == u32::from(from_end)).then_some(found);
     }
     let &Triangle { corner, ab, ac, .. } = triangle;
     let from = ray.origin - corner;
-    let height = sign * from.dot(ab.cross(ac));
+    let height = if from_end { -sign } else { sign } * from.dot(ab.cross(ac));
     let doubt = MARGIN * from.length() * ab.length() * ac.length();
     let is_safe = found.is_safe && height > doubt;
     (height > -doubt).then_some(Candidate { is_safe, ..found })
@@ -338,7 +338,7 @@ fn edge_on<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
 /// The hit that is certainly the nearest, `Some(None)` where there is certainly none, and
 /// `None` where that cannot be told.
 fn nearest<'a>(triangles: &'a [Triangle], ray: &Ray) -> Option<Option<Candidate<'a>>> {
-    let mut candidates: Vec<_> = triangles.iter().filter_map(|t| seen(t, ray)).collect();
+    let mut candidates: Vec<_> = triangles.iter().filter_map(|t| seen(t, ray, false)).collect();
     let earliest = |c: &Candidate<'_>| c.t - c.doubt - MARGIN * c.t.abs();
     candidates.sort_by(|a, b| earliest(a).total_cmp(&earliest(b)));
     let mut candidates = candidates.into_iter();
@@ -515,7 +515,7 @@ fn is_lit(
     let others =
         triangles.iter().filter(|t| (t.instance, t.id) != (own.instance, own.id) && t.shows != Some(which));
     let mut free = true;
-    for Candidate { t, doubt, is_safe, .. } in others.filter_map(|t| candidate(t, &ray)) {
+    for Candidate { t, doubt, is_safe, .. } in others.filter_map(|t| seen(t, &ray, true)) {
         let pad = doubt + MARGIN;
         let end = if is_far { f64::INFINITY } else { 1.0 };
         if is_safe && t > doubt * 4.0 && t < end - pad {

@@ -14,12 +14,23 @@ pub enum Bounded {
     Node,
 }
 
+/// Which faces count of instances that are not double-sided: those that are seen from their front.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Faces {
+    /// All.
+    Both,
+    /// Whose front is toward the origin: rays of a camera.
+    TowardOrigin,
+    /// Whose front is toward the end of the ray: rays to a light, which sees a surface as a camera does.
+    TowardEnd,
+}
+
 /// What a traversal does with the triangles that a group of rays hits.
 pub trait HitFilter<L: Lane>: Copy {
     /// Whether a ray may end before all of its hits are found: it then has the limit −1.
     const TERMINATES: bool;
-    /// Whether only front faces count, unless the instance is double-sided.
-    const CULLS_BACK_FACES: bool;
+    /// Which faces count, unless the instance is double-sided.
+    const FACES: Faces;
 
     /// Takes notice that a packet is tested against a box: the first filter of a packet, for counting.
     #[inline(always)]
@@ -43,7 +54,7 @@ pub struct Closest;
 
 impl<L: Lane> HitFilter<L> for Closest {
     const TERMINATES: bool = false;
-    const CULLS_BACK_FACES: bool = true;
+    const FACES: Faces = Faces::TowardOrigin;
 
     #[inline(always)]
     fn accept(
@@ -62,13 +73,13 @@ impl<L: Lane> HitFilter<L> for Closest {
     }
 }
 
-/// Whether there is any hit, from either side.
+/// Whether anything is hit that the end of the ray sees.
 #[derive(Clone, Copy)]
 pub struct Any;
 
 impl<L: Lane> HitFilter<L> for Any {
     const TERMINATES: bool = true;
-    const CULLS_BACK_FACES: bool = false;
+    const FACES: Faces = Faces::TowardEnd;
 
     #[inline(always)]
     fn accept(

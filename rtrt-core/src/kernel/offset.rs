@@ -82,19 +82,20 @@ impl<L: Lane> ErrorBound<L> {
         }
     }
 
-    /// The distance, in the world, of an object that is not moved. `normal` is that of the surface, of unit length.
+    /// The distance, in the world, of an object whose space is the world: [`ErrorBound::placed_distance`] with matrices
+    /// that change nothing.
     #[inline(always)]
     pub fn distance(&self, normal: V3<L>) -> L {
-        magnitude(self.reach, normal) * POINT + self.test
+        self.along(self.reach, normal, self.reach, normal)
     }
 
     /// The distance, in the world, of an object that these matrices (see [`Instance`](crate::layout::Instance))
     /// place. `normal` is that of the surface in the world, of unit length.
     ///
     /// ```text
-    /// world  = |to_world| · reach
-    /// turned = to_worldᵀ · normal
-    /// distance = 5 ε · |normal| · world + |turned| · (5 ε · |to_object| · world + 16 ε · reach + test)
+    /// world    = |to_world| · reach,  object = |to_object| · world
+    /// turned   = to_worldᵀ · normal
+    /// distance = 5 ε · |normal| · world + |turned| · (5 ε · object + 16 ε · reach + test)
     /// ```
     #[inline(always)]
     pub fn placed_distance<M: Copy>(
@@ -106,16 +107,21 @@ impl<L: Lane> ErrorBound<L> {
     where
         L: Mul<M, Output = L> + Add<M, Output = L>,
     {
-        let reach = self.reach;
-        let world = absolute(to_world, reach);
-        let object = absolute(to_object, world).scale(reach.x.broadcast(MATRIX));
+        let world = absolute(to_world, self.reach);
         let turned = crate::kernel::ray::normal(to_world, normal);
-        let along = V3 {
-            x: object.x + reach.x * POINT + self.test,
-            y: object.y + reach.y * POINT + self.test,
-            z: object.z + reach.z * POINT + self.test,
+        self.along(world, normal, absolute(to_object, world), turned)
+    }
+
+    /// The distance along a normal of the world, and the same one in the object's space.
+    #[inline(always)]
+    fn along(&self, world: V3<L>, normal: V3<L>, object: V3<L>, turned: V3<L>) -> L {
+        let error = |object: L, reach: L| object * MATRIX + reach * POINT + self.test;
+        let errors = V3 {
+            x: error(object.x, self.reach.x),
+            y: error(object.y, self.reach.y),
+            z: error(object.z, self.reach.z),
         };
-        magnitude(world, normal) * MATRIX + magnitude(along, turned)
+        magnitude(world, normal) * MATRIX + magnitude(errors, turned)
     }
 }
 
@@ -162,13 +168,14 @@ mod tests {
         let test = 8.0 * 4.0 * (16.0 / 12.0);
         assert!((bound.test / ROUNDOFF - test).abs() < 1e-3);
         let diagonal = V3::splat((), [0.6, -0.8, 0.0]);
-        let distance = 16.0 * (0.6 * 11.0 + 0.8 * 4.0) + test;
-        assert!((bound.distance(diagonal) / ROUNDOFF - distance).abs() < 1e-3);
-        // Twice the size: 5 and 16 roundings of the magnitudes, 5 of the way back to half of them and there again.
+        // 5 and 16 roundings of the magnitudes, 5 of the way back, and the test's.
+        let distance = (5.0 + 5.0 + 16.0) * (0.6 * 11.0 + 0.8 * 4.0) + 1.4 * test;
+        assert!((bound.distance(diagonal) / ROUNDOFF - distance).abs() < 1e-2);
+        let same = [[1.0, 0.0, 0.0, 9.0], [0.0, 1.0, 0.0, 9.0], [0.0, 0.0, 1.0, 9.0]];
+        assert_eq!(bound.placed_distance(diagonal, &same, &same), bound.distance(diagonal));
         let doubled = |scale: f32| [[scale, 0.0, 0.0, 9.0], [0.0, scale, 0.0, 9.0], [0.0, 0.0, scale, 9.0]];
         let placed = bound.placed_distance(diagonal, &doubled(2.0), &doubled(0.5));
-        let distance = 2.0 * (0.6 * 11.0 + 0.8 * 4.0) * (5.0 + 5.0 + 16.0) + 2.0 * 1.4 * test;
-        assert!((placed / ROUNDOFF - distance).abs() < 1e-2, "{} {distance}", placed / ROUNDOFF);
+        assert!((placed / ROUNDOFF - 2.0 * distance).abs() < 1e-2, "{} {distance}", placed / ROUNDOFF);
     }
 
     /// Random triangles under random transforms, near and far, tiny and huge: rays that leave them, however flat, do

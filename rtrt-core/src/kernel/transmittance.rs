@@ -2,7 +2,7 @@
 
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::geometry::Geometry;
-use crate::kernel::hit_filter::HitFilter;
+use crate::kernel::hit_filter::{Faces, HitFilter};
 use crate::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select, V3};
@@ -135,7 +135,7 @@ pub fn color<L: Lane>(word: L::Bits) -> V3<L> {
 
 impl<L: Lane, const BLOCKER: bool> HitFilter<L> for Transmittance<L, BLOCKER> {
     const TERMINATES: bool = !BLOCKER;
-    const CULLS_BACK_FACES: bool = false;
+    const FACES: Faces = Faces::TowardEnd;
 
     #[inline(always)]
     fn accept(

@@ -1,10 +1,10 @@
 //! Traversal: a packet of rays through the BVH of one mesh.
 
 use crate::kernel::geometry::Geometry;
-use crate::kernel::hit_filter::{Bounded, HitFilter};
+use crate::kernel::hit_filter::{Bounded, Faces, HitFilter};
 use crate::kernel::packet::{Packet, PacketHits, first_tile, groups_of_tile};
 use crate::kernel::sphere::{Chord, ENTRY, EXIT};
-use crate::kernel::triangle::intersect;
+use crate::kernel::triangle::{RelativeTriangle, intersect};
 use crate::lane::{Lane, Mask};
 use crate::layout::{Instance, Node};
 use core::ops::Mul;
@@ -112,7 +112,8 @@ pub(crate) fn intersect_sphere<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilt
     filters: &mut [F; G],
 ) {
     let sphere = Mesh::new(geometry, instance);
-    let last = if sphere.is_one_sided::<L, F>() { ENTRY } else { EXIT };
+    let first = if sphere.is_one_sided::<L, F>() && F::FACES == Faces::TowardEnd { EXIT } else { ENTRY };
+    let last = if sphere.is_one_sided::<L, F>() && F::FACES == Faces::TowardOrigin { ENTRY } else { EXIT };
     let mut changed = 0;
     let mut remaining = active;
     while remaining != 0 {
@@ -124,7 +125,7 @@ pub(crate) fn intersect_sphere<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilt
             let is_identity = sphere.instance.is_identity == 1;
             let ray = if is_identity { packet.rays[g] } else { packet.rays[g].to_object(sphere.instance) };
             let chord = Chord::new(&ray);
-            let mut side = ENTRY;
+            let mut side = first;
             while side <= last {
                 let closest = &mut hits.closest[g];
                 let intersection = chord.side(ray.direction, side, closest.t);
@@ -153,10 +154,10 @@ impl<'a> Mesh<'a> {
         Self { geometry, instance, source: instance.source_instance(number) }
     }
 
-    /// Whether its back faces are culled.
+    /// Whether one of its sides is culled.
     #[inline(always)]
     fn is_one_sided<L: Lane, F: HitFilter<L>>(&self) -> bool {
-        F::CULLS_BACK_FACES && self.instance.double_sided == 0
+        F::FACES != Faces::Both && self.instance.double_sided == 0
     }
 
     /// Tests the active tiles against every triangle of a leaf. Returns whether any limit has changed.
@@ -177,7 +178,7 @@ impl<'a> Mesh<'a> {
             let triangle = self.geometry.triangle(self.instance, id);
             let shared = triangle.relative_to(packet.first_active(active).origin);
             let is_of_all = G == 1 || O::WIDTH < L::WIDTH;
-            let turns_away = one_sided && is_of_all && !shared.front(hits.closest[0].t).any();
+            let turns_away = one_sided && is_of_all && !counts::<L, F, O>(&shared, hits.closest[0].t).any();
             let mut remaining = if turns_away { 0 } else { active };
             while remaining != 0 {
                 let tile = first_tile::<G>(remaining);
@@ -190,7 +191,7 @@ impl<'a> Mesh<'a> {
                         if O::WIDTH < L::WIDTH { shared } else { triangle.relative_to(ray.origin) };
                     let mut intersection = intersect(ray, &triangle, &relative, closest.t);
                     if one_sided {
-                        intersection.mask = intersection.mask & relative.front(closest.t);
+                        intersection.mask = intersection.mask & counts::<L, F, O>(&relative, closest.t);
                     }
                     is_changed |= filters[g].accept(self.geometry, self.source, id, &intersection, closest);
                     g += 1;
@@ -202,6 +203,16 @@ impl<'a> Mesh<'a> {
         hits.update_limits(changed);
         changed != 0
     }
+}
+
+/// The lanes in which a triangle that is not double-sided counts.
+#[inline(always)]
+fn counts<L: Lane + Mul<O, Output = L>, F: HitFilter<L>, O: Lane>(
+    triangle: &RelativeTriangle<O>,
+    like: L,
+) -> L::Mask {
+    let front = triangle.front(like);
+    if F::FACES == Faces::TowardEnd { !front } else { front }
 }
 
 #[cfg(test)]
@@ -279,13 +290,13 @@ mod tests {
                     let triangle = geometry.triangle(&scene.instances()[0], id);
                     let relative = triangle.relative_to(ray.origin);
                     let hit = intersect(&ray, &triangle, &relative, 3.0);
-                    is_any |= hit.mask;
+                    is_any |= hit.mask && (double_sided || !relative.front(0.0_f32));
                     let counts = hit.mask && (double_sided || relative.front(0.0_f32));
                     least.keep_closest(&hit, counts, 0, id);
                 }
                 let least = least.rows().hit(0);
                 assert_eq!(found(&geometry, ray, 3.0, Closest).rows().hit(0), least);
-                // Shadows know no sides.
+                // A light, at the other end, sees the other faces.
                 assert_eq!(found(&geometry, ray, 3.0, Any).t < 0.0, is_any);
                 count += usize::from(least != Hit::MISS);
             }

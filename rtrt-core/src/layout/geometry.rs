@@ -106,7 +106,7 @@ pub struct Instance {
     pub start: u32,
     /// The instance that this is a part of; [`NONE`] for a whole instance.
     pub opened_from: u32,
-    /// 1 where the camera sees it from both sides, else 0 (see
+    /// 1 where it is seen from both sides, else 0 (see
     /// [`MaterialRecord::double_sided`](crate::layout::MaterialRecord::double_sided)).
     pub double_sided: u32,
 }

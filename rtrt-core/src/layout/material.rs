@@ -129,8 +129,8 @@ pub struct MaterialRecord {
     pub alpha_mode: u32,
     /// [`AlphaKind::Mask`]: the least alpha that is not a hole.
     pub cutoff: f32,
-    /// 1 for a surface that the camera sees from both sides. 0 culls back faces for the camera: triangles
-    /// whose corners are clockwise, and the inside of spheres. Shadows do not depend on it.
+    /// 1 for a surface that is seen from both sides. 0 culls back faces as the camera sees them, and, for shadows, as
+    /// the light does: triangles whose corners are clockwise, and the inside of spheres.
     pub double_sided: u32,
     /// What it has beyond metallic-roughness: the sum of [`MaterialRecord::SPECULAR_MAPS`] and so on.
     pub extensions: u32,

@@ -86,8 +86,8 @@ pub struct Material {
     pub alpha: f32,
     /// What alpha does. Nothing unless set.
     pub alpha_mode: AlphaMode,
-    /// Whether the camera sees the surface from both sides; otherwise it sees only the side from which the
-    /// corners of a triangle are counterclockwise, and the outside of a sphere. Shadows are the same. True
+    /// Whether cameras and lights see the surface from both sides; otherwise they see only the side from which the
+    /// corners of a triangle are counterclockwise, and the outside of a sphere, and nothing else casts a shadow. True
     /// unless set.
     pub double_sided: bool,
     /// Whether the surface shows its base color whatever the light. False unless set.

@@ -3,7 +3,7 @@
 
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::geometry::Geometry;
-use crate::kernel::hit_filter::{Bounded, Closest, HitFilter};
+use crate::kernel::hit_filter::{Bounded, Closest, Faces, HitFilter};
 use crate::kernel::packet::PacketHits;
 use crate::kernel::ray::Ray;
 use crate::kernel::triangle::Intersection;
@@ -61,7 +61,7 @@ struct Counting {
 
 impl HitFilter<f32> for Counting {
     const TERMINATES: bool = <Closest as HitFilter<f32>>::TERMINATES;
-    const CULLS_BACK_FACES: bool = <Closest as HitFilter<f32>>::CULLS_BACK_FACES;
+    const FACES: Faces = <Closest as HitFilter<f32>>::FACES;
 
     fn test_box(&mut self, bounded: Bounded) {
         match bounded {

@@ -7,7 +7,7 @@
 use crate::grid::RayIndex;
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::geometry::Geometry;
-use crate::kernel::hit_filter::HitFilter;
+use crate::kernel::hit_filter::{Faces, HitFilter};
 use crate::kernel::packet::PacketHits;
 use crate::kernel::ray::Ray;
 use crate::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
@@ -37,7 +37,7 @@ struct BehindLast<L: Lane> {
 
 impl<L: Lane> HitFilter<L> for BehindLast<L> {
     const TERMINATES: bool = false;
-    const CULLS_BACK_FACES: bool = true;
+    const FACES: Faces = Faces::TowardOrigin;
 
     #[inline(always)]
     fn accept(
