@@ -16,6 +16,7 @@ pub enum Bounded {
 
 /// Which faces count of instances that are not double-sided: those that are seen from their front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum Faces {
     /// All.
     Both,
