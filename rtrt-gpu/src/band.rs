@@ -49,6 +49,7 @@ pub fn bands(frame: &Frame, bytes: u64, keeps_layers: bool) -> impl Iterator<Ite
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
+    use rtrt_core::layout::Surface;
 
     #[test]
     fn bands_are_whole_rows_of_blocks_and_make_the_frame() {
@@ -57,11 +58,12 @@ mod tests {
         let row = 7 * BLOCK_RAYS;
         let split =
             |bytes| bands(&frame, bytes, false).map(|band| (band.first, band.rays)).collect::<Vec<_>>();
+        let surface = size_of::<Surface>() as u64;
         assert_eq!(split(u64::MAX), [(0, 6 * row)]);
         assert_eq!(split(0).len(), 6);
-        assert_eq!(split(56 * 4 * u64::from(row) + 55), [(0, 4 * row), (4 * row, 2 * row)]);
+        assert_eq!(split(surface * 4 * u64::from(row) + surface - 1), [(0, 4 * row), (4 * row, 2 * row)]);
         let layers = Frame { layers: 8, ..frame };
-        let count = |keeps_layers| bands(&layers, 56 * u64::from(6 * row), keeps_layers).count();
+        let count = |keeps_layers| bands(&layers, surface * u64::from(6 * row), keeps_layers).count();
         assert_eq!([count(false), count(true)], [1, 3], "seven hits a ray are more than a surface");
         let soft = Frame { penumbra_window: 24, lights: 1, ..frame };
         let split: Vec<_> =

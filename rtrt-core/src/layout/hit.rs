@@ -49,7 +49,7 @@ pub struct Surface {
     pub second_uv: [f32; 2],
     /// Side of the footprint in them.
     pub second_footprint: f32,
-    /// How much the normals within the footprint vary; see [`variance`](crate::kernel::variance).
+    /// How much the normals within the footprint vary; see `kernel::variance`.
     pub variance: f32,
     /// The normal of a clear coat, in frames that have coats; see `kernel::tangent::pack_direction`.
     pub coat_normal: u32,
@@ -59,7 +59,7 @@ pub struct Surface {
 const _: () = assert!(size_of::<Surface>() == 68 && offset_of!(Surface, footprint) == 40);
 
 /// The light that arrives at a surface, before its material colors it: sums over lights of illuminance (color ×
-/// falloff × Lambert's cosine), linear RGB, each times a share (see [`microfacet`](crate::kernel::microfacet)).
+/// falloff × Lambert's cosine), linear RGB, each times a share (see `microfacet`).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Lit {

@@ -18,7 +18,7 @@ pub enum Content {
     Numbers,
     /// Normals, whose coordinates −1 ..= 1 are 0 ..= 255. Texels of coarser levels have the direction of the mean
     /// of the normals that they cover; alpha, which images of normals do not use, is how much those vary (see
-    /// [`of_map`](crate::kernel::variance::of_map)).
+    /// `kernel::variance::of_map`).
     Normals,
 }
 

@@ -34,7 +34,7 @@ pub struct Surfaces<L: Lane> {
     pub second_uv: [L; 2],
     /// Side of the ray's footprint, in them.
     pub second_footprint: L,
-    /// How much the normals within the footprint vary; see [`variance`].
+    /// How much the normals within the footprint vary; see `kernel::variance`.
     pub variance: L,
     /// The normal of a clear coat, packed, where `detail` has found it.
     pub coat_normal: L::Bits,
@@ -213,8 +213,8 @@ impl OfInstance for Round {
 /// without a hit.
 ///
 /// The point is interpolated between the triangle's corners rather than followed along the ray, so its error is that of
-/// the triangle's size (see [`offset`]), and lifted to the curved surface that the corners' normals mean (see
-/// [`lift`]). The normal faces the viewer; one that interpolates to nothing is replaced by the
+/// the triangle's size (see `kernel::offset`), and lifted to the curved surface that the corners' normals mean (see
+/// `kernel::terminator`). The normal faces the viewer; one that interpolates to nothing is replaced by the
 /// triangle's own. A sphere is smooth by itself; its texture coordinates are longitude and
 /// latitude.
 #[inline(always)]
