@@ -24,7 +24,7 @@ const FRAMES: u32 = 100;
 const BALLS: u32 = 5;
 
 /// Of all frames.
-const HASH: &str = "708c66c1eae33b32d70cc3bc60a946d8722057539c471f88f6bdd652df835fca";
+const HASH: &str = "4def5847a9ecac28a763d9692978e649c7c23ea22158d13317ed9c5b4921979b";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let scalar = Options { choice: Choice::Cpu, lanes: Some(1), threads: Some(1), ..Options::default() };

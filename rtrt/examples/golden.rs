@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! $ cargo run --release -p rtrt --example golden
-//! 749d77b93335abf1e9912a13a2a6090eff229d005d1874868042fb1463637ce2  three balls
+//! ec48fd6986c95e9adc75d82b75f226665c84458164b93fe5753efe5ca841b5a2  three balls
 //! $ cargo test --release -p rtrt --example golden
 //! test a_ball_rests_on_its_floor ... ok
 //! test one_hash_on_every_machine ... ok
@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 #[test]
 fn one_hash_on_every_machine() {
-    assert_eq!(hash().unwrap(), "749d77b93335abf1e9912a13a2a6090eff229d005d1874868042fb1463637ce2");
+    assert_eq!(hash().unwrap(), "ec48fd6986c95e9adc75d82b75f226665c84458164b93fe5753efe5ca841b5a2");
 }
 
 #[test]

@@ -43,8 +43,8 @@ pub struct Layers {
     pub source: Vec<u32>,
     /// The numbers of materials ([`Scene::materials`]), or [`NONE`].
     pub material: Vec<u32>,
-    /// Where the surfaces are, world space: where rays from them start, which is off by some roundings; 0 without a
-    /// hit.
+    /// Where the surfaces are, world space; 0 without a hit. It is where rays from them start: off by some roundings and,
+    /// on a mesh with smooth normals, on the curved surface that these mean.
     pub position: Vec<[f32; 3]>,
     /// Barycentric weights of the triangle's second and third corner.
     pub barycentrics: Vec<[f32; 2]>,

@@ -48,9 +48,10 @@ pub fn motion(scene: &Scene, camera: &Camera, layers: &Layers, before: &Before) 
                 corners.map(|vertex| DVec3::from(before.positions[vertex as usize].map(f64::from)));
             a * (1.0 - u - v) + b * u + c * v
         } else {
-            through(&now.to_object, here)
+            let place = DVec3::from(now.to_object.map(|row| f64::from(row[3])));
+            turned(&now.to_object, here - place)
         };
-        let there = through(&then.to_world, own);
+        let there = turned(&then.to_world, own) + DVec3::from(then.to_world.map(|row| f64::from(row[3])));
         match (pixel(camera, size, here), pixel(&before.camera, size, there)) {
             (Some(here), Some(there)) => [0, 1].map(|axis| (here[axis] - there[axis]) as f32),
             _ => [f32::NAN; 2],
@@ -59,12 +60,9 @@ pub fn motion(scene: &Scene, camera: &Camera, layers: &Layers, before: &Before) 
     (0..layers.object.len()).map(|n| if layers.object[n] == NONE { [0.0; 2] } else { of(n) }).collect()
 }
 
-/// A point through three rows of a matrix.
-fn through(rows: &[[f32; 4]; 3], point: DVec3) -> DVec3 {
-    DVec3::from(rows.map(|row| {
-        let [x, y, z, w] = row.map(f64::from);
-        x * point.x + y * point.y + z * point.z + w
-    }))
+/// A vector through the first three columns of a matrix.
+fn turned(rows: &[[f32; 4]; 3], v: DVec3) -> DVec3 {
+    DVec3::from(rows.map(|[x, y, z, _]| DVec3::new(x.into(), y.into(), z.into()).dot(v)))
 }
 
 #[cfg(test)]
