@@ -80,12 +80,17 @@ fn shadowing<L: Lane>(cosine: L, alpha: L) -> L {
     let mixed = |rough: f32, smooth: f32| share * (smooth - rough) + rough;
     let (a, b, c) = (mixed(21.5473, 25.3245), mixed(3.829_87, 3.324_35), mixed(0.198_23, 0.168_01));
     let (d, e) = (mixed(-1.977_6, -1.273_93), mixed(-4.320_54, -4.859_67));
-    // The exponent of Λ at a cosine; x > 0.
-    let at = |x: L| a * recip(b * exp2(log2(x) * c) + 1.0) + d * x + e;
+    let numbers = [a, b, c, d, e];
     let is_flat = cosine.lt(one.broadcast(0.5));
     let x = is_flat.select(cosine, (one - cosine).max(one.broadcast(TINY)));
-    let near = at(x);
-    exp2(is_flat.select(near, at(one.broadcast(0.5)) * 2.0 - near) * LOG2_E)
+    let near = exponent(x, numbers);
+    exp2(is_flat.select(near, exponent(one.broadcast(0.5), numbers) * 2.0 - near) * LOG2_E)
+}
+
+/// The exponent of `Λ` at a cosine, more than 0.
+#[inline(always)]
+fn exponent<L: Lane>(x: L, [a, b, c, d, e]: [L; 5]) -> L {
+    a * recip(b * exp2(log2(x) * c) + 1.0) + d * x + e
 }
 
 /// `∫ D V (n·l) dl`: the share of light from all around that a white sheen of this roughness scatters toward the

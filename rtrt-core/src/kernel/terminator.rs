@@ -27,13 +27,17 @@ pub fn lift<L: Lane>(
     normals: &[V3<L>; 3],
     flat: V3<L>,
 ) -> V3<L> {
-    let of = |corner: V3<L>, normal: V3<L>| {
-        let zero = point.x.broadcast(0.0);
-        let depth = (corner - point).dot(normal);
-        let outward = normal.dot(flat).gt(zero) & depth.gt(zero);
-        normal.scale(outward.select(depth * recip(normal.dot(normal)), zero))
-    };
-    weights.mix3(of(corners[0], normals[0]), of(corners[1], normals[1]), of(corners[2], normals[2]))
+    let [a, b, c] = [corners[0] - point, corners[1] - point, corners[2] - point];
+    weights.mix3(to_plane(a, normals[0], flat), to_plane(b, normals[1], flat), to_plane(c, normals[2], flat))
+}
+
+/// The way to the tangent plane of the corner that is this far away, if it leads away from the triangle.
+#[inline(always)]
+fn to_plane<L: Lane>(corner: V3<L>, normal: V3<L>, flat: V3<L>) -> V3<L> {
+    let depth = corner.dot(normal);
+    let zero = depth.broadcast(0.0);
+    let outward = normal.dot(flat).gt(zero) & depth.gt(zero);
+    normal.scale(outward.select(depth * recip(normal.dot(normal)), zero))
 }
 
 #[cfg(test)]
