@@ -5,7 +5,7 @@ use rtrt_core::layout::NONE;
 use rtrt_core::scene::Scene;
 use std::collections::BTreeMap;
 
-/// What is seen of an object.
+/// The visible pixels of an object, and its boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Seen {
     /// The number of the instance, as in [`Layers::object`].

@@ -80,7 +80,7 @@ struct FrameReport {
     seen: Vec<SeenReport>,
 }
 
-/// What is seen of an object.
+/// The visible pixels of an object, and its boxes.
 #[derive(Serialize)]
 struct SeenReport {
     id: u32,

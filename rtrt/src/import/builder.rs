@@ -35,7 +35,7 @@ pub(crate) struct Builder<'a, J> {
     /// Features of the file that the renderer does not have.
     pub not_drawn: BTreeSet<&'static str>,
     pub bvh_build_ms: f64,
-    /// The diameter of points and lines that is asked for, in units of the scene.
+    /// The diameter of points and lines, in units of the scene, if the caller sets it.
     pub point_size: Option<f32>,
     /// The names of materials, by number.
     materials: Vec<String>,

@@ -49,7 +49,7 @@ pub(super) enum Marks {
     Lines(Vec<[u32; 2]>),
 }
 
-/// The diameter of points and lines of a file with these bounds. `asked` is the diameter that is asked for.
+/// The diameter of points and lines of a file with these bounds. `asked` is that of the caller.
 pub(super) fn diameter(asked: Option<f32>, low: DVec3, high: DVec3) -> f64 {
     let diagonal = libm::sqrt((high - low).length_squared());
     let found = if diagonal > 0.0 && diagonal.is_finite() { diagonal * SHARE } else { 1.0 };
