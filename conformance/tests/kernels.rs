@@ -3,6 +3,8 @@
 use conformance::shape::Random;
 use conformance::variants::requires_gpu;
 use rtrt_core::kernel::canary::{Fixture, NAMES, OUTPUTS, canary};
+use rtrt_core::lane::Bits;
+use rtrt_cpu::{InstructionSet, LaneTask, Wide};
 use rtrt_gpu::{Gpu, Options, Route};
 
 /// Zeros, denormals, the ends of every range that `num` names, infinities, NaN, the
@@ -49,11 +51,35 @@ fn check(who: &str, words: &[u32], answers: &[[u32; OUTPUTS]]) {
 #[test]
 fn every_width_computes_every_kernel_as_single_lanes_do() {
     let words = words();
-    let all = rtrt_cpu::kernels(&words);
-    assert!(!all.is_empty(), "there are always eight lanes");
-    for (name, answers) in all {
-        println!("{name}");
-        check(name, &words, &answers);
+    let all = InstructionSet::wide();
+    assert!(!all.is_empty(), "no instruction set with several lanes");
+    for level in all {
+        println!("{}", level.name());
+        check(level.name(), &words, &level.run(Kernels { words: &words }));
+    }
+}
+
+/// Every kernel's answers to every word.
+struct Kernels<'a> {
+    words: &'a [u32],
+}
+
+impl LaneTask for Kernels<'_> {
+    type Output = Vec<[u32; OUTPUTS]>;
+
+    #[inline(always)]
+    fn run<L: Wide, const G: usize>(self, token: L::Token) -> Self::Output {
+        let fixture = Fixture::default();
+        let mut answers = vec![[0; OUTPUTS]; self.words.len()];
+        for (packet, answers) in answers.chunks_mut(L::WIDTH).enumerate() {
+            let found = canary::<L>(token, self.words, &fixture.given(), (packet * L::WIDTH) as u32);
+            for (output, bits) in found.into_iter().enumerate() {
+                for (lane, answer) in answers.iter_mut().enumerate() {
+                    answer[output] = bits.lane(lane);
+                }
+            }
+        }
+        answers
     }
 }
 

@@ -25,9 +25,9 @@ pub enum InstructionSet {
     /// Eight numbers in two registers, NEON.
     #[cfg(target_arch = "aarch64")]
     Neon(fearless_simd::Neon),
-    /// Eight numbers in two registers, SSE2.
+    /// Eight numbers in two registers, SSE4.2.
     #[cfg(target_arch = "x86_64")]
-    Sse2(fearless_simd::Sse2),
+    Sse4_2(fearless_simd::Sse4_2),
     /// Eight numbers in whatever every processor of the target has.
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     Baseline(fearless_simd::Level),
@@ -40,7 +40,7 @@ impl InstructionSet {
         let here = fearless_simd::Level::new();
         match lanes {
             Some(1) => Ok(Self::Scalar),
-            Some(8) => Self::eight(here).ok_or(Error::Unsupported { lanes: 8, needed: "SSE2" }),
+            Some(8) => Self::eight(here).ok_or(Error::Unsupported { lanes: 8, needed: "SSE4.2" }),
             Some(16) => Self::sixteen(here).ok_or(Error::Unsupported { lanes: 16, needed: "AVX-512" }),
             Some(lanes) => Err(Error::Lanes { lanes }),
             None => Ok(Self::sixteen(here).or_else(|| Self::eight(here)).unwrap_or(Self::Scalar)),
@@ -53,13 +53,13 @@ impl InstructionSet {
         let wide = [Self::eight(here), Self::sixteen(here)];
         #[cfg(target_arch = "x86_64")]
         // Where there is AVX2, nothing else runs this one.
-        let wide = [here.as_sse2().map(Self::Sse2)].into_iter().chain(wide);
+        let wide = [here.as_sse4_2().map(Self::Sse4_2)].into_iter().chain(wide);
         wide.into_iter().flatten().collect()
     }
 
     #[cfg(target_arch = "x86_64")]
     fn eight(here: fearless_simd::Level) -> Option<Self> {
-        here.as_avx2().map(Self::Avx2).or_else(|| here.as_sse2().map(Self::Sse2))
+        here.as_avx2().map(Self::Avx2).or_else(|| here.as_sse4_2().map(Self::Sse4_2))
     }
     #[cfg(target_arch = "aarch64")]
     fn eight(here: fearless_simd::Level) -> Option<Self> {
@@ -100,7 +100,7 @@ impl InstructionSet {
             #[cfg(target_arch = "aarch64")]
             Self::Neon(_) => "NEON",
             #[cfg(target_arch = "x86_64")]
-            Self::Sse2(_) => "SSE2",
+            Self::Sse4_2(_) => "SSE4.2",
             #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
             Self::Baseline(_) => "baseline",
         }
@@ -126,7 +126,7 @@ impl InstructionSet {
                 || work.run::<Float8<_>, GROUPS_8>(token),
             ),
             #[cfg(target_arch = "x86_64")]
-            Self::Sse2(token) => token.vectorize(
+            Self::Sse4_2(token) => token.vectorize(
                 #[inline(always)]
                 || work.run::<Float8<_>, GROUPS_8>(token),
             ),
@@ -156,7 +156,7 @@ impl InstructionSet {
                 || work.run::<Float8<_>>(token),
             ),
             #[cfg(target_arch = "x86_64")]
-            Self::Sse2(token) => token.vectorize(
+            Self::Sse4_2(token) => token.vectorize(
                 #[inline(always)]
                 || work.run::<Float8<_>>(token),
             ),

@@ -25,7 +25,6 @@
 mod bin;
 mod block;
 mod blocks;
-mod canary;
 mod cells;
 mod clock;
 mod context;
@@ -38,15 +37,15 @@ mod rays;
 mod records;
 mod wide;
 
-pub use canary::kernels;
 pub use error::Error;
+pub use instruction_set::{InstructionSet, LaneTask};
 pub use rays::Caster;
+pub use wide::Wide;
 
 use crate::bin::Binning;
 use crate::blocks::Blocks;
 use crate::clock::Clock;
 use crate::context::FrameContext;
-use crate::instruction_set::InstructionSet;
 use crate::records::block_records;
 use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request};
 use rtrt_core::kernel::lists::BlockLists;

@@ -36,7 +36,12 @@ impl Default for Caster {
 impl Caster {
     /// With what this processor has.
     pub fn new() -> Self {
-        Self { level: InstructionSet::new(Some(8)).unwrap_or(InstructionSet::Scalar) }
+        Self::with(InstructionSet::new(Some(8)).unwrap_or(InstructionSet::Scalar))
+    }
+
+    /// With these instructions.
+    pub fn with(level: InstructionSet) -> Self {
+        Self { level }
     }
 
     /// [`World::closest`].
@@ -119,57 +124,5 @@ impl<S: Source> EightTask for Occluded<'_, S> {
     #[inline(always)]
     fn run<L: Lane>(self, token: L::Token) -> Self::Output {
         self.world.occluded_with::<L>(token, self.ray)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Options, Parallel};
-    use glam::{Mat4, Vec3};
-    use rtrt_core::query::Tree;
-    use rtrt_core::scene::{Attribute, Bvh, Material, Mesh, Scene};
-
-    #[test]
-    fn answers_are_those_of_the_world_one_by_one_and_in_slices() {
-        let mut state = 1_u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-        };
-        let mut point = |size: f32| [random() * size, random() * size, random() * size];
-        let positions: Vec<_> = (0..900).map(|_| point(1.0)).collect();
-        let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
-        let mesh = Mesh::new(positions, vec![attribute; 900], (0..900).collect()).unwrap();
-        let mut scene = Scene::new();
-        let white = scene.add_material(Material::default()).unwrap();
-        let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Parallel)).unwrap();
-        for _ in 0..40 {
-            let place = Mat4::from_translation(Vec3::from(point(4.0)));
-            scene.add_instance(mesh, white, place).unwrap();
-            scene.add_sphere(white, place).unwrap();
-        }
-        let mut tree = Tree::new(&scene, &Parallel);
-        let world = tree.world(&scene);
-        let mut rays: Vec<_> = (0..3000).map(|_| Ray::new(point(5.0), point(1.0)).until(20.0)).collect();
-        rays[77].direction = [0.0; 3];
-        let expected: Vec<_> = rays.iter().map(|ray| world.closest(ray)).collect();
-        let occluded: Vec<_> = rays.iter().map(|ray| world.occluded(ray)).collect();
-        assert!(expected.iter().filter(|hit| matches!(hit, Ok(Some(_)))).count() > 500);
-        assert!(expected[77].is_err());
-        let levels = InstructionSet::wide().into_iter().chain([InstructionSet::Scalar]);
-        for caster in levels.map(|level| Caster { level }) {
-            for (ray, expected) in rays.iter().zip(&expected) {
-                assert_eq!(caster.closest(&world, ray), *expected);
-            }
-            for (ray, occluded) in rays.iter().zip(&occluded) {
-                assert_eq!(caster.occluded(&world, ray), *occluded);
-            }
-        }
-        let cpu = Cpu::new(Options { threads: Some(3), ..Options::default() }).unwrap();
-        let (mut hits, mut hidden) = (vec![Ok(None); 3000], vec![Ok(false); 3000]);
-        cpu.closest(&world, &rays, &mut hits);
-        cpu.occluded(&world, &rays, &mut hidden);
-        assert_eq!((hits, hidden), (expected, occluded));
     }
 }
