@@ -5,12 +5,15 @@ use rtrt_core::grid::Grid;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::transmittance::color;
 use rtrt_core::lane::{V3, Word};
-use rtrt_core::layout::{Backdrop, NONE, Surface};
+use rtrt_core::layout::{Backdrop, Hit, NONE, Surface};
 use rtrt_core::num::{exp2, srgb_encode};
 use rtrt_core::scene::Scene;
 use rtrt_core::stage::resolve::{average, displayed};
 use rtrt_core::stage::shade::base;
 use rtrt_core::stage::surface::Surfaces;
+
+/// The most rays that may have deferred buffers: 7 GB at about 110 bytes each. No backend refuses more, if there is memory.
+pub const MOST_RAYS: u64 = 1 << 26;
 
 /// Properties of each pixel, row by row from the upper left.
 ///
@@ -59,42 +62,25 @@ impl Layers {
     /// The layers of a picture of the scene with `samples` sub-rays per pixel; none without its deferred
     /// buffers.
     pub fn new(scene: &Scene, picture: &Picture, samples: u32) -> Option<Self> {
-        let deferred = picture.deferred.as_ref()?;
-        let grid = Grid { width: picture.width, height: picture.height, side: samples.isqrt() };
-        let maps = Maps { materials: scene.materials(), texels: scene.texels() };
-        let lights = scene.lights().len().max(1) as f32;
-        let (background, is_transparent) = (scene.background.to_array(), scene.backdrop == Backdrop::Nothing);
-        let mut layers = Self {
+        let pixels = Pixels::new(scene, picture, samples)?;
+        Some(Self {
             width: picture.width,
             height: picture.height,
-            background,
-            is_transparent,
-            ..Self::default()
-        };
-        for pixel in (0..grid.width * grid.height).map(|number| grid.pixel(number)) {
-            let index = grid.index(pixel.map(|place| place * grid.side)).0 as usize;
-            let (hit, surface) = (&deferred.hits[index], &deferred.surfaces[index]);
-            layers.color.push(average(grid, pixel, &|ray| deferred.colors[ray.0 as usize]));
-            layers.depth.push(if hit.instance == NONE { f32::INFINITY } else { hit.t });
-            layers.normal.push(surface.normal);
-            layers.object.push(hit.instance);
-            layers.triangle.push(hit.triangle);
-            let instance = scene.instance_index(hit.instance);
-            let source = instance.and_then(|instance| scene.source_triangle(instance, hit.triangle));
-            layers.source.push(source.unwrap_or(NONE));
-            // 0 is no hit, which becomes NONE.
-            layers.material.push(surface.material.wrapping_sub(1));
-            layers.position.push(surface.origin);
-            layers.barycentrics.push([hit.u, hit.v]);
-            layers.uv.push(surface.uv);
-            let [r, g, b, lit] = average(grid, pixel, &|ray| {
-                let [r, g, b] = albedo(&maps, &deferred.surfaces[ray.0 as usize]);
-                [r, g, b, reached(deferred, ray.0 as usize)]
-            });
-            layers.albedo.push([r, g, b]);
-            layers.shadow.push(lit / lights);
-        }
-        Some(layers)
+            background: scene.background.to_array(),
+            is_transparent: scene.backdrop == Backdrop::Nothing,
+            color: pixels.all(Pixels::color),
+            depth: pixels.all(Pixels::depth),
+            normal: pixels.all(Pixels::normal),
+            albedo: pixels.all(Pixels::albedo),
+            object: pixels.all(Pixels::object),
+            triangle: pixels.all(Pixels::triangle),
+            source: pixels.all(Pixels::source),
+            material: pixels.all(Pixels::material),
+            position: pixels.all(Pixels::position),
+            barycentrics: pixels.all(Pixels::barycentrics),
+            uv: pixels.all(Pixels::uv),
+            shadow: pixels.all(Pixels::shadow),
+        })
     }
 
     /// The color with 16 bits per channel: exposed and tone mapped as the request says, in front of the
@@ -115,6 +101,119 @@ impl Layers {
                 [encode(x * a + r), encode(y * a + g), encode(z * a + b), u16::MAX]
             })
             .collect()
+    }
+}
+
+/// A picture with its deferred buffers, read pixel by pixel: for programs that need some of the [`Layers`], in memory of
+/// their own. Pixels are numbered row by row from the upper left.
+#[derive(Clone, Copy)]
+pub struct Pixels<'a> {
+    scene: &'a Scene,
+    deferred: &'a Deferred,
+    grid: Grid,
+    maps: Maps<'a>,
+    lights: f32,
+}
+
+impl<'a> Pixels<'a> {
+    /// The pixels of a picture of the scene with `samples` sub-rays per pixel; none without its deferred buffers.
+    pub fn new(scene: &'a Scene, picture: &'a Picture, samples: u32) -> Option<Self> {
+        Some(Self {
+            scene,
+            deferred: picture.deferred.as_ref()?,
+            grid: Grid { width: picture.width, height: picture.height, side: samples.isqrt() },
+            maps: scene.maps(),
+            lights: scene.lights().len().max(1) as f32,
+        })
+    }
+
+    fn all<T>(&self, read: impl Fn(&Self, u32) -> T) -> Vec<T> {
+        (0..self.grid.width * self.grid.height).map(|number| read(self, number)).collect()
+    }
+
+    /// The place of the first sub-ray.
+    fn first(&self, number: u32) -> usize {
+        self.grid.index(self.grid.pixel(number).map(|place| place * self.grid.side)).0 as usize
+    }
+
+    fn hit(&self, number: u32) -> &Hit {
+        &self.deferred.hits[self.first(number)]
+    }
+
+    fn surface(&self, number: u32) -> &Surface {
+        &self.deferred.surfaces[self.first(number)]
+    }
+
+    /// [`Layers::color`].
+    pub fn color(&self, number: u32) -> [f32; 4] {
+        average(self.grid, self.grid.pixel(number), &|ray| self.deferred.colors[ray.0 as usize])
+    }
+
+    /// [`Layers::depth`].
+    pub fn depth(&self, number: u32) -> f32 {
+        let hit = self.hit(number);
+        if hit.instance == NONE { f32::INFINITY } else { hit.t }
+    }
+
+    /// [`Layers::normal`].
+    pub fn normal(&self, number: u32) -> [f32; 3] {
+        self.surface(number).normal
+    }
+
+    /// [`Layers::albedo`].
+    pub fn albedo(&self, number: u32) -> [f32; 3] {
+        let [r, g, b, _] = average(self.grid, self.grid.pixel(number), &|ray| {
+            let [r, g, b] = albedo(&self.maps, &self.deferred.surfaces[ray.0 as usize]);
+            [r, g, b, 0.0]
+        });
+        [r, g, b]
+    }
+
+    /// [`Layers::object`].
+    pub fn object(&self, number: u32) -> u32 {
+        self.hit(number).instance
+    }
+
+    /// [`Layers::triangle`].
+    pub fn triangle(&self, number: u32) -> u32 {
+        self.hit(number).triangle
+    }
+
+    /// [`Layers::source`].
+    pub fn source(&self, number: u32) -> u32 {
+        let hit = self.hit(number);
+        let instance = self.scene.instance_index(hit.instance);
+        instance.and_then(|instance| self.scene.source_triangle(instance, hit.triangle)).unwrap_or(NONE)
+    }
+
+    /// [`Layers::material`].
+    pub fn material(&self, number: u32) -> u32 {
+        // 0 is no hit, which becomes NONE.
+        self.surface(number).material.wrapping_sub(1)
+    }
+
+    /// [`Layers::position`].
+    pub fn position(&self, number: u32) -> [f32; 3] {
+        self.surface(number).origin
+    }
+
+    /// [`Layers::barycentrics`].
+    pub fn barycentrics(&self, number: u32) -> [f32; 2] {
+        let hit = self.hit(number);
+        [hit.u, hit.v]
+    }
+
+    /// [`Layers::uv`].
+    pub fn uv(&self, number: u32) -> [f32; 2] {
+        self.surface(number).uv
+    }
+
+    /// [`Layers::shadow`].
+    pub fn shadow(&self, number: u32) -> f32 {
+        let sum = average(self.grid, self.grid.pixel(number), &|ray| {
+            [reached(self.deferred, ray.0 as usize), 0.0, 0.0, 0.0]
+        });
+        sum[0] / self.lights
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! All backends give the same bits. `choose` opens a backend, `import` reads glTF and OBJ, `demo` has
 //! scenes without files, `layers` and `debug` show the buffers of a frame, `objects` and `motion` what is
-//! seen of each object and how it moves, `pose` has cameras as matrices and lenses. `hash` compares frames
+//! seen of each object and how it moves, `pose` has cameras as matrices and lenses, `batch` renders many views at
+//! once. `hash` compares frames
 //! of two machines, `difference` two pictures; `golden` compares pictures with stored ones in tests.
 //!
 //! | feature | adds |
@@ -25,6 +26,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod batch;
 pub mod cache;
 pub mod choose;
 pub mod debug;

@@ -13,6 +13,7 @@ use rtrt::choose::{self, ChooseError, Chosen, choose};
 use rtrt::debug::{DebugImage, DebugView, show};
 use rtrt::demo;
 use rtrt::import::{self, Animation, ImportError, Label, Loaded, NamedCamera};
+use rtrt::layers::MOST_RAYS;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows, ToneMap};
 use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
@@ -21,8 +22,6 @@ use std::time::Instant;
 
 /// The limit of rays of a frame. They have 32-bit numbers, and blocks may reach outside of the frame.
 const MAX_RAYS: u64 = 1 << 31;
-/// The limit of rays with deferred buffers: 7 GB at about 110 bytes each.
-const MAX_DEFERRED: u64 = 1 << 26;
 
 /// A scene with a camera and settings.
 pub struct RenderJob {
@@ -265,8 +264,8 @@ pub fn rays(size: [u32; 2], samples: u32, deferred: bool) -> Result<u64, Error> 
     if rays > MAX_RAYS {
         return Err(Error::TooLarge { rays, limit: MAX_RAYS, may: "can be numbered" });
     }
-    if deferred && rays > MAX_DEFERRED {
-        return Err(Error::TooLarge { rays, limit: MAX_DEFERRED, may: "can have deferred buffers" });
+    if deferred && rays > MOST_RAYS {
+        return Err(Error::TooLarge { rays, limit: MOST_RAYS, may: "can have deferred buffers" });
     }
     Ok(rays)
 }

@@ -1,0 +1,298 @@
+from collections.abc import Iterable, Sequence
+from os import PathLike
+from typing import Any, Literal, TypedDict, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+AOVS: list[str]
+
+Aov = Literal[
+    "rgba", "color", "depth", "normal", "albedo", "object", "material", "triangle", "source", "barycentrics", "uv",
+    "position", "shadow",
+]
+Shadows = Literal["off", "hard", "soft", "area"]
+ToneMap = Literal["neutral", "agx", "aces", "none"]
+Sides = Literal["both", "fronts", "backs", "drawn"]
+Size = tuple[int, int]
+
+class Label(TypedDict):
+    object: int
+    node: str
+    mesh: str
+    material: str
+    material_id: int
+    box: tuple[list[float], list[float]]
+
+class Seen(TypedDict):
+    object: int
+    pixels: int
+    box_2d: list[int]
+    box_3d: list[list[float]]
+
+class Backend:
+    def __init__(
+        self,
+        kind: Literal["auto", "cpu", "gpu"] = "auto",
+        *,
+        adapter: str | None = None,
+        threads: int | None = None,
+        lanes: Literal[1, 8, 16] | None = None,
+    ) -> None: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def adapter(self) -> str: ...
+    @property
+    def threads(self) -> int: ...
+    @property
+    def why(self) -> str: ...
+
+class Camera:
+    def __init__(
+        self,
+        eye: ArrayLike,
+        look_at: ArrayLike,
+        up: ArrayLike | None = None,
+        *,
+        fov_y: float | None = None,
+        height: float | None = None,
+        fx: float | None = None,
+        fy: float | None = None,
+        cx: float | None = None,
+        cy: float | None = None,
+    ) -> None: ...
+    @staticmethod
+    def from_matrix(
+        matrix: ArrayLike,
+        *,
+        axes: Literal["opengl", "opencv"] = "opengl",
+        fov_y: float | None = None,
+        height: float | None = None,
+        fx: float | None = None,
+        fy: float | None = None,
+        cx: float | None = None,
+        cy: float | None = None,
+    ) -> Camera: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def eye(self) -> NDArray[np.float32]: ...
+    @property
+    def matrix(self) -> NDArray[np.float64]: ...
+    def intrinsics(self, size: Size) -> tuple[float, float, float, float] | None: ...
+    def project(self, points: ArrayLike, size: Size) -> NDArray[np.float64]: ...
+
+class Light:
+    @staticmethod
+    def point(
+        position: ArrayLike,
+        color: ArrayLike | None = None,
+        *,
+        reach: float | None = None,
+        inverse_square: bool = False,
+        radius: float = 0.0,
+    ) -> Light: ...
+    @staticmethod
+    def spot(
+        position: ArrayLike,
+        direction: ArrayLike,
+        color: ArrayLike | None = None,
+        *,
+        outer: float = 45.0,
+        inner: float = 0.0,
+        reach: float | None = None,
+        inverse_square: bool = False,
+        radius: float = 0.0,
+    ) -> Light: ...
+    @staticmethod
+    def sun(direction: ArrayLike, color: ArrayLike | None = None, *, radius: float = 0.0) -> Light: ...
+    @property
+    def kind(self) -> Literal["point", "spot", "sun"]: ...
+    @property
+    def position(self) -> tuple[float, float, float]: ...
+    @property
+    def direction(self) -> tuple[float, float, float]: ...
+    @property
+    def color(self) -> tuple[float, float, float]: ...
+
+class Scene:
+    ambient: Any
+    """Linear RGB; what is assigned is any three numbers."""
+    background: Any
+    """A color (linear RGB), "environment", or None for nothing."""
+    def __init__(self) -> None: ...
+    @staticmethod
+    def load(path: str | PathLike[str], *, light: bool = True, point_size: float | None = None) -> Scene: ...
+    def light_by_default(self) -> None: ...
+    def add_mesh(
+        self,
+        positions: ArrayLike,
+        triangles: ArrayLike | None = None,
+        *,
+        normals: ArrayLike | None = None,
+        uvs: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        tangents: ArrayLike | None = None,
+        make_tangents: bool = False,
+    ) -> int: ...
+    def reshape(
+        self,
+        mesh: int,
+        positions: ArrayLike,
+        triangles: ArrayLike | None = None,
+        *,
+        normals: ArrayLike | None = None,
+    ) -> None: ...
+    def add_texture(
+        self,
+        pixels: ArrayLike,
+        *,
+        content: Literal["color", "cutout", "numbers", "normals"] = "color",
+        wrap: Literal["repeat", "clamp", "mirror"] = "repeat",
+    ) -> int: ...
+    def add_material(
+        self,
+        *,
+        base_color: ArrayLike = (1.0, 1.0, 1.0),
+        base_color_map: int | None = None,
+        metallic: float = 0.0,
+        roughness: float = 1.0,
+        metallic_roughness_map: int | None = None,
+        specular: ArrayLike = (0.04, 0.04, 0.04),
+        specular_strength: float = 1.0,
+        specular_map: int | None = None,
+        specular_color_map: int | None = None,
+        emission: ArrayLike = (0.0, 0.0, 0.0),
+        emission_map: int | None = None,
+        normal_map: int | None = None,
+        normal_scale: float = 1.0,
+        occlusion_map: int | None = None,
+        occlusion_strength: float = 1.0,
+        alpha: float = 1.0,
+        alpha_mode: Literal["opaque", "mask", "blend"] = "opaque",
+        alpha_cutoff: float = 0.5,
+        double_sided: bool = True,
+        unlit: bool = False,
+        transmission: float = 0.0,
+        transmission_map: int | None = None,
+        shadow_catcher: bool = False,
+    ) -> int: ...
+    def set_material(
+        self,
+        material: int,
+        *,
+        base_color: ArrayLike = ...,
+        base_color_map: int | None = ...,
+        metallic: float = ...,
+        roughness: float = ...,
+        metallic_roughness_map: int | None = ...,
+        specular: ArrayLike = ...,
+        specular_strength: float = ...,
+        specular_map: int | None = ...,
+        specular_color_map: int | None = ...,
+        emission: ArrayLike = ...,
+        emission_map: int | None = ...,
+        normal_map: int | None = ...,
+        normal_scale: float = ...,
+        occlusion_map: int | None = ...,
+        occlusion_strength: float = ...,
+        alpha: float = ...,
+        alpha_mode: Literal["opaque", "mask", "blend"] = ...,
+        alpha_cutoff: float = ...,
+        double_sided: bool = ...,
+        unlit: bool = ...,
+        transmission: float = ...,
+        transmission_map: int | None = ...,
+        shadow_catcher: bool = ...,
+    ) -> None: ...
+    def add_instance(
+        self, mesh: int, material: int, transform: ArrayLike | None = None, *, name: str | None = None
+    ) -> int: ...
+    @overload
+    def add_sphere(
+        self, material: int, center: ArrayLike | None = None, radius: float | None = None, *, name: str | None = None
+    ) -> int: ...
+    @overload
+    def add_sphere(self, material: int, *, transform: ArrayLike, name: str | None = None) -> int: ...
+    def set_transform(self, object: int, transform: ArrayLike) -> None: ...
+    def set_transforms(self, objects: ArrayLike, transforms: ArrayLike) -> None: ...
+    def hide(self, object: int) -> None: ...
+    @property
+    def transforms(self) -> NDArray[np.float32]: ...
+    @property
+    def lights(self) -> list[Light]: ...
+    @lights.setter
+    def lights(self, lights: Sequence[Light]) -> None: ...
+    def add_light(self, light: Light) -> None: ...
+    def set_environment(
+        self,
+        source: str | PathLike[str] | ArrayLike,
+        *,
+        rotation: float = 0.0,
+        intensity: float = 1.0,
+        blur: float = 0.0,
+        sun: bool = True,
+    ) -> None: ...
+    @property
+    def cameras(self) -> list[Camera]: ...
+    def framing(self, size: Size, direction: ArrayLike | None = None) -> Camera: ...
+    @property
+    def labels(self) -> list[Label]: ...
+    def seen(self, objects: NDArray[np.int32]) -> list[Seen]: ...
+    def play(self, time: float) -> None: ...
+    @property
+    def duration(self) -> float | None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def files(self) -> list[PathLike[str]]: ...
+    @property
+    def objects(self) -> int: ...
+    @property
+    def triangles(self) -> int: ...
+    @property
+    def extent(self) -> tuple[list[float], list[float]] | None: ...
+    def closest(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        near: float = 0.0,
+        far: ArrayLike | None = None,
+        sides: Sides = "both",
+        surfaces: bool = False,
+    ) -> dict[str, NDArray[Any]]: ...
+    def occluded(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        near: float = 0.0,
+        far: ArrayLike | None = None,
+        sides: Sides = "both",
+    ) -> NDArray[np.bool_]: ...
+
+def render(
+    scene: Scene,
+    camera: Camera | Iterable[Camera] | None = None,
+    size: Size = (640, 360),
+    aov: Aov | Sequence[Aov] | None = None,
+    *,
+    out: dict[str, NDArray[Any]] | None = None,
+    samples: Literal[1, 4, 16] = 4,
+    shadows: Shadows = "soft",
+    layers: int = 8,
+    exposure: float = 0.0,
+    tone_map: ToneMap = "neutral",
+    backend: Backend | None = None,
+) -> dict[str, NDArray[Any]]: ...
+def meter(
+    scene: Scene,
+    camera: Camera | None = None,
+    size: Size = (640, 360),
+    *,
+    shadows: Shadows = "soft",
+    backend: Backend | None = None,
+) -> float: ...

@@ -1,0 +1,37 @@
+//! The Python package `rtrt`: it unpacks and checks what Python gives, and calls the crates of rtrt.
+#![forbid(unsafe_code)]
+
+mod aov;
+mod arrays;
+mod backend;
+mod camera;
+mod light;
+mod material;
+mod rays;
+mod render;
+mod scene;
+
+use pyo3::prelude::*;
+
+/// What the package `rtrt` is made of.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::backend::Backend;
+    #[pymodule_export]
+    use super::camera::Camera;
+    #[pymodule_export]
+    use super::light::Light;
+    #[pymodule_export]
+    use super::render::{meter, render};
+    #[pymodule_export]
+    use super::scene::Scene;
+
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("AOVS", super::aov::names().collect::<Vec<_>>())
+    }
+}

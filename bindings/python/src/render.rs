@@ -1,0 +1,233 @@
+//! Pictures.
+
+use crate::aov::{Aov, Memory, Part};
+use crate::arrays::named;
+use crate::backend::{Backend, machine};
+use crate::camera::{self, Camera};
+use crate::scene::{Scene, failed};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rtrt::layers::MOST_RAYS;
+use rtrt_core::backend::{LAYERS, RenderError, Request, Shadows, ToneMap};
+use rtrt_core::scene::Camera as CoreCamera;
+
+/// How well a picture is rendered.
+struct Quality {
+    samples: u32,
+    shadows: Shadows,
+    layers: u32,
+    exposure: f32,
+    tone_map: ToneMap,
+}
+
+impl Quality {
+    fn new(samples: i64, shadows: &str, layers: i64, exposure: f32, tone_map: &str) -> PyResult<Self> {
+        let kinds = [
+            ("off", Shadows::Off),
+            ("hard", Shadows::Hard),
+            ("soft", Shadows::Soft),
+            ("area", Shadows::Area { jitter: Some(0) }),
+        ];
+        // What the core refuses, with its own words.
+        let count = |number: i64| u32::try_from(number).unwrap_or(u32::MAX);
+        Ok(Self {
+            samples: count(samples),
+            shadows: named("shadows", shadows, &kinds)?,
+            layers: count(layers),
+            exposure,
+            tone_map: named("tone_map", tone_map, &ToneMap::ALL)?,
+        })
+    }
+
+    fn request<'a>(&self, camera: &'a CoreCamera, size: [u32; 2], deferred: bool) -> Request<'a> {
+        Request::new(camera, size)
+            .samples(self.samples)
+            .shadows(self.shadows)
+            .layers(self.layers)
+            .exposure(self.exposure)
+            .tone_map(self.tone_map)
+            .deferred(deferred)
+    }
+}
+
+/// What a picture raises: ValueError for what cannot be rendered, RuntimeError for a backend that fails.
+fn raised(error: &RenderError, before: &str) -> PyErr {
+    match error {
+        RenderError::Setup(error) => PyValueError::new_err(format!("{before}{error}")),
+        error => failed(format!("{before}{error}")),
+    }
+}
+
+/// The cameras of an argument, and whether they are many.
+fn cameras(
+    scene: &Scene,
+    camera: Option<&Bound<'_, PyAny>>,
+    size: [u32; 2],
+) -> PyResult<(Vec<CoreCamera>, bool)> {
+    let Some(value) = camera.filter(|camera| !camera.is_none()) else {
+        return Ok((vec![scene.usual_camera(size)], false));
+    };
+    if let Ok(camera) = value.cast::<Camera>() {
+        return Ok((vec![camera.get().at(size)], false));
+    }
+    let wrong = || PyTypeError::new_err("camera is neither a Camera nor a sequence of them");
+    let mut all = Vec::new();
+    for camera in value.try_iter().map_err(|_| wrong())? {
+        all.push(camera?.cast::<Camera>().map_err(|_| wrong())?.get().at(size));
+    }
+    Ok((all, true))
+}
+
+/// The names of the arrays that are asked for.
+fn aovs(aov: Option<&Bound<'_, PyAny>>, out: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<Aov>> {
+    let names: Vec<String> = match (aov, out) {
+        (Some(aov), _) => match aov.extract::<String>() {
+            Ok(name) => vec![name],
+            Err(_) => aov
+                .extract()
+                .map_err(|_| PyTypeError::new_err("aov is neither a name nor a list of names"))?,
+        },
+        (None, Some(out)) if !out.is_empty() => {
+            let names = out.keys().extract();
+            names.map_err(|_| PyTypeError::new_err("the keys of out are not all names"))?
+        }
+        (None, _) => vec!["rgba".into()],
+    };
+    let mut all: Vec<Aov> = Vec::new();
+    for name in names {
+        let aov = Aov::named(&name)?;
+        if all.iter().all(|known| known.name != aov.name) {
+            all.push(aov);
+        }
+    }
+    Ok(all)
+}
+
+/// Renders a scene, and returns a dict of arrays, one for each name in `aov`.
+///
+/// One camera gives arrays of the shape (height, width, ...); a sequence of n cameras gives (n, height, width, ...): small
+/// pictures are then rendered side by side, which keeps more threads busy than one after the other. The interpreter is free
+/// meanwhile. Bits depend neither on that, nor on threads, machine or backend.
+///
+/// | aov | dtype | what |
+/// |---|---|---|
+/// | rgba | uint8, 4 | the picture, sRGB and straight alpha: the bytes that the command `rtrt render` writes |
+/// | color | float32, 4 | linear light, neither exposed nor tone mapped, times alpha, and alpha |
+/// | depth | float32 | along the view, units of the scene; inf without a surface |
+/// | normal | float32, 3 | world space, toward the viewer; 0 without a surface |
+/// | albedo | float32, 3 | base color, linear, without light |
+/// | object, material | int32 | ids; -1 without a surface |
+/// | triangle, source | int32 | the triangle, as the scene numbers it and as its source does; -1 without one |
+/// | barycentrics, uv | float32, 2 | on the triangle; texture coordinates |
+/// | position | float32, 3 | world space |
+/// | shadow | float32 | the share of the scene's lights that arrives |
+///
+/// rgba, color, albedo and shadow are means over a pixel's samples; the others come from the first, which with 1 sample is
+/// in the middle of the pixel.
+///
+/// Args:
+///     scene: The scene.
+///     camera: A Camera, or several; the file's first one, or one that sees everything, if not given.
+///     size: Width and height.
+///     aov: A name or names; those in `out`, or "rgba", if not given.
+///     out: A dict of arrays that are filled and returned, such as the result of an earlier call. Names that it lacks are
+///         added.
+///     samples: 1, 4 or 16 a pixel.
+///     shadows: "off", "hard", "soft" (analytic penumbras) or "area" (sampled penumbras).
+///     layers: The most transparent surfaces that a ray passes.
+///     exposure: Stops; see `meter`.
+///     tone_map: "neutral", "agx", "aces" or "none".
+///     backend: A Backend; one for all calls if not given, on the first GPU that works, else on the processor.
+#[pyfunction]
+#[pyo3(signature = (scene, camera = None, size = [640, 360], aov = None, *, out = None, samples = 4, shadows = "soft", layers = LAYERS as i64, exposure = 0.0, tone_map = "neutral", backend = None))]
+#[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
+pub fn render<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    camera: Option<&Bound<'py, PyAny>>,
+    size: [i64; 2],
+    aov: Option<&Bound<'py, PyAny>>,
+    out: Option<Bound<'py, PyDict>>,
+    samples: i64,
+    shadows: &str,
+    layers: i64,
+    exposure: f32,
+    tone_map: &str,
+    backend: Option<&Bound<'py, Backend>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let quality = Quality::new(samples, shadows, layers, exposure, tone_map)?;
+    let (size, aovs) = (camera::size(size)?, aovs(aov, out.as_ref())?);
+    let (cameras, are_many) = cameras(scene, camera, size)?;
+    let before = are_many.then_some(cameras.len());
+    let deferred = aovs.iter().any(|aov| aov.is_deferred());
+    let rays = size.map(u64::from).iter().product::<u64>() * u64::from(quality.samples);
+    if deferred && rays > MOST_RAYS {
+        let why = format!(
+            "{rays} rays a picture, but at most {MOST_RAYS} can have aovs; try a smaller size or fewer samples"
+        );
+        return Err(PyValueError::new_err(why));
+    }
+    let machine = machine(py, backend)?;
+    let out = out.unwrap_or_else(|| PyDict::new(py));
+    let mut memories: Vec<Memory<'py>> = Vec::new();
+    for aov in aovs {
+        let array = match out.get_item(aov.name)? {
+            Some(array) => array,
+            None => {
+                let array = aov.zeros(py, before, size)?;
+                out.set_item(aov.name, &array)?;
+                array
+            }
+        };
+        memories.push(aov.memory(&array, before, size)?);
+    }
+    let pixels = size[0] as usize * size[1] as usize;
+    let mut jobs: Vec<(Request<'_>, Vec<Part<'_>>)> =
+        cameras.iter().map(|camera| (quality.request(camera, size, deferred), Vec::new())).collect();
+    for memory in &mut memories {
+        for ((_, parts), part) in jobs.iter_mut().zip(memory.parts(pixels)?) {
+            parts.push(part);
+        }
+    }
+    let core = &scene.scene;
+    let result = py.detach(|| {
+        machine.with(|batch| {
+            batch.render(core, &mut jobs, |request, picture, parts| {
+                parts.iter_mut().for_each(|part| part.fill(core, request, picture));
+            })
+        })
+    })?;
+    result.map_err(|error| {
+        let before = if are_many { format!("camera {}: ", error.number) } else { String::new() };
+        raised(&error.source, &before)
+    })?;
+    drop(jobs);
+    drop(memories);
+    Ok(out)
+}
+
+/// The exposure that suits a picture, in stops, for the argument `exposure` of `render`. Meter an animation once, so that it
+/// does not flicker.
+///
+/// Args:
+///     scene, camera, size, shadows, backend: See `render`; one camera.
+#[pyfunction]
+#[pyo3(signature = (scene, camera = None, size = [640, 360], *, shadows = "soft", backend = None))]
+pub fn meter(
+    py: Python<'_>,
+    scene: &Scene,
+    camera: Option<&Camera>,
+    size: [i64; 2],
+    shadows: &str,
+    backend: Option<&Bound<'_, Backend>>,
+) -> PyResult<f32> {
+    let quality = Quality::new(4, shadows, i64::from(LAYERS), 0.0, "none")?;
+    let size = camera::size(size)?;
+    let camera = camera.map_or_else(|| scene.usual_camera(size), |camera| camera.at(size));
+    let (machine, core) = (machine(py, backend)?, &scene.scene);
+    let stops = py.detach(|| {
+        machine.with(|batch| batch.backend().meter(core, &quality.request(&camera, size, false)))
+    })?;
+    stops.map_err(|error| raised(&error, ""))
+}

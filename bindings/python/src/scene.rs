@@ -1,0 +1,757 @@
+//! Scenes.
+
+use crate::aov::objects;
+use crate::arrays::{Array, bytes, floats, indices, matrices, named, refused, rows, vector, wrong_shape};
+use crate::backend::threads;
+use crate::camera::{self, Camera};
+use crate::light::Light;
+use crate::material::changed;
+use crate::rays::{self, Question};
+use glam::{Mat4, Quat, Vec3};
+use pyo3::exceptions::{PyFileNotFoundError, PyIndexError, PyOSError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use rtrt::demo;
+use rtrt::import::{
+    self, Animation, ImportError, Label, Loaded, NamedCamera, framing, framing_from, light_by_default,
+};
+use rtrt::layers::Layers;
+use rtrt::objects::{Seen, seen};
+use rtrt_core::query::Tree;
+use rtrt_core::scene::{
+    Attribute, Backdrop, Bvh, Content, Image, InstanceIndex, Material, MaterialIndex, Mesh, MeshIndex,
+    Panorama, Scene as CoreScene, Texture, Wrap,
+};
+use rtrt_cpu::Parallel;
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+/// What is drawn: meshes and spheres with their places and materials, lights, what surrounds them.
+///
+/// Things are named by numbers: `add_mesh`, `add_material`, `add_texture`, `add_instance` and `add_sphere` return them, from 0
+/// on. Those of objects and materials are the ids in the aovs "object" and "material".
+///
+/// `Scene()` is empty: no lights, faint ambient light, a dark background. A scene cannot be changed while another thread
+/// renders it: that raises RuntimeError.
+#[pyclass(module = "rtrt")]
+pub struct Scene {
+    pub scene: CoreScene,
+    pub tree: Mutex<Tree>,
+    meshes: Vec<MeshIndex>,
+    materials: BTreeMap<u32, MaterialIndex>,
+    textures: Vec<Texture>,
+    labels: Vec<Label>,
+    cameras: Vec<NamedCamera>,
+    animation: Option<Animation>,
+    /// Whether the lights are those of the file, which its animation moves.
+    own_lights: bool,
+    warnings: Vec<String>,
+    files: Vec<PathBuf>,
+}
+
+/// The exception for a file: that of the system where there is one.
+fn import_error(error: &ImportError) -> PyErr {
+    let why = error.to_string();
+    match error {
+        ImportError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
+            PyFileNotFoundError::new_err(why)
+        }
+        ImportError::Unreadable { .. } => PyOSError::new_err(why),
+        _ => PyValueError::new_err(why),
+    }
+}
+
+impl Scene {
+    fn of(loaded: Loaded) -> Self {
+        let Loaded { scene, cameras, labels, animation, warnings, files, .. } = loaded;
+        let mut found = Self { own_lights: !scene.lights().is_empty(), ..Self::around(scene) };
+        for (number, instance) in found.scene.instances().iter().enumerate() {
+            let index = found.scene.instance_index(number as u32);
+            if let Some(material) = index.and_then(|index| found.scene.material_of(index)) {
+                found.materials.insert(instance.material, material);
+            }
+        }
+        (found.labels, found.cameras, found.animation) = (labels, cameras, animation);
+        (found.warnings, found.files) = (warnings, files);
+        found
+    }
+
+    fn around(scene: CoreScene) -> Self {
+        Self {
+            scene,
+            tree: Mutex::default(),
+            meshes: vec![],
+            materials: BTreeMap::new(),
+            textures: vec![],
+            labels: vec![],
+            cameras: vec![],
+            animation: None,
+            own_lights: false,
+            warnings: vec![],
+            files: vec![],
+        }
+    }
+
+    /// The camera for pictures without one: the first of the file, or one that sees everything.
+    pub fn usual_camera(&self, size: [u32; 2]) -> rtrt_core::scene::Camera {
+        let aspect = size[0] as f32 / size[1] as f32;
+        self.cameras.first().map_or_else(|| framing(&self.scene, aspect), |camera| camera.fitted(aspect))
+    }
+
+    fn object(&self, number: i64) -> PyResult<InstanceIndex> {
+        u32::try_from(number).ok().and_then(|number| self.scene.instance_index(number)).ok_or_else(|| {
+            let count = self.scene.instances().len();
+            PyIndexError::new_err(format!("there is no object {number}, but there are {count} objects"))
+        })
+    }
+
+    fn material_index(&self, number: i64) -> PyResult<MaterialIndex> {
+        u32::try_from(number).ok().and_then(|number| self.materials.get(&number)).copied().ok_or_else(|| {
+            PyIndexError::new_err(format!(
+                "no material {number} was added, or is that of an object of the file"
+            ))
+        })
+    }
+
+    fn mesh_index(&self, number: i64) -> PyResult<MeshIndex> {
+        usize::try_from(number).ok().and_then(|number| self.meshes.get(number)).copied().ok_or_else(|| {
+            let count = self.meshes.len();
+            PyIndexError::new_err(format!("there is no mesh {number}, but {count} meshes were added"))
+        })
+    }
+
+    /// Remembers what an object that was just added is called.
+    fn label(&mut self, object: InstanceIndex, node: Option<String>) -> u32 {
+        self.labels.resize_with(object.number() as usize + 1, Label::default);
+        self.labels[object.number() as usize].node = node.unwrap_or_default();
+        object.number()
+    }
+}
+
+/// One matrix, or the identity.
+fn place(transform: Option<&Bound<'_, PyAny>>) -> PyResult<Mat4> {
+    let Some(value) = transform else { return Ok(Mat4::IDENTITY) };
+    let Array { shape, values } = matrices("transform", value)?;
+    match values[..] {
+        [matrix] if shape.is_empty() => Ok(matrix),
+        _ => Err(PyValueError::new_err("transform is not one matrix of 4 x 4 or 3 x 4")),
+    }
+}
+
+/// Vertices with what is known of them.
+fn mesh(
+    positions: &Bound<'_, PyAny>,
+    triangles: Option<&Bound<'_, PyAny>>,
+    normals: Option<&Bound<'_, PyAny>>,
+    uvs: Option<&Bound<'_, PyAny>>,
+    colors: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Mesh> {
+    let positions = rows::<3>("positions", positions)?;
+    let count = positions.len();
+    let triangles = match triangles {
+        None => (0..count as u32).collect(),
+        Some(value) => {
+            let Array { shape, values } = indices("triangles", value, count, "vertices")?;
+            if !(values.is_empty() || shape.len() == 2 && shape[1] == 3) {
+                return Err(wrong_shape("triangles", &shape, "(m, 3)"));
+            }
+            values
+        }
+    };
+    let fits = |name: &str, has: usize| {
+        if has == count {
+            return Ok(());
+        }
+        Err(PyValueError::new_err(format!("{name} has {has} rows, but there are {count} positions")))
+    };
+    let normals = normals.map(|value| rows::<3>("normals", value)).transpose()?;
+    let uvs = uvs.map(|value| rows::<2>("uvs", value)).transpose()?;
+    let colors = colors.map(vertex_colors).transpose()?;
+    normals.as_ref().map_or(Ok(()), |all| fits("normals", all.len()))?;
+    uvs.as_ref().map_or(Ok(()), |all| fits("uvs", all.len()))?;
+    colors.as_ref().map_or(Ok(()), |all| fits("colors", all.len()))?;
+    let attribute = |vertex: usize| Attribute {
+        normal: normals.as_ref().map_or([0.0; 3], |all| all[vertex]),
+        uv: uvs.as_ref().map_or([0.0; 2], |all| all[vertex]),
+        color: colors.as_ref().map_or(u32::MAX, |all| all[vertex]),
+    };
+    Mesh::new(positions, (0..count).map(attribute).collect(), triangles).map_err(refused)
+}
+
+/// Colors of vertices: bytes of linear RGB or RGBA.
+fn vertex_colors(value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
+    let Array { shape, values } = bytes("colors", value)?;
+    match shape[..] {
+        [_, 3] => Ok(values
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|&[r, g, b]| u32::from_le_bytes([r, g, b, 255]))
+            .collect()),
+        [_, 4] => Ok(values.as_chunks::<4>().0.iter().map(|&color| u32::from_le_bytes(color)).collect()),
+        _ => Err(wrong_shape("colors", &shape, "(n, 3) or (n, 4)")),
+    }
+}
+
+/// Bytes of a picture with alpha.
+fn image(value: &Bound<'_, PyAny>) -> PyResult<Image> {
+    let Array { shape, values } = bytes("pixels", value)?;
+    let (height, width, rgba) = match shape[..] {
+        [height, width] => (height, width, values.iter().flat_map(|&v| [v, v, v, 255]).collect()),
+        [height, width, 3] => {
+            let rgb = values.as_chunks::<3>().0;
+            (height, width, rgb.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect())
+        }
+        [height, width, 4] => (height, width, values),
+        _ => return Err(wrong_shape("pixels", &shape, "(height, width), with 3 or 4 channels or none")),
+    };
+    let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
+    Ok(Image { width: side(width), height: side(height), rgba })
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    fn new() -> Self {
+        Self::around(CoreScene::new())
+    }
+
+    /// The scene of a file: glTF 2.0 (.glb, .gltf), OBJ, STL or PLY; or a built-in one, `demo:matchbox`, `demo:glass`,
+    /// `demo:spheres`, `demo:levels`, `demo:moving`.
+    ///
+    /// Args:
+    ///     path: The file.
+    ///     light: Whether a scene without lights is lit as the command `rtrt` does it: in a studio, with its key light.
+    ///     point_size: The diameter of points and lines; 1/250 of the diagonal if not given.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, light = true, point_size = None))]
+    fn load(py: Python<'_>, path: PathBuf, light: bool, point_size: Option<f32>) -> PyResult<Self> {
+        if let Some(size) = point_size.filter(|size| !(*size > 0.0 && size.is_finite())) {
+            return Err(PyValueError::new_err(format!("point_size is {size}, and not a number above 0")));
+        }
+        py.detach(|| {
+            let pool = threads()?;
+            let options = import::Options { point_size, ..import::Options::default() };
+            let loaded = match path.to_str().and_then(|name| name.strip_prefix("demo:")) {
+                Some(name) => {
+                    type Demo = fn(&Parallel) -> Result<Loaded, ImportError>;
+                    let all: [(&str, Demo); 5] = [
+                        ("matchbox", demo::matchbox),
+                        ("glass", demo::glass),
+                        ("spheres", demo::spheres),
+                        ("levels", demo::levels),
+                        ("moving", demo::moving),
+                    ];
+                    let demo = named("the demo", name, &all)?;
+                    pool.install(|| demo(&Parallel))
+                }
+                None => pool.install(|| import::load_with(&path, &Parallel, &options)),
+            };
+            let mut found = Self::of(loaded.map_err(|error| import_error(&error))?);
+            if light {
+                pool.install(|| light_by_default(&mut found.scene)).map_err(refused)?;
+            }
+            Ok(found)
+        })
+    }
+
+    /// Lights a scene without lights as the command `rtrt` does it: in a studio, with its key light.
+    fn light_by_default(&mut self, py: Python<'_>) -> PyResult<()> {
+        py.detach(|| light_by_default(&mut self.scene).map_err(refused))
+    }
+
+    /// Adds a mesh, and returns its number. Any number of objects may show it.
+    ///
+    /// Args:
+    ///     positions: Vertices, (n, 3), in the mesh's own space.
+    ///     triangles: Numbers of vertices, (m, 3), counterclockwise from the front; each three vertices if not given.
+    ///     normals: (n, 3); flat triangles if not given.
+    ///     uvs: Texture coordinates, (n, 2); v grows downward.
+    ///     colors: Linear RGB or RGBA of vertices, uint8, (n, 3) or (n, 4); multiplied with that of the material.
+    ///     tangents: Directions of u and the sign of the bitangent, (n, 4), for normal maps; made from uvs if not given and
+    ///         `make_tangents`.
+    #[pyo3(signature = (positions, triangles = None, *, normals = None, uvs = None, colors = None, tangents = None, make_tangents = false))]
+    #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
+    fn add_mesh(
+        &mut self,
+        py: Python<'_>,
+        positions: &Bound<'_, PyAny>,
+        triangles: Option<&Bound<'_, PyAny>>,
+        normals: Option<&Bound<'_, PyAny>>,
+        uvs: Option<&Bound<'_, PyAny>>,
+        colors: Option<&Bound<'_, PyAny>>,
+        tangents: Option<&Bound<'_, PyAny>>,
+        make_tangents: bool,
+    ) -> PyResult<usize> {
+        let mut mesh = mesh(positions, triangles, normals, uvs, colors)?;
+        if let Some(tangents) = tangents {
+            mesh = mesh.with_tangents(&rows::<4>("tangents", tangents)?).map_err(refused)?;
+        }
+        let scene = &mut self.scene;
+        let index = py.detach(|| {
+            if make_tangents {
+                mesh = mesh.with_made_tangents(false);
+            }
+            let tree = threads()?.install(|| Bvh::build(&mesh, &Parallel));
+            scene.add_mesh(&mesh, &tree).map_err(refused)
+        })?;
+        self.meshes.push(index);
+        Ok(self.meshes.len() - 1)
+    }
+
+    /// Gives a mesh that was added another shape: the same triangles with their corners elsewhere.
+    ///
+    /// Args:
+    ///     mesh: Its number.
+    ///     positions, triangles, normals: See `add_mesh`; the triangles are those that it was added with.
+    #[pyo3(signature = (mesh, positions, triangles = None, *, normals = None))]
+    fn reshape(
+        &mut self,
+        mesh: i64,
+        positions: &Bound<'_, PyAny>,
+        triangles: Option<&Bound<'_, PyAny>>,
+        normals: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let index = self.mesh_index(mesh)?;
+        let shape = self::mesh(positions, triangles, normals, None, None)?;
+        self.scene.reshape(index, &shape).map_err(refused)
+    }
+
+    /// Adds a texture, and returns its number.
+    ///
+    /// Args:
+    ///     pixels: uint8, (height, width), with 3 or 4 channels or none, from top to bottom.
+    ///     content: "color" (sRGB), "cutout" (sRGB, and alpha that hides), "numbers" or "normals".
+    ///     wrap: "repeat", "clamp" or "mirror".
+    #[pyo3(signature = (pixels, *, content = "color", wrap = "repeat"))]
+    fn add_texture(&mut self, pixels: &Bound<'_, PyAny>, content: &str, wrap: &str) -> PyResult<usize> {
+        let kinds = [
+            ("color", Content::Color),
+            ("cutout", Content::SeeThrough),
+            ("numbers", Content::Numbers),
+            ("normals", Content::Normals),
+        ];
+        let content = named("content", content, &kinds)?;
+        let wraps = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp), ("mirror", Wrap::Mirror)];
+        let wrap = named("wrap", wrap, &wraps)?;
+        let texture = self.scene.add_map(&image(pixels)?, [wrap; 2], content).map_err(refused)?;
+        self.textures.push(texture);
+        Ok(self.textures.len() - 1)
+    }
+
+    /// Adds a material, and returns its number; without arguments it is white and matte. Its arguments are those of glTF's
+    /// metallic-roughness; see the type stub. Colors are linear RGB, maps are numbers of textures.
+    #[pyo3(signature = (**properties))]
+    fn add_material(&mut self, properties: Option<&Bound<'_, PyDict>>) -> PyResult<u32> {
+        let material = changed(Material::default(), properties, &self.textures)?;
+        let index = self.scene.add_material(material).map_err(refused)?;
+        let number = self.scene.materials().len() as u32 - 1;
+        self.materials.insert(number, index);
+        Ok(number)
+    }
+
+    /// Changes a material; what is not named stays.
+    #[pyo3(signature = (material, **properties))]
+    fn set_material(&mut self, material: i64, properties: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let index = self.material_index(material)?;
+        let old = self.scene.material(index).copied().unwrap_or_default();
+        let new = changed(old, properties, &self.textures)?;
+        self.scene.set_material(index, new).map_err(refused)
+    }
+
+    /// Places a mesh in the world, and returns the number of the object.
+    ///
+    /// Args:
+    ///     mesh, material: Their numbers.
+    ///     transform: The matrix from the mesh's space to the world, 4 x 4 or 3 x 4; the identity if not given.
+    ///     name: What `labels` calls it.
+    #[pyo3(signature = (mesh, material, transform = None, *, name = None))]
+    fn add_instance(
+        &mut self,
+        mesh: i64,
+        material: i64,
+        transform: Option<&Bound<'_, PyAny>>,
+        name: Option<String>,
+    ) -> PyResult<u32> {
+        let (mesh, material) = (self.mesh_index(mesh)?, self.material_index(material)?);
+        let object = self.scene.add_instance(mesh, material, place(transform)?).map_err(refused)?;
+        Ok(self.label(object, name))
+    }
+
+    /// Adds a sphere, round however close one looks, and returns the number of the object.
+    ///
+    /// Args:
+    ///     material: Its number.
+    ///     center, radius: Where it is.
+    ///     transform: Instead, the matrix that places a sphere of radius 1 around the origin, and may make an ellipsoid of it.
+    ///     name: What `labels` calls it.
+    #[pyo3(signature = (material, center = None, radius = None, *, transform = None, name = None))]
+    fn add_sphere(
+        &mut self,
+        material: i64,
+        center: Option<&Bound<'_, PyAny>>,
+        radius: Option<f32>,
+        transform: Option<&Bound<'_, PyAny>>,
+        name: Option<String>,
+    ) -> PyResult<u32> {
+        let material = self.material_index(material)?;
+        if transform.is_some() && (center.is_some() || radius.is_some()) {
+            return Err(PyValueError::new_err("a sphere has a center and a radius, or a transform"));
+        }
+        let to_world = match transform {
+            Some(_) => place(transform)?,
+            None => {
+                let center = center.map_or(Ok([0.0; 3]), |center| vector("center", center))?;
+                let radius = radius.unwrap_or(1.0);
+                if !(radius > 0.0 && radius.is_finite()) {
+                    return Err(PyValueError::new_err(format!(
+                        "radius is {radius}, and not a number above 0"
+                    )));
+                }
+                Mat4::from_scale_rotation_translation(Vec3::splat(radius), Quat::IDENTITY, center.into())
+            }
+        };
+        let object = self.scene.add_sphere(material, to_world).map_err(refused)?;
+        Ok(self.label(object, name))
+    }
+
+    /// Moves an object; one that was hidden is seen again.
+    fn set_transform(&mut self, object: i64, transform: &Bound<'_, PyAny>) -> PyResult<()> {
+        let object = self.object(object)?;
+        self.scene.set_transform(object, place(Some(transform))?).map_err(refused)
+    }
+
+    /// Moves many objects. What does not move costs nothing.
+    ///
+    /// Args:
+    ///     objects: Their numbers, (n,).
+    ///     transforms: (n, 4, 4) or (n, 3, 4).
+    fn set_transforms(&mut self, objects: &Bound<'_, PyAny>, transforms: &Bound<'_, PyAny>) -> PyResult<()> {
+        let count = self.scene.instances().len();
+        let Array { shape, values } = indices("objects", objects, count, "objects")?;
+        let Array { shape: many, values: transforms } = matrices("transforms", transforms)?;
+        if shape.len() != 1 || many.len() != 1 || many != shape {
+            let expected = "n numbers of objects and n matrices";
+            let why = format!(
+                "objects and transforms are not {expected}, but have the shapes {shape:?} and {many:?}"
+            );
+            return Err(PyValueError::new_err(why));
+        }
+        let place = Cell::new(0);
+        let indexed = values.iter().zip(transforms).enumerate();
+        let moved: Vec<_> = indexed
+            .filter_map(|(at, (&number, matrix))| Some((at, self.scene.instance_index(number)?, matrix)))
+            .collect();
+        let moves = moved.into_iter().map(|(at, object, matrix)| {
+            place.set(at);
+            (object, matrix)
+        });
+        self.scene.set_transforms(moves).map_err(|error| {
+            let at = place.get();
+            PyValueError::new_err(format!("transforms[{at}], of object {}: {error}", values[at]))
+        })
+    }
+
+    /// Hides an object until it gets a transform again.
+    fn hide(&mut self, object: i64) -> PyResult<()> {
+        let object = self.object(object)?;
+        self.scene.hide(object).map_err(refused)
+    }
+
+    /// The matrices of all objects to world space, float32, (n, 4, 4).
+    #[getter]
+    fn transforms<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        use numpy::{PyArray1, PyArrayMethods};
+        let instances = self.scene.instances();
+        let last = [0.0, 0.0, 0.0, 1.0];
+        let numbers = instances.iter().flat_map(|i| i.to_world.into_iter().chain([last]).flatten()).collect();
+        Ok(PyArray1::<f32>::from_vec(py, numbers).reshape([instances.len(), 4, 4])?.into_any())
+    }
+
+    /// The lights. What is assigned replaces all of them.
+    #[getter]
+    fn lights(&self) -> Vec<Light> {
+        self.scene.lights().iter().map(|&light| Light { light }).collect()
+    }
+
+    #[setter]
+    fn set_lights(&mut self, lights: Vec<Light>) {
+        self.own_lights = false;
+        *self.scene.lights_mut() = lights.into_iter().map(|light| light.light).collect();
+    }
+
+    /// Adds a light.
+    fn add_light(&mut self, light: &Light) {
+        self.scene.add_light(light.light);
+    }
+
+    /// Ambient light, linear RGB; an environment replaces it.
+    #[getter]
+    fn ambient(&self) -> (f32, f32, f32) {
+        self.scene.ambient.into()
+    }
+
+    #[setter]
+    fn set_ambient(&mut self, color: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.scene.ambient = vector("ambient", color)?.into();
+        Ok(())
+    }
+
+    /// What is behind all surfaces: a color (linear RGB), "environment", or None for nothing, so that the alpha of a pixel is
+    /// the share that surfaces cover.
+    #[getter]
+    fn background<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match self.scene.backdrop {
+            Backdrop::Environment => "environment".into_pyobject(py)?.into_any(),
+            Backdrop::Color => <(f32, f32, f32)>::from(self.scene.background).into_pyobject(py)?.into_any(),
+            Backdrop::Nothing => py.None().into_bound(py),
+        })
+    }
+
+    #[setter]
+    fn set_background(&mut self, background: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.scene.backdrop = match background.extract::<String>() {
+            Ok(name) => named("background", &name, &[("environment", Backdrop::Environment)])?,
+            Err(_) if background.is_none() => Backdrop::Nothing,
+            Err(_) => {
+                self.scene.background = vector("background", background)?.into();
+                Backdrop::Color
+            }
+        };
+        Ok(())
+    }
+
+    /// Surrounds the scene with light.
+    ///
+    /// Args:
+    ///     source: A panorama or cube in a file (.hdr, .exr, .png, .jpg, or a folder), "studio", or an array of linear RGB,
+    ///         (height, width, 3), whose rows run from straight up to straight down and whose middle column is +x.
+    ///     rotation: Degrees around y.
+    ///     intensity: What its light is multiplied by.
+    ///     blur: How blurred it is behind the surfaces, 0 to 1.
+    ///     sun: Whether its brightest light is taken out of it and added as a light, which casts sharp shadows.
+    #[pyo3(signature = (source, *, rotation = 0.0, intensity = 1.0, blur = 0.0, sun = true))]
+    fn set_environment(
+        &mut self,
+        py: Python<'_>,
+        source: &Bound<'_, PyAny>,
+        rotation: f32,
+        intensity: f32,
+        blur: f32,
+        sun: bool,
+    ) -> PyResult<()> {
+        for (name, value, high) in [
+            ("rotation", rotation.abs(), f32::MAX),
+            ("intensity", intensity, 4_294_967_296.0),
+            ("blur", blur, 1.0),
+        ] {
+            if !(0.0..=high).contains(&value) {
+                return Err(PyValueError::new_err(format!(
+                    "{name} is {value}, which is not within 0 .. {high}"
+                )));
+            }
+        }
+        let path: Option<PathBuf> = source.extract().ok();
+        let panorama = if path.is_some() { None } else { Some(panorama(source)?) };
+        let scene = &mut self.scene;
+        py.detach(|| {
+            (scene.environment_rotation, scene.environment_intensity) = (rotation.to_radians(), intensity);
+            scene.environment_blur = blur;
+            let surroundings = match (path, panorama) {
+                (Some(path), _) if path.as_os_str() == "studio" => {
+                    import::surround_with_studio(scene).map_err(refused)?
+                }
+                (Some(path), _) => {
+                    import::surround(scene, &path, sun).map_err(|error| import_error(&error))?
+                }
+                (None, Some(mut panorama)) => {
+                    let light = sun.then(|| panorama.take_sun()).flatten();
+                    scene.set_environment(&panorama).map_err(refused)?;
+                    import::Surroundings { files: vec![], sun: light }
+                }
+                (None, None) => return Ok(()),
+            };
+            if let Some(light) = surroundings.placed_sun(scene).filter(|_| sun) {
+                scene.add_light(light);
+            }
+            scene.backdrop = Backdrop::Environment;
+            Ok(())
+        })
+    }
+
+    /// The cameras of the file.
+    #[getter]
+    fn cameras(&self) -> Vec<Camera> {
+        self.cameras.iter().cloned().map(Camera::of).collect()
+    }
+
+    /// A camera that sees the whole scene in a picture of this size (width, height).
+    ///
+    /// Args:
+    ///     direction: From the middle of the scene to the camera; from the front, slightly above and right, if not given.
+    #[pyo3(signature = (size, direction = None))]
+    fn framing(&self, size: [i64; 2], direction: Option<&Bound<'_, PyAny>>) -> PyResult<Camera> {
+        let [width, height] = camera::size(size)?;
+        let aspect = width as f32 / height as f32;
+        let camera = match direction {
+            None => framing(&self.scene, aspect),
+            Some(direction) => framing_from(&self.scene, aspect, vector("direction", direction)?.into()),
+        };
+        Ok(Camera::of(NamedCamera { name: String::new(), camera, aspect: None }))
+    }
+
+    /// What is known of each object: a list of dicts with its number `object`, its `node`, `mesh` and `material` as the file
+    /// calls them, the number `material_id`, and `box`, the lower and upper corner of a box around it.
+    #[getter]
+    fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let all = PyList::empty(py);
+        for (number, instance) in self.scene.instances().iter().enumerate() {
+            let label = self.labels.get(number).cloned().unwrap_or_default();
+            let entry = PyDict::new(py);
+            entry.set_item("object", number)?;
+            entry.set_item("node", label.node)?;
+            entry.set_item("mesh", label.mesh)?;
+            entry.set_item("material", label.material)?;
+            entry.set_item("material_id", instance.material)?;
+            entry.set_item("box", (instance.low.to_vec(), instance.high.to_vec()))?;
+            all.append(entry)?;
+        }
+        Ok(all)
+    }
+
+    /// What a picture shows of each object: a list of dicts with its number `object`, its visible `pixels`, `box_2d` (left,
+    /// top, and the first column and row beyond) and `box_3d` (lower and upper corner around all of it, world space).
+    ///
+    /// Args:
+    ///     objects: The aov "object" of a picture.
+    fn seen<'py>(&self, py: Python<'py>, objects: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
+        let (width, height, object) = self::objects(objects)?;
+        let all = PyList::empty(py);
+        for Seen { object, pixels, box_2d, box_3d } in
+            seen(&self.scene, &Layers { width, height, object, ..Layers::default() })
+        {
+            let entry = PyDict::new(py);
+            entry.set_item("object", object)?;
+            entry.set_item("pixels", pixels)?;
+            entry.set_item("box_2d", box_2d.to_vec())?;
+            entry.set_item("box_3d", box_3d.map(|corner| corner.to_vec()).to_vec())?;
+            all.append(entry)?;
+        }
+        Ok(all)
+    }
+
+    /// Shows the animation of the file at a time, seconds: objects, deformed meshes, cameras and lights.
+    fn play(&mut self, time: f64) -> PyResult<()> {
+        if !(time >= 0.0 && time.is_finite()) {
+            return Err(PyValueError::new_err(format!("time is {time}, and not a number of 0 or more")));
+        }
+        let Some(animation) = &self.animation else { return Ok(()) };
+        let pose = animation.at(time).map_err(|error| import_error(&error))?;
+        pose.apply(&mut self.scene).map_err(|error| import_error(&error))?;
+        if self.own_lights {
+            pose.aim(self.scene.lights_mut());
+        }
+        for (index, camera) in pose.cameras {
+            self.cameras[index].camera = camera;
+        }
+        Ok(())
+    }
+
+    /// The end of the animation of the file, seconds; None without one.
+    #[getter]
+    fn duration(&self) -> Option<f64> {
+        self.animation.as_ref().map(Animation::end)
+    }
+
+    /// What of the file is not drawn as it says, a line each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// The files that the scene was read from.
+    #[getter]
+    fn files(&self) -> Vec<PathBuf> {
+        self.files.clone()
+    }
+
+    /// Objects.
+    #[getter]
+    fn objects(&self) -> usize {
+        self.scene.instances().len()
+    }
+
+    /// Triangles of all objects: those of a mesh count once for each object.
+    #[getter]
+    fn triangles(&self) -> u64 {
+        self.scene.drawn_triangles()
+    }
+
+    /// Lower and upper corner of a box around all that is not hidden; None for an empty scene.
+    #[getter]
+    fn extent(&self) -> Option<([f32; 3], [f32; 3])> {
+        self.scene.extent().map(|(low, high)| (low.to_array(), high.to_array()))
+    }
+
+    /// The closest hit of each ray, on all threads: a dict of arrays with the shape of the rays.
+    ///
+    /// "t" (distance in lengths of the direction; inf for a miss), "object" and "triangle" (-1 for a miss), "barycentrics"
+    /// (of the triangle's second and third corner); with `surfaces` also "position", "normal" (between those of the vertices),
+    /// "uv" and "material".
+    ///
+    /// Args:
+    ///     origins: (..., 3), or one for all.
+    ///     directions: (..., 3), any length but 0.
+    ///     near, far: The range of t; far may be an array, one number a ray.
+    ///     sides: The sides of triangles that count: "both", "fronts", "backs", or "drawn", those that a camera sees.
+    #[pyo3(signature = (origins, directions, *, near = 0.0, far = None, sides = "both", surfaces = false))]
+    #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
+    fn closest<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        near: f32,
+        far: Option<&Bound<'py, PyAny>>,
+        sides: &str,
+        surfaces: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        rays::closest(py, self, &Question { origins, directions, near, far, sides }, surfaces)
+    }
+
+    /// Whether each ray hits anything, on all threads: an array of bool. The arguments are those of `closest`.
+    #[pyo3(signature = (origins, directions, *, near = 0.0, far = None, sides = "both"))]
+    fn occluded<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        near: f32,
+        far: Option<&Bound<'py, PyAny>>,
+        sides: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        rays::occluded(py, self, &Question { origins, directions, near, far, sides })
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<rtrt.Scene of {} objects, {} triangles>", self.objects(), self.triangles())
+    }
+}
+
+/// Linear light from all around.
+fn panorama(source: &Bound<'_, PyAny>) -> PyResult<Panorama> {
+    let Array { shape, values } = floats::<f32>("source", source)?;
+    let [height, width, 3] = shape[..] else {
+        return Err(wrong_shape("source", &shape, "(height, width, 3)"));
+    };
+    let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
+    Ok(Panorama { width: side(width), height: side(height), rgb: values.as_chunks::<3>().0.to_vec() })
+}
+
+/// An exception for what happens to the backend rather than to the arguments.
+pub fn failed(error: impl std::fmt::Display) -> PyErr {
+    PyRuntimeError::new_err(error.to_string())
+}
