@@ -166,10 +166,10 @@ pub fn output<'py, T: Element>(
         return Err(wrong_shape(&format!("out[{name:?}]"), array.shape(), &expected));
     }
     let refused = |why: String| PyValueError::new_err(format!("out[{name:?}]: {why}"));
-    let mut array = array.try_readwrite().map_err(|error| refused(error.to_string()))?;
-    array
-        .as_slice_mut()
-        .map_err(|_| refused("it is not contiguous in the order of rows, or not aligned".into()))?;
+    if !array.is_c_contiguous() || !array.is_aligned() {
+        return Err(refused("it is not contiguous in the order of rows, or not aligned".into()));
+    }
+    let array = array.try_readwrite().map_err(|error| refused(error.to_string()))?;
     Ok(array)
 }
 

@@ -251,6 +251,10 @@ impl Scene {
                 None => pool.install(|| import::load_with(&path, &Parallel, &options)),
             };
             let mut found = Self::of(loaded.map_err(|error| import_error(&error))?);
+            if found.scene.drawn_triangles() == 0 {
+                let why = found.warnings.join("; ");
+                return Err(PyValueError::new_err(format!("nothing to draw: {}: {why}", path.display())));
+            }
             if light {
                 pool.install(|| light_by_default(&mut found.scene)).map_err(refused)?;
             }

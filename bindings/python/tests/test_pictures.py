@@ -1,0 +1,250 @@
+"""Pictures: the bytes of the command, right values, batches, buffers."""
+
+import hashlib
+import json
+import multiprocessing
+import subprocess
+import threading
+
+import numpy as np
+import pytest
+
+import rtrt
+from conftest import same
+
+SIZE = (96, 54)
+ALL = rtrt.AOVS
+
+
+def digest(array):
+    return hashlib.sha256(array.tobytes()).hexdigest()
+
+
+@pytest.mark.parametrize("scene", ["demo:matchbox", "demo:glass", "demo:spheres"])
+def test_hash_is_that_of_the_command(command, scene):
+    report = subprocess.run(
+        [command, "render", scene, "--size", "96x54", "--backend", "cpu", "--hash", "--json"],
+        check=True,
+        capture_output=True,
+    )
+    pixels = rtrt.render(rtrt.Scene.load(scene), size=SIZE)["rgba"]
+    assert digest(pixels) == json.loads(report.stdout)["hash"]
+
+
+def test_camera_and_layers_are_those_of_the_command(command, tmp_path):
+    camera = {"eye": [3, 2, 4], "look_at": [0, 0.5, 0], "fl_x": 90, "cx": 40, "cy": 30}
+    (tmp_path / "cameras.json").write_text(json.dumps({"cameras": [camera]}))
+    subprocess.run(
+        [command, "render", "demo:matchbox", "--size", "96x54", "--cameras", tmp_path / "cameras.json"]
+        + ["--aov", tmp_path / "layers.npz", "-o", tmp_path / "picture.png", "--quiet"],
+        check=True,
+    )
+    expected = np.load(tmp_path / "layers.npz")
+    view = rtrt.Camera(camera["eye"], camera["look_at"], fx=90, cx=40, cy=30)
+    frame = rtrt.render(rtrt.Scene.load("demo:matchbox"), view, SIZE, list(expected.keys()))
+    for name in expected.keys():
+        assert frame[name].tobytes() == expected[name].tobytes(), name
+
+
+def test_kinds_and_shapes(glass):
+    frame = rtrt.render(glass, size=SIZE, aov=ALL)
+    wide = {"rgba": 4, "color": 4, "normal": 3, "albedo": 3, "position": 3, "uv": 2, "barycentrics": 2}
+    for name in ALL:
+        components = (wide[name],) if name in wide else ()
+        assert frame[name].shape == (54, 96) + components
+        kind = {"rgba": "u1", "object": "i4", "material": "i4", "triangle": "i4", "source": "i4"}
+        assert frame[name].dtype == np.dtype(kind.get(name, "f4"))
+    assert np.array_equal(rtrt.render(glass, size=SIZE)["rgba"], frame["rgba"])
+
+
+def test_depth_ids_and_positions_follow_from_arithmetic(square):
+    # 10 pixels a unit at distance 4: the square covers 20 x 20 pixels around the middle.
+    camera = rtrt.Camera((0, 0, 4), (0, 0, 0), fx=40)
+    frame = rtrt.render(square, camera, (64, 48), ALL, samples=1)
+    inside = np.zeros((48, 64), bool)
+    inside[14:34, 22:42] = True
+    assert np.array_equal(frame["object"] == 0, inside)
+    assert np.allclose(frame["depth"][inside], 4, atol=1e-6)
+    ball = frame["object"] == 1
+    assert not ball.any() and np.isinf(frame["depth"][~inside]).all()
+    x = (np.arange(64) + 0.5 - 32) / 10
+    y = (24 - np.arange(48) - 0.5) / 10
+    expected = np.stack(np.broadcast_arrays(x[None, :], y[:, None], np.zeros(1)), -1)
+    assert np.allclose(frame["position"][inside], expected[inside], atol=1e-5)
+    assert np.allclose(frame["normal"][inside], [0, 0, 1], atol=1e-6)
+    assert np.allclose(frame["uv"][inside], (expected[inside][:, :2] * [1, -1] + 1) / 2, atol=1e-5)
+    assert np.array_equal(frame["material"] == 0, inside) and frame["object"].min() == -1
+    assert [entry["node"] for entry in square.labels] == ["square", "ball"]
+    assert square.seen(frame["object"]) == [
+        {"object": 0, "pixels": 400, "box_2d": [22, 14, 42, 34], "box_3d": [[-1, -1, 0], [1, 1, 0]]}
+    ]
+
+
+def test_project_finds_pixels(square):
+    camera = rtrt.Camera((1, 2, 6), (0, 0, 0), fx=70, cx=20, cy=30)
+    frame = rtrt.render(square, camera, (64, 48), ["position", "object"], samples=1)
+    rows, columns = np.nonzero(frame["object"] == 0)
+    places = camera.project(frame["position"][rows, columns], (64, 48))
+    assert np.allclose(places, np.stack([columns + 0.5, rows + 0.5], -1), atol=1e-3)
+    assert np.isnan(camera.project([[1, 2, 7]], (64, 48))).all()
+    assert camera.intrinsics((64, 48)) == pytest.approx((70, 70, 20, 30))
+
+
+def test_matrices_are_cameras(square):
+    placed = rtrt.Camera((1, 2, 6), (0, 1, 0), fov_y=50)
+    turned = placed.matrix @ np.diag([1, -1, -1, 1])
+    frames = [
+        rtrt.render(square, camera, (40, 30), ["object", "depth"])
+        for camera in [
+            placed,
+            rtrt.Camera.from_matrix(placed.matrix, fov_y=50),
+            rtrt.Camera.from_matrix(turned[:3], axes="opencv", fov_y=50),
+        ]
+    ]
+    for frame in frames[1:]:
+        assert np.array_equal(frame["object"], frames[0]["object"])
+        seen = frame["object"] >= 0
+        assert np.allclose(frame["depth"][seen], frames[0]["depth"][seen], rtol=1e-5)
+
+
+def test_a_batch_is_its_pictures(glass):
+    cameras = [glass.framing(SIZE, (np.sin(angle), 0.4, np.cos(angle))) for angle in np.linspace(0, 6, 7)]
+    batch = rtrt.render(glass, cameras, SIZE, ALL)
+    for number, camera in enumerate(cameras):
+        one = rtrt.render(glass, camera, SIZE, ALL)
+        assert same({name: batch[name][number] for name in ALL}, one)
+    assert len({digest(picture) for picture in batch["rgba"]}) == 7
+
+
+def test_threads_lanes_and_backends_change_no_byte(glass):
+    cameras = [glass.framing(SIZE, direction) for direction in [(0, 0.3, 1), (1, 0.3, 0), (-1, 0.5, 0.2)]]
+    options = [{"threads": 1}, {"threads": 5}, {"lanes": 1}, {}]
+    frames = [rtrt.render(glass, cameras, SIZE, ALL, backend=rtrt.Backend("cpu", **how)) for how in options]
+    assert all(same(frame, frames[0]) for frame in frames[1:])
+
+
+def test_a_gpu_changes_no_byte(glass, cpu):
+    try:
+        gpu = rtrt.Backend("gpu")
+    except RuntimeError as error:
+        pytest.skip(str(error))
+    assert gpu.kind == "gpu"
+    for aov in (["rgba"], ALL):
+        assert same(rtrt.render(glass, None, SIZE, aov, backend=gpu), rtrt.render(glass, None, SIZE, aov, backend=cpu))
+
+
+def test_buffers_are_used_again(glass):
+    out = rtrt.render(glass, size=SIZE, aov=["rgba", "depth"])
+    first = {name: (array.ctypes.data, array.copy()) for name, array in out.items()}
+    for array in out.values():
+        array[:] = 7
+    again = rtrt.render(glass, size=SIZE, out=out)
+    assert again is out
+    for name, (address, values) in first.items():
+        assert out[name].ctypes.data == address and np.array_equal(out[name], values)
+    assert set(rtrt.render(glass, None, SIZE, ["object"], out=out)) == {"rgba", "depth", "object"}
+    # A part of a larger array.
+    film = np.zeros((3, 54, 96, 4), np.uint8)
+    rtrt.render(glass, size=SIZE, out={"rgba": film[1]})
+    assert np.array_equal(film[1], out["rgba"]) and not film[0].any() and not film[2].any()
+
+
+def test_transforms_move_what_they_name(square):
+    camera = rtrt.Camera((0, 0, 20), (0, 0, 0), fov_y=50)
+    away = np.tile(np.eye(4), (2, 1, 1))
+    away[0, :3, 3] = (3, 1, 0)
+    away[1, :3, 3] = (-4, -1, 0)
+    square.set_transforms([0, 1], away)
+    moved = rtrt.render(square, camera, (80, 60), ["object"])["object"]
+    assert np.array_equal(square.transforms, away.astype(np.float32))
+    assert moved[30 - 3, 40 + 9] == 0 and moved[30 + 3, 40 - 12] == 1
+    square.hide(1)
+    assert 1 not in rtrt.render(square, camera, (80, 60), ["object"])["object"]
+    square.set_transform(1, away[1][:3])
+    assert np.array_equal(rtrt.render(square, camera, (80, 60), ["object"])["object"], moved)
+
+
+def test_lights_materials_and_backgrounds_count(square):
+    camera = rtrt.Camera((0, 0, 4), (0, 0, 0))
+    color = lambda: rtrt.render(square, camera, (8, 8), ["color"], samples=1)["color"][4, 4, :3]
+    square.ambient = (0, 0, 0)
+    assert np.array_equal(color(), [0, 0, 0])
+    square.lights = [rtrt.Light.sun((0, 0, -1))]
+    white = color()
+    assert (white > 0.9).all() and (white < 1.1).all()
+    square.set_material(0, base_color=(1, 0, 0), specular_strength=0)
+    assert np.allclose(color(), [1, 0, 0], atol=1e-6)
+    texture = square.add_texture(np.full((2, 2, 3), [0, 255, 0], np.uint8))
+    square.set_material(0, base_color=(1, 1, 1), base_color_map=texture)
+    assert np.allclose(color(), [0, 1, 0], atol=1e-6)
+    square.background = None
+    assert rtrt.render(square, camera, (8, 8))["rgba"][0, 0].tolist() == [0, 0, 0, 0]
+    square.background = (1, 1, 1)
+    assert rtrt.render(square, camera, (8, 8))["rgba"][0, 0].tolist() == [255] * 4
+
+
+def test_animations_play():
+    scene = rtrt.Scene.load("demo:moving")
+    assert scene.duration > 0
+    camera = scene.framing(SIZE)
+    pictures = []
+    for time in [0, scene.duration / 3, 0]:
+        scene.play(time)
+        pictures.append(digest(rtrt.render(scene, camera, SIZE)["rgba"]))
+    assert pictures[0] == pictures[2] != pictures[1]
+
+
+def test_files_are_read(tmp_path):
+    path = tmp_path / "one.obj"
+    path.write_text("o corner\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    scene = rtrt.Scene.load(path)
+    assert (scene.objects, scene.triangles, scene.extent) == (1, 1, ([0, 0, 0], [1, 1, 0]))
+    assert scene.lights and not rtrt.Scene.load(path, light=False).lights
+    with pytest.raises(FileNotFoundError, match="none.obj"):
+        rtrt.Scene.load(tmp_path / "none.obj")
+    path.write_bytes(b"\0\1\2")
+    with pytest.raises(ValueError, match="one.obj"):
+        rtrt.Scene.load(path)
+
+
+def test_the_interpreter_is_free_meanwhile(glass):
+    done, counted = threading.Event(), 0
+
+    def work():
+        rtrt.render(glass, size=(640, 480), samples=16)
+        done.set()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    while not done.wait(0.001):
+        counted += 1
+    thread.join()
+    assert counted > 5
+
+
+def test_threads_share_scenes_and_backends(glass):
+    expected, results = rtrt.render(glass, size=SIZE)["rgba"], []
+    threads = [
+        threading.Thread(target=lambda: results.append(rtrt.render(glass, size=SIZE)["rgba"])) for _ in range(6)
+    ]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert len(results) == 6 and all(np.array_equal(result, expected) for result in results)
+
+
+def forked(queue):
+    scene = rtrt.Scene.load("demo:glass")
+    hits = scene.closest((0, 1, 9), (0, 0, -1))
+    queue.put((digest(rtrt.render(scene, size=SIZE)["rgba"]), float(hits["t"])))
+
+
+def test_forked_processes_render(glass):
+    if "fork" not in multiprocessing.get_all_start_methods():
+        pytest.skip("no fork")
+    expected = digest(rtrt.render(glass, size=SIZE)["rgba"]), float(glass.closest((0, 1, 9), (0, 0, -1))["t"])
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    processes = [context.Process(target=forked, args=(queue,)) for _ in range(2)]
+    [process.start() for process in processes]
+    assert [queue.get(timeout=60) for _ in processes] == [expected] * 2
+    [process.join() for process in processes]
