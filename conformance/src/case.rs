@@ -35,6 +35,8 @@ pub struct Case {
     pub exposure: f32,
     /// How light becomes colors.
     pub tone_map: ToneMap,
+    /// Depths of the near and the far plane.
+    pub clip: [f32; 2],
     /// How exactly.
     pub agree: Agree,
     /// Whether the picture is of a single color. Any other picture that is one is red: it
@@ -67,6 +69,7 @@ impl Case {
         layers: LAYERS,
         exposure: 0.0,
         tone_map: ToneMap::None,
+        clip: [0.0, f32::INFINITY],
         agree: Agree::Bits,
         blank: false,
         known: None,
@@ -80,6 +83,7 @@ impl Case {
             .layers(self.layers)
             .exposure(self.exposure)
             .tone_map(self.tone_map)
+            .clip(self.clip[0], self.clip[1])
             .deferred(true)
     }
 }

@@ -201,7 +201,10 @@ fn every_variant_equals_the_oracles_on_random_scenes() {
         let scene = if is_swarm { swarm(&mut random) } else { scene(&mut random) };
         let camera = camera(&mut random);
         let size = if is_swarm { [61, 45] } else { [1 + random.below(40), 1 + random.below(30)] };
+        let (near, far) = (random.within(-2.0, 2.0).max(0.0), random.within(2.0, 12.0));
+        let far = if random.below(4) == 0 { far } else { f32::INFINITY };
         let request = Request::new(&camera, size)
+            .clip(near, far)
             .samples([1, 1, 1, 1, 1, 4, 4, 16][random.below(8) as usize])
             .shadows(shadows(&mut random))
             .layers([1, 2, 3, 8][random.below(4) as usize])

@@ -109,6 +109,9 @@ pub struct Request<'a> {
     /// How linear light becomes a color of the picture. [`ToneMap::None`] unless set: pixels are then
     /// the encoded light, which can be computed with, and light beyond 1 is cut off.
     pub tone_map: ToneMap,
+    /// The depths of a near and a far plane, world units along the view: the camera draws only surfaces between them.
+    /// 0 and infinity unless set. Shadows and reflections know nothing of them.
+    pub clip: [f32; 2],
     /// Whether the picture comes with the deferred buffers. It does not unless set.
     pub deferred: bool,
 }
@@ -124,6 +127,7 @@ impl<'a> Request<'a> {
             layers: LAYERS,
             exposure: 0.0,
             tone_map: ToneMap::None,
+            clip: [0.0, f32::INFINITY],
             deferred: false,
         }
     }
@@ -168,6 +172,13 @@ impl<'a> Request<'a> {
     #[must_use]
     pub const fn tone_map(self, tone_map: ToneMap) -> Self {
         Self { tone_map, ..self }
+    }
+
+    /// The request whose camera draws only what is between planes at these depths: a near one of at least 0, which only a
+    /// frame has to pay for that has one, and a far one, which may be infinitely far.
+    #[must_use]
+    pub const fn clip(self, near: f32, far: f32) -> Self {
+        Self { clip: [near, far], ..self }
     }
 
     /// The request with or without the deferred buffers.

@@ -89,7 +89,7 @@ pub enum Pass {
     /// The surfaces that a rasterizer has drawn, in frames where [`Frame::is_drawn`] is 1. [`Pass::Peel`]
     /// then traces the rays whose pixels identify no surface.
     Pick,
-    /// The closest surface on each ray, in frames without transparency.
+    /// The closest surface on each ray, in frames without transparency and without a near plane.
     Visibility,
     /// Ends the rays that the layers so far cover.
     EndCovered,
@@ -243,8 +243,8 @@ impl Step {
         let is_drawn = is_first && frame.is_drawn == 1;
         match self.pass {
             Pass::Pick => is_drawn,
-            Pass::Visibility => !is_drawn && !frame.has_layers(),
-            Pass::Peel => is_drawn || frame.has_layers(),
+            Pass::Visibility => !is_drawn && !frame.is_peeled(),
+            Pass::Peel => is_drawn || frame.is_peeled(),
             Pass::Detail => frame.details == 1,
             Pass::Occlusion => shadows == ShadowKind::Bits,
             Pass::Transmittance => shadows == ShadowKind::Transmittance,
@@ -282,10 +282,11 @@ mod tests {
             layers: 3 * (number & 1),
             penumbra_window: 24 * (number >> 1 & 1),
             details: number >> 2 & 1,
-            is_drawn: number >> 3,
+            is_drawn: number >> 3 & 1,
+            near: (number >> 4) as f32,
             ..Frame::zeroed()
         };
-        (0..16).map(frame)
+        (0..32).map(frame)
     }
 
     #[test]

@@ -388,6 +388,16 @@ fn cameras_have_the_shape_of_their_picture() {
     let Projection::Perspective { fov_y } = cameras[1].fitted(1.0).projection else { panic!() };
     assert!((fov_y - 2.0 * 2.0_f32.atan()).abs() < 1e-6, "{fov_y}");
     assert_eq!(cameras[1].fitted(2.5), cameras[1].camera);
+    assert_eq!([cameras[0].clip, cameras[1].clip], [[0.0, 9.0], [0.1, f32::INFINITY]]);
+}
+
+#[test]
+fn clip_planes_in_a_wrong_order_are_ignored_with_a_warning() {
+    let members = r#""nodes":[{"camera":0}],
+        "cameras":[{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":2,"zfar":1}}]"#;
+    let loaded = loaded("planes", &[("x.gltf", &gltf(members, &[0; 4]))]);
+    assert_eq!(loaded.cameras[0].clip, [0.0, f32::INFINITY]);
+    assert_eq!(loaded.warnings, ["the clip planes of the camera of node 0 are ignored: 2 and 1"]);
 }
 
 #[test]

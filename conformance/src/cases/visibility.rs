@@ -3,7 +3,7 @@
 use crate::case::{Case, Known, look, parallel};
 use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Quat, Vec3};
-use rtrt_core::scene::{Light, Scene};
+use rtrt_core::scene::{Light, Material, Scene};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -46,6 +46,29 @@ pub(super) const CASES: &[Case] = &[
         claim: "The same for parallel rays.",
         scene: across,
         camera: parallel(3.0, look([0.0, 0.5, 2.0], [0.0; 3])),
+        ..Case::USUAL
+    },
+    Case {
+        name: "visibility/clip_planes",
+        claim: "What is nearer than one plane or beyond another is not seen, and casts its shadow all the same.",
+        scene: clipped,
+        clip: [3.0, 5.0],
+        ..Case::USUAL
+    },
+    Case {
+        name: "visibility/parallel_clip_planes",
+        claim: "The same for parallel rays.",
+        scene: clipped,
+        camera: parallel(3.0, look([0.0, 0.5, 4.0], [0.0; 3])),
+        clip: [3.5, 4.5],
+        ..Case::USUAL
+    },
+    Case {
+        name: "visibility/clip_planes_and_panes",
+        claim: "A pane before the near plane tints nothing.",
+        scene: clipped_panes,
+        clip: [3.0, 5.0],
+        samples: 4,
         ..Case::USUAL
     },
     Case {
@@ -177,6 +200,27 @@ fn across() -> Scene {
         build.instance(cube, Mat4::from_translation(Vec3::new(x, -0.4, 1.0)) * turn * bar);
     }
     build.light(Light::sun([0.3, -1.0, -0.2])).light(Light::point([0.0, 0.4, 2.5])).scene
+}
+
+/// A floor and walls before, between and behind the planes.
+fn clipped() -> Scene {
+    let mut build = Build::default().shape(Shape::floor(30.0, -0.7)).shape(wall(-2.0)).shape(wall(1.5));
+    build = build.shape(wall(0.0).at([0.7, 0.2, 0.3], 0.4)).shape(wall(0.5).at([-0.5, 0.0, 0.0], 0.5));
+    let sphere = Mat4::from_translation(Vec3::new(0.9, -0.4, 0.9)) * Mat4::from_scale(Vec3::splat(0.3));
+    build.scene.add_sphere(build.gray, sphere).expect("room");
+    build.light(Light::point([0.0, 1.0, 3.0])).light(Light::sun([0.3, -1.0, -0.2])).scene
+}
+
+fn clipped_panes() -> Scene {
+    let panes = [1.6, 0.4, -0.5, -1.5];
+    let colors = [[1.0, 0.2, 0.2], [0.2, 1.0, 0.2], [0.2, 0.2, 1.0], [1.0; 3]];
+    let mut build = Build::default().shape(wall(-0.8));
+    for (z, color) in panes.into_iter().zip(colors) {
+        let pane = Material::new(color).blend(0.5).double_sided(true);
+        build =
+            build.shape_of(Shape::quad([-1.0 + 0.3 * z, -1.0, z], [1.2, 0.0, 0.0], [0.0, 1.5, 0.0]), pane);
+    }
+    build.light(Light::point([0.0, 1.0, 3.0])).scene
 }
 
 fn wall(z: f32) -> Shape {

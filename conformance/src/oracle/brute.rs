@@ -119,8 +119,9 @@ impl<'a> Brute<'a> {
         let at = grid.ray(ray);
         if grid.contains(at) {
             let ray = camera_ray(&self.setup.views[Frame::CAMERA as usize], at[0] as f32, at[1] as f32);
-            self.each(&ray, f32::MAX, false, |instance, triangle, found| {
-                if self.is_there(instance, triangle, found) {
+            let Frame { near, far, .. } = self.setup.frame;
+            self.each(&ray, far, false, |instance, triangle, found| {
+                if found.t > near && self.is_there(instance, triangle, found) {
                     all.push(Hit { t: found.t, instance, triangle, u: found.u, v: found.v });
                 }
             });
@@ -202,7 +203,11 @@ impl<'a> Brute<'a> {
             return best;
         }
         let ray = camera_ray(&self.setup.views[Frame::CAMERA as usize], at[0] as f32, at[1] as f32);
-        self.each(&ray, f32::MAX, false, |instance, triangle, &Intersection { t, u, v, .. }| {
+        let Frame { near, far, .. } = self.setup.frame;
+        self.each(&ray, far, false, |instance, triangle, &Intersection { t, u, v, .. }| {
+            if t <= near {
+                return;
+            }
             if t < best.t || (t == best.t && (instance, triangle) < (best.instance, best.triangle)) {
                 best = Hit { t, instance, triangle, u, v };
             }

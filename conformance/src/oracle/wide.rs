@@ -111,7 +111,7 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         let hit = &deferred.hits[index as usize];
         let ray =
             camera_ray(request, dvec2(f64::from(at[0]) + 0.5, f64::from(at[1]) + 0.5) / f64::from(side));
-        let Some(nearest) = nearest(&triangles, &ray) else { continue };
+        let Some(nearest) = nearest(&triangles, &ray, request.clip.map(f64::from)) else { continue };
         judged.judged += 1;
         judge(hit, nearest.as_ref()).map_err(|why| format!("ray {index} at {at:?}: {why}"))?;
         let Some(nearest) = nearest else { continue };
@@ -335,11 +335,18 @@ fn edge_on<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
     })
 }
 
-/// The hit that is certainly the nearest, `Some(None)` where there is certainly none, and
+/// The hit that is certainly the nearest between the planes, `Some(None)` where there is certainly none, and
 /// `None` where that cannot be told.
-fn nearest<'a>(triangles: &'a [Triangle], ray: &Ray) -> Option<Option<Candidate<'a>>> {
-    let mut candidates: Vec<_> = triangles.iter().filter_map(|t| seen(t, ray, false)).collect();
+fn nearest<'a>(triangles: &'a [Triangle], ray: &Ray, [near, far]: [f64; 2]) -> Option<Option<Candidate<'a>>> {
     let earliest = |c: &Candidate<'_>| c.t - c.doubt - MARGIN * c.t.abs();
+    let latest = |c: &Candidate<'_>| c.t + c.doubt + MARGIN * c.t.abs();
+    let between = |c: Candidate<'a>| {
+        let (is_out, is_in) =
+            (latest(&c) <= near || earliest(&c) > far, earliest(&c) > near && latest(&c) <= far);
+        (!is_out).then_some(Candidate { is_safe: c.is_safe && is_in, ..c })
+    };
+    let mut candidates: Vec<_> =
+        triangles.iter().filter_map(|t| seen(t, ray, false)).filter_map(between).collect();
     candidates.sort_by(|a, b| earliest(a).total_cmp(&earliest(b)));
     let mut candidates = candidates.into_iter();
     let Some(first) = candidates.next() else { return Some(None) };

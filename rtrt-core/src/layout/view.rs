@@ -259,12 +259,12 @@ pub struct Frame {
     /// What any of the materials has beyond metallic-roughness (see
     /// [`MaterialRecord`]).
     pub extensions: u32,
+    /// Surfaces at this depth of the camera and nearer are not drawn, world units; 0 for none.
+    pub near: f32,
+    /// Surfaces beyond this depth are not drawn.
+    pub far: f32,
     /// Unused: a uniform block is a multiple of 16 bytes.
     pub unused_0: u32,
-    /// Unused.
-    pub unused_1: u32,
-    /// Unused.
-    pub unused_2: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 160 && offset_of!(Frame, ambient_r) == 48);
 
@@ -342,6 +342,11 @@ impl Frame {
     #[inline(always)]
     pub fn has_layers(&self) -> bool {
         self.layers != 0
+    }
+    /// Whether closest surfaces are found by [`peel`](crate::stage::peel), because some that a ray meets are not drawn.
+    #[inline(always)]
+    pub fn is_peeled(&self) -> bool {
+        self.has_layers() || self.near > 0.0
     }
     /// Whether rays that hit nothing show the environment. Otherwise they have no color and an alpha of 0, and
     /// [`resolve`](crate::stage::resolve) adds the background's color.

@@ -100,6 +100,7 @@ impl Setup {
             layers,
             exposure,
             tone_map,
+            clip: [near, far],
             deferred: _,
         } = *request;
         let side = match samples {
@@ -136,6 +137,9 @@ impl Setup {
         }
         if exposure.is_nan() || exposure.abs() > Self::MAX_STOPS {
             return Err(SetupError::Exposure { stops: exposure });
+        }
+        if !(near >= 0.0 && near < far) {
+            return Err(SetupError::Clip { near, far });
         }
         let lights = scene.lights();
         if lights.len() > Self::MAX_LIGHTS {
@@ -208,6 +212,8 @@ impl Setup {
             backdrop_blur: floored(scene.environment_blur),
             exposure: exp2(exposure),
             tone_map: tone_map as u32,
+            near: floored(near),
+            far: floored(far.min(f32::MAX)),
             ..Frame::zeroed()
         };
         Ok(())
@@ -324,6 +330,12 @@ mod tests {
             projection: Projection::Perspective { fov_y: 1.0 },
         };
         let mut setup = Setup::default();
+        for [near, far] in [[-1.0, 1.0], [f32::NAN, 1.0], [1.0, 1.0], [0.0, f32::NAN], [f32::INFINITY; 2]] {
+            let refused = setup.prepare(&Scene::new(), &Request::new(&camera, [9, 9]).clip(near, far));
+            assert!(matches!(refused, Err(SetupError::Clip { .. })), "{near} {far}");
+        }
+        setup.prepare(&Scene::new(), &Request::new(&camera, [9, 9]).clip(0.5, f32::INFINITY)).unwrap();
+        assert_eq!((setup.frame.near, setup.frame.far), (0.5, f32::MAX));
         let none = setup.prepare(&Scene::new(), &Request::new(&camera, [9, 9]).layers(0));
         assert_eq!(none, Err(SetupError::Layers { layers: 0 }));
         let mut prepare =

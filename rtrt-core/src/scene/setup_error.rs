@@ -63,6 +63,16 @@ pub enum SetupError {
         /// Layers a ray.
         layers: u32,
     },
+    /// A near or far plane that is not usable.
+    #[error(
+        "planes at depths of {near} and {far}: the near one must be 0 or more, and the far one beyond it"
+    )]
+    Clip {
+        /// Depth of the near plane.
+        near: f32,
+        /// Depth of the far plane.
+        far: f32,
+    },
     /// A number of the environment that is not usable.
     #[error("the {what} of the environment is {value}, which is not within {low} ..= {high}")]
     Environment {

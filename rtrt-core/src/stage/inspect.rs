@@ -8,7 +8,7 @@ use crate::kernel::packet::PacketHits;
 use crate::kernel::ray::Ray;
 use crate::kernel::triangle::Intersection;
 use crate::lane::V3;
-use crate::layout::{Hit, Instance};
+use crate::layout::{Frame, Hit, Instance};
 use crate::stage::context::Context;
 use crate::stage::visibility::trace;
 
@@ -35,10 +35,11 @@ pub struct Inspection {
 pub fn inspect(context: &Context<'_>, block: u32, ray: &Ray<f32>) -> Inspection {
     let [first, last] = context.lists.range(block);
     let instance = |entry| &context.geometry.instances[context.lists.entry(entry).instance as usize];
-    let mut hits = PacketHits::new([ClosestHit::none(f32::MAX)]);
-    let mut filters = [Counting::default()];
+    let Frame { near, far, .. } = *context.frame;
+    let mut hits = PacketHits::new([ClosestHit::none(far)]);
+    let mut filters = [Counting { near, instances: 0, nodes: 0, triangles: 0 }];
     trace(context, block, &[*ray], &mut hits, &mut filters);
-    let [Counting { instances, nodes, triangles }] = filters;
+    let [Counting { instances, nodes, triangles, .. }] = filters;
     Inspection {
         entries: last - first,
         tested: instances,
@@ -50,8 +51,10 @@ pub fn inspect(context: &Context<'_>, block: u32, ray: &Ray<f32>) -> Inspection 
 }
 
 /// [`Closest`], counting.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Counting {
+    /// Hits up to here do not count, as those before the near plane.
+    near: f32,
     /// Boxes of instances.
     instances: u32,
     /// Boxes of nodes.
@@ -79,7 +82,8 @@ impl HitFilter<f32> for Counting {
         closest: &mut ClosestHit<f32>,
     ) -> bool {
         self.triangles += 1;
-        Closest.accept(geometry, instance, triangle, intersection, closest)
+        let seen = Intersection { mask: intersection.mask && intersection.t > self.near, ..*intersection };
+        Closest.accept(geometry, instance, triangle, &seen, closest)
     }
 }
 
@@ -94,7 +98,7 @@ fn hits_sphere(ray: &Ray<f32>, instance: &Instance) -> bool {
 mod tests {
     use super::*;
     use crate::kernel::lists::BlockLists;
-    use crate::layout::{Attribute, Frame, NONE};
+    use crate::layout::{Attribute, NONE};
     use crate::scene::{Bvh, Material, Mesh, Scene, Sequential};
     use bytemuck::Zeroable;
     use std::vec;
@@ -110,7 +114,8 @@ mod tests {
             magnitude: 1.0,
         };
         let lists = BlockLists { data: &[0, 1, 0, 0], blocks: 1 };
-        let context = Context { frame: &Frame::zeroed(), views: &[], lists, geometry };
+        let frame = Frame { far: f32::MAX, ..Frame::zeroed() };
+        let context = Context { frame: &frame, views: &[], lists, geometry };
         inspect(&context, 0, &Ray::new(V3::splat((), from), V3::splat((), [0.0, 0.0, -1.0])))
     }
 

@@ -68,7 +68,8 @@ impl<L: Lane> HitFilter<L> for BehindLast<L> {
 }
 
 /// The closest hits behind the `last` ones of the rays numbered from `first` on, all in one block. A ray
-/// that has hit nothing is not traced; one whose last `t` is 0 has not been traced yet.
+/// that has hit nothing is not traced; one whose last `t` is 0 has not been traced yet, and starts behind the frame's
+/// near plane. The `t` of a camera's ray is the depth of planes.
 #[inline(always)]
 pub fn peel<L: Lane, const G: usize>(
     token: L::Token,
@@ -87,7 +88,16 @@ pub fn peel<L: Lane, const G: usize>(
     );
     let mut filters: [BehindLast<L>; G] = groups(
         #[inline(always)]
-        |g| BehindLast { t: last[g].t, instance: last[g].instance },
+        |g| {
+            let ClosestHit { t, instance, .. } = last[g];
+            let is_new = t.le(t.broadcast(0.0));
+            // No instance has this number, and none is behind it in the order of equals.
+            let plane = instance.broadcast(NONE - 1);
+            BehindLast {
+                t: is_new.select(t.broadcast(frame.near), t),
+                instance: is_new.select(plane, instance),
+            }
+        },
     );
     let mut hits = PacketHits::new(closest);
     let rays: [Ray<L>; G] = rays::<L, G>(token, frame, camera, first);
@@ -196,6 +206,7 @@ mod tests {
     use crate::layout::{Hit, MaterialRecord};
     use crate::scene::{Material, Scene};
     use crate::stage::fixture::{Prepared, add_square, square_at};
+    use crate::stage::visibility::visibility;
     use bytemuck::Zeroable;
     use std::vec::Vec;
 
@@ -217,6 +228,30 @@ mod tests {
         assert_eq!(layers, [1, 2, 0, NONE]);
         // Nothing follows a miss.
         assert_eq!(peel::<f32, 1>((), &prepared.context(), ray, &last)[0].t, -1.0);
+    }
+
+    #[test]
+    fn planes_hide_what_is_before_and_beyond_them() {
+        // The camera of the fixture looks along −z: squares at these depths.
+        let scene = || {
+            let mut scene = Scene::new();
+            for z in [1.0, 0.0, -1.0, -2.0] {
+                add_square(&mut scene, Material::default(), square_at(4.0, [0.0, 0.0, z]));
+            }
+            scene
+        };
+        let nearest = Prepared::new(scene(), |request| request);
+        let ray = nearest.frame().grid().index([8, 8]);
+        let depth = visibility::<f32, 1>((), &nearest.context(), ray)[0].t;
+        let seen = |near: f32, far: f32| {
+            let prepared = Prepared::new(scene(), |request| request.clip(depth + near, depth + far));
+            let none = [ClosestHit::new(&Hit::zeroed())];
+            peel::<f32, 1>((), &prepared.context(), ray, &none)[0].rows().hit(0).instance
+        };
+        assert_eq!([seen(-0.5, 9.0), seen(0.5, 9.0), seen(1.5, 9.0), seen(2.5, 9.0)], [0, 1, 2, 3]);
+        assert_eq!([seen(-0.5, -0.25), seen(0.25, 0.75), seen(3.5, f32::INFINITY)], [NONE; 3]);
+        // What lies in the far plane is seen, and what lies in the near one is not.
+        assert_eq!([seen(0.0, 1.0), seen(0.0, 0.5)], [1, NONE]);
     }
 
     #[test]

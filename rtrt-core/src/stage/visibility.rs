@@ -99,8 +99,8 @@ pub fn visibility<L: Lane, const G: usize>(
     hits.closest
 }
 
-/// No hits yet, of the rays numbered from `first` on, all in one block. A ray outside the frame is not
-/// traced.
+/// No hits yet, of the rays numbered from `first` on, all in one block, up to the frame's far plane. A ray outside the
+/// frame is not traced.
 #[inline(always)]
 pub(crate) fn unfound<L: Lane, const G: usize>(
     token: L::Token,
@@ -115,7 +115,7 @@ pub(crate) fn unfound<L: Lane, const G: usize>(
             let [x, y] = places::<L>(token, corner, inside + (group * L::WIDTH) as u32);
             let [width, height] = grid.rays_across();
             let is_inside = x.lt(x.broadcast(width as f32)) & y.lt(y.broadcast(height as f32));
-            let limit = is_inside.select(x.broadcast(f32::MAX), x.broadcast(-1.0));
+            let limit = is_inside.select(x.broadcast(frame.far), x.broadcast(-1.0));
             ClosestHit::none(limit)
         },
     )
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn rays_outside_the_frame_are_not_traced() {
-        let frame = Frame { width: 5, height: 3, side: 1, ..bytemuck::Zeroable::zeroed() };
+        let frame = Frame { width: 5, height: 3, side: 1, far: 9.0, ..bytemuck::Zeroable::zeroed() };
         let limit = |number: u32| unfound::<f32, 1>((), &frame, RayIndex(number))[0].t;
         let inside = (0..256).filter(|&number| limit(number) > 0.0).count();
         assert_eq!((inside, limit(255)), (15, -1.0));

@@ -35,6 +35,8 @@ pub struct RenderJob {
     /// The exposure, stops.
     pub exposure: f32,
     pub tone_map: ToneMap,
+    /// The depths of the near and the far plane.
+    pub clip: [f32; 2],
     /// The number of rays from the camera.
     pub rays: u64,
     /// Milliseconds, of [`Self::load_ms`].
@@ -84,6 +86,7 @@ impl RenderJob {
         choose_animation(common, &mut loaded, time.is_some(), console)?;
         let camera_number = camera_number(common, &loaded.cameras)?;
         let camera = camera(common, &mut loaded, camera_number, time.is_some())?;
+        let clip = clip(&common.camera, loaded.cameras.get(camera_number));
         let Loaded { mut scene, cameras, labels, animation, files, bvh_build_ms, .. } = loaded;
         let own_lights = common.lights.is_empty() && !scene.lights().is_empty();
         if !common.lights.is_empty() {
@@ -130,6 +133,7 @@ impl RenderJob {
                 Exposure::Auto => 0.0,
             },
             tone_map: common.tone_map,
+            clip,
             surrounded,
             animation,
             cameras,
@@ -163,7 +167,9 @@ impl RenderJob {
 
     /// Takes the chosen camera of the file as it is now.
     fn aim(&mut self) {
-        if let Some(named) = self.camera_number.and_then(|number| self.cameras.get(number)) {
+        let named = self.camera_number.and_then(|number| self.cameras.get(number));
+        self.clip = clip(&self.common.camera, named);
+        if let Some(named) = named {
             self.camera = changed(named.fitted(aspect(self.size)), &self.common.camera, &self.scene);
         }
     }
@@ -178,7 +184,10 @@ impl RenderJob {
                 self.camera_number = Some(number);
                 self.aim();
             }
-            Viewpoint::Camera(camera) => (self.camera_number, self.camera) = (None, camera),
+            Viewpoint::Camera(camera) => {
+                (self.camera_number, self.camera) = (None, camera);
+                self.aim();
+            }
         }
         Ok(())
     }
@@ -217,6 +226,7 @@ impl RenderJob {
             .layers(self.layers)
             .exposure(self.exposure)
             .tone_map(self.tone_map)
+            .clip(self.clip[0], self.clip[1])
             .deferred(deferred)
     }
 
@@ -397,6 +407,14 @@ fn camera(common: &Common, loaded: &mut Loaded, number: usize, plays: bool) -> R
         },
     };
     Ok(changed(chosen, options, &loaded.scene))
+}
+
+/// The depths of the planes before and beyond which nothing is drawn: those of the options, else those of the file's
+/// camera where the options do not move it.
+fn clip(options: &CameraOptions, named: Option<&NamedCamera>) -> [f32; 2] {
+    let own = named.filter(|_| options.eye.is_none() && options.look_at.is_none());
+    let [near, far] = own.map_or([0.0, f32::INFINITY], |named| named.clip);
+    [options.near.unwrap_or(near), options.far.unwrap_or(far)]
 }
 
 /// Width / height.

@@ -3,7 +3,7 @@
 #[cfg(feature = "viewer")]
 use super::parse::png;
 use super::parse::{
-    Background, Environment, EnvironmentSun, Exposure, Stream, angle, background, choice, encoding,
+    Background, Environment, EnvironmentSun, Exposure, Stream, angle, background, choice, depth, encoding,
     environment, environment_sun, exposure, height, intensity, json, layers, light, mip, occluders, one_of,
     part, picture, radius, rate, seconds, shadows, size, structure, tone, tone_map, turn, vector, view,
 };
@@ -322,6 +322,13 @@ pub struct CameraOptions {
     /// Use parallel rays and a picture of this height, world units
     #[arg(long, value_name = "HEIGHT", value_parser = height, conflicts_with = "fov_y", allow_negative_numbers = true)]
     pub parallel: Option<f32>,
+    /// Do not draw what is nearer than this along the view, world units. The default is that of the file's camera, unless
+    /// --eye or --look-at moves it
+    #[arg(long, value_name = "DEPTH", value_parser = depth, allow_negative_numbers = true)]
+    pub near: Option<f32>,
+    /// Do not draw what is farther than this along the view; inf for no limit. The default is as for --near
+    #[arg(long, value_name = "DEPTH|inf", value_parser = depth, allow_negative_numbers = true)]
+    pub far: Option<f32>,
 }
 
 /// The backend.

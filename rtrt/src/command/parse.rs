@@ -218,6 +218,11 @@ pub fn height(text: &str) -> Result<f32, &'static str> {
     height.ok_or("not a finite number above 0")
 }
 
+/// World units, 0 or more, or infinitely many.
+pub fn depth(text: &str) -> Result<f32, &'static str> {
+    text.parse().ok().filter(|depth: &f32| *depth >= 0.0).ok_or("not a number of 0 or more")
+}
+
 /// Seconds, 0 or more.
 pub fn seconds(text: &str) -> Result<f64, &'static str> {
     text.parse().ok().filter(|time: &f64| time.is_finite() && *time >= 0.0).ok_or("not a number of 0 or more")

@@ -12,7 +12,7 @@ use std::path::Path;
 pub(super) fn loaded(scene: Scene, name: &str, camera: Camera, bvh_build_ms: f64) -> Loaded {
     Loaded {
         scene,
-        cameras: vec![NamedCamera { name: name.into(), camera, aspect: None }],
+        cameras: vec![NamedCamera { name: name.into(), camera, aspect: None, clip: [0.0, f32::INFINITY] }],
         camera,
         labels: Vec::new(),
         animation: None,

@@ -13,6 +13,8 @@ pub struct NamedCamera {
     pub camera: Camera,
     /// The shape of the picture that the camera is made for, width / height, if the file has one.
     pub aspect: Option<f32>,
+    /// The depths of its near and its far plane, world units (see [`Request::clip`](rtrt_core::backend::Request::clip)).
+    pub clip: [f32; 2],
 }
 
 impl NamedCamera {
@@ -25,7 +27,7 @@ impl NamedCamera {
     /// # use glam::Vec3;
     /// # let (eye, look_at, up) = (Vec3::Z, Vec3::ZERO, Vec3::Y);
     /// let camera = Camera { eye, look_at, up, projection: Projection::Orthographic { height: 2.0 } };
-    /// let wide = NamedCamera { name: "wide".into(), camera, aspect: Some(3.0) };
+    /// let wide = NamedCamera { name: "wide".into(), camera, aspect: Some(3.0), clip: [0.0, 9.0] };
     /// assert_eq!(wide.fitted(1.5).projection, Projection::Orthographic { height: 4.0 });
     /// assert_eq!(wide.fitted(6.0).projection, camera.projection);
     /// ```

@@ -43,6 +43,25 @@ fn a_camera_is_chosen_by_its_name_or_number() {
     assert!(said.contains(r#"there is no camera Mian, the scene has 0 ("Main"), 1 ("Side view")"#), "{said}");
 }
 
+#[test]
+fn what_is_outside_of_clip_planes_is_not_drawn() {
+    let folder = folder("clip_planes");
+    // The square is at depth 2 of the first camera, and at 4 of the second one.
+    let text = fs::read_to_string(folder.0.join("square.gltf")).unwrap();
+    let [near, far] = [r#""znear":3"#, r#""znear":0.1,"zfar":1.5"#].map(|planes| {
+        let planes = text.replacen(r#""znear":0.1"#, planes, 1);
+        fs::write(folder.0.join("planes.gltf"), &planes).unwrap();
+        let line = format!("render planes.gltf {LINE} --background 0,0,0 --hash");
+        let hash = |options: &str| pixels(&stdout(&folder.run(&format!("{line} {options}"))));
+        let [clipped, moved, other] = ["", "--eye 0,0,2 --look-at 0,0,0", "--camera 1"].map(hash);
+        assert!(clipped != moved && clipped != other, "{planes}");
+        assert_eq!(hash("--near 0 --far inf"), moved, "the options come first");
+        assert_eq!(hash("--camera 1 --near 4.5"), clipped, "an empty picture");
+        clipped
+    });
+    assert_eq!(near, far);
+}
+
 /// The first line of each picture's hashes.
 fn pixels(hashes: &str) -> Vec<String> {
     hashes.lines().filter_map(|line| line.strip_suffix("  pixels")).map(str::to_owned).collect()

@@ -64,7 +64,7 @@ impl EnvironmentShot {
 
 /// Options of `rtrt view` that are not passed on: they do not affect the picture, or [`command`] gives their
 /// current values.
-const OWN: [&str; 36] = [
+const OWN: [&str; 38] = [
     "output",
     "fps",
     "watch",
@@ -101,6 +101,8 @@ const OWN: [&str; 36] = [
     "up",
     "fov_y",
     "parallel",
+    "near",
+    "far",
 ];
 
 /// The options of a command line that affect the picture and that the viewer does not change.
@@ -214,6 +216,13 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
         // No file and no option of the viewer makes one.
         Projection::OffCenter { .. } => {}
     }
+    let [near, far] = request.clip;
+    if near > 0.0 {
+        option(format_args!("--near {near}"));
+    }
+    if far < f32::INFINITY {
+        option(format_args!("--far {far}"));
+    }
     if shot.hybrid {
         // The CPU has no hybrid frames.
         option(format_args!("--hybrid --backend gpu"));
@@ -298,6 +307,7 @@ mod tests {
             let camera = Camera { eye, look_at: -eye, up: eye + 1.0, projection };
             let request =
                 Request::new(&camera, [123, 45]).samples(16).shadows(Shadows::Off).layers(3).deferred(true);
+            let request = if place % 2 == 0 { request.clip(0.1, 1e30) } else { request };
             let debug = Some(DebugView::Heat);
             let shot = Shot {
                 common: &common,
@@ -311,7 +321,9 @@ mod tests {
                 environment: None,
             };
             let read = options(&command(&shot, Path::new("out.png")));
-            let CameraOptions { eye, look_at, up, .. } = read.common.camera;
+            let planes = if place % 2 == 0 { [Some(0.1), Some(1e30)] } else { [None; 2] };
+            let CameraOptions { eye, look_at, up, near, far, .. } = read.common.camera;
+            assert_eq!([near, far], planes);
             assert_eq!((eye, look_at, up), (Some(camera.eye), Some(camera.look_at), Some(camera.up)));
             match projection {
                 Projection::Perspective { fov_y } => assert_eq!(read.common.camera.fov_y, Some(fov_y)),

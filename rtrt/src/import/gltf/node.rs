@@ -141,10 +141,17 @@ impl<J: Join> Import<'_, '_, J> {
             match projection.and_then(|projection| animation::camera(projection, to_world)) {
                 Some(camera) => {
                     placed.camera = projection.map(|projection| (self.cameras.len(), projection));
+                    let clip = clip(source).unwrap_or_else(|[near, far]| {
+                        let why =
+                            format!("the clip planes of the camera of {name} are ignored: {near} and {far}");
+                        self.builder.warn(why);
+                        [0.0, f32::INFINITY]
+                    });
                     self.cameras.push(NamedCamera {
                         name: source.name.clone().or(node.name.clone()).unwrap_or_default(),
                         camera,
                         aspect: aspect(source),
+                        clip,
                     });
                 }
                 None => {
@@ -220,6 +227,18 @@ fn aspect(source: &camera::Camera) -> Option<f32> {
         Checked::Invalid => return None,
     };
     (aspect > 0.0 && aspect.is_finite()).then_some(aspect)
+}
+
+/// The depths of a camera's clip planes; an error with those that no camera has.
+fn clip(source: &camera::Camera) -> Result<[f32; 2], [f32; 2]> {
+    let perspective = source.perspective.as_ref().map(|p| [p.znear, p.zfar.unwrap_or(f32::INFINITY)]);
+    let orthographic = source.orthographic.as_ref().map(|o| [o.znear, o.zfar]);
+    let planes = match source.type_ {
+        Checked::Valid(camera::Type::Orthographic) => orthographic,
+        _ => perspective,
+    };
+    let [near, far] = planes.unwrap_or([0.0, f32::INFINITY]);
+    if near >= 0.0 && near < far { Ok([near, far]) } else { Err([near, far]) }
 }
 
 /// The projection of a camera; none if the file does not say.
