@@ -395,7 +395,8 @@ fn cameras_have_the_shape_of_their_picture() {
 fn clip_planes_in_a_wrong_order_are_ignored_with_a_warning() {
     let members = r#""nodes":[{"camera":0}],
         "cameras":[{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":2,"zfar":1}}]"#;
-    let loaded = loaded("planes", &[("x.gltf", &gltf(members, &[0; 4]))]);
+    let path = folder("planes", &[("x.gltf", &gltf(members, &[0; 4]))]).join("x.gltf");
+    let loaded = load(&path, &Sequential).unwrap();
     assert_eq!(loaded.cameras[0].clip, [0.0, f32::INFINITY]);
     assert_eq!(loaded.warnings, ["the clip planes of the camera of node 0 are ignored: 2 and 1"]);
 }
