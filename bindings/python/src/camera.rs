@@ -91,7 +91,10 @@ impl Camera {
     }
 
     fn new(camera: CoreCamera, lens: Option<Lens>) -> Self {
-        Self { named: NamedCamera { name: String::new(), camera, aspect: None }, lens }
+        Self {
+            named: NamedCamera { name: String::new(), camera, aspect: None, clip: [0.0, f32::INFINITY] },
+            lens,
+        }
     }
 
     /// The camera for a picture of this size.

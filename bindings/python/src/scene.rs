@@ -604,7 +604,7 @@ impl Scene {
             None => framing(&self.scene, aspect),
             Some(direction) => framing_from(&self.scene, aspect, vector("direction", direction)?.into()),
         };
-        Ok(Camera::of(NamedCamera { name: String::new(), camera, aspect: None }))
+        Ok(Camera::of(NamedCamera { name: String::new(), camera, aspect: None, clip: [0.0, f32::INFINITY] }))
     }
 
     /// What is known of each object: a list of dicts with its number `object`, its `node`, `mesh` and `material` as the file
