@@ -1,5 +1,6 @@
 //! The deferred buffers of a frame as layers of pixels, for compositing and inspection.
 
+use glam::DVec3;
 use rtrt_core::backend::{Deferred, Picture, Request};
 use rtrt_core::grid::Grid;
 use rtrt_core::kernel::texture::Maps;
@@ -81,6 +82,17 @@ impl Layers {
             uv: pixels.all(Pixels::uv),
             shadow: pixels.all(Pixels::shadow),
         })
+    }
+
+    /// The layers with positions that are not relative to this origin (of an imported scene, say).
+    /// Far from it single precision rounds them; depth and pose are more precise.
+    #[must_use]
+    pub fn moved(mut self, origin: DVec3) -> Self {
+        for (position, _) in self.position.iter_mut().zip(&self.object).filter(|(_, object)| **object != NONE)
+        {
+            *position = (origin + DVec3::from(position.map(f64::from))).as_vec3().to_array();
+        }
+        self
     }
 
     /// The color with 16 bits per channel: exposed and tone mapped as the request says, in front of the

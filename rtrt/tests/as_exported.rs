@@ -401,6 +401,85 @@ fn clip_planes_in_a_wrong_order_are_ignored_with_a_warning() {
     assert_eq!(loaded.warnings, ["the clip planes of the camera of node 0 are ignored: 2 and 1"]);
 }
 
+/// A square on two nodes, a lamp and a camera, under a node at this place.
+fn under_a_node(place: [f64; 3]) -> Vec<u8> {
+    let members = format!(
+        r#""extensionsUsed":["KHR_lights_punctual"],"extensions":{{"KHR_lights_punctual":{{"lights":[
+        {{"type":"point","intensity":30}}]}}}},"scenes":[{{"nodes":[0]}}],
+        "nodes":[{{"translation":{place:?},"children":[1,2,3,4,5]}},{{"mesh":0}},
+        {{"mesh":0,"translation":[0.3,0.1,0.4],"scale":[0.2,0.3,1]}},{{"camera":0,"translation":[0.7,0.2,3]}},
+        {{"translation":[1.3,0.9,2.1],"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}},
+        {{"mesh":0,"translation":[-0.4,0,0.2],"scale":[0.1,0.1,0.1],"rotation":[0.6,0,0,0.8]}}],
+        "cameras":[{{"type":"perspective","perspective":{{"yfov":0.9,"znear":0.01}}}}],
+        "materials":[{{"doubleSided":true}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":6,
+        "min":[-1,-1,0],"max":[1,1,0]}}],"bufferViews":[{{"buffer":0,"byteLength":72}}]"#
+    );
+    gltf(&members, &floats(&CORNERS))
+}
+
+#[test]
+fn what_is_far_from_the_origin_is_drawn_as_if_it_were_near() {
+    let pictures = [[0.0; 3], [6e6, 0.0, -4e6], [-6_000_000.5, 3e5, 1e7]].map(|place| {
+        let loaded = loaded(&format!("far-{}", place[0]), &[("x.gltf", &under_a_node(place))]);
+        // All of the scene is within a few units of that place.
+        assert!((loaded.origin - glam::DVec3::from(place)).abs().max_element() < 2.1, "{}", loaded.origin);
+        let request = Request::new(&loaded.cameras[0].camera, [48, 32]).shadows(Shadows::Hard);
+        let mut picture = Picture::default();
+        let mut cpu = Cpu::new(Options { lanes: Some(1), threads: Some(1) }).unwrap();
+        cpu.render(&loaded.scene, &request, &mut picture).unwrap();
+        picture.pixels
+    });
+    let colors: std::collections::BTreeSet<_> = pictures[0].iter().collect();
+    assert!(colors.len() > 100, "{} colors", colors.len());
+    for far in &pictures[1..] {
+        let differs = far.iter().zip(&pictures[0]).filter(|(far, near)| far != near).count();
+        assert!(differs * 100 <= far.len(), "{differs} of {}", far.len());
+    }
+}
+
+#[test]
+fn digits_of_far_vertices_count() {
+    let corners = [[0.1, 0.2, 0.0], [1.3, 0.0, 0.0], [0.0, 1.7, 0.4]];
+    let origin = glam::DVec3::new(6e6, 0.0, -4e6);
+    let text = |far: glam::DVec3, line: &dyn Fn([f64; 3]) -> String| -> String {
+        corners.iter().map(|corner| line((glam::DVec3::from(*corner) + far).into())).collect()
+    };
+    let obj = |far| format!("{}f 1 2 3\n", text(far, &|[x, y, z]| format!("v {x} {y} {z}\n")));
+    let ply = |far| {
+        let kinds = "property double x\nproperty double y\nproperty double z\n";
+        let faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+        let vertices = text(far, &|[x, y, z]| format!("{x} {y} {z}\n"));
+        format!("ply\nformat ascii 1.0\nelement vertex 3\n{kinds}{faces}{vertices}3 0 1 2\n")
+    };
+    for (name, write) in [("x.obj", &obj as &dyn Fn(glam::DVec3) -> String), ("x.ply", &ply)] {
+        let [near, far] =
+            [glam::DVec3::ZERO, origin].map(|far| loaded("digits", &[(name, write(far).as_bytes())]));
+        assert_eq!([near.origin, far.origin], [glam::DVec3::ZERO, origin], "{name}");
+        for (near, far) in near.scene.positions().iter().zip(far.scene.positions()) {
+            let apart = (Vec3::from(*near) - Vec3::from(*far)).abs().max_element();
+            // 2⁻³⁰ is double precision at 6,000,000.
+            assert!(apart < 3e-8 + 1.0 / 1_073_741_824.0, "{name}: {near:?} {far:?}");
+        }
+    }
+}
+
+#[test]
+fn coarse_vertices_are_named() {
+    let far: Vec<f32> = (0..18).map(|i| CORNERS[i] + if i % 3 == 0 { 6e6 } else { 0.0 }).collect();
+    let members = r#""nodes":[{"mesh":0}],"meshes":[{"name":"m","primitives":[{"attributes":{"POSITION":0}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":6}],
+        "bufferViews":[{"buffer":0,"byteLength":72}]"#;
+    let file = gltf(members, &floats(&far));
+    let path = folder("coarse", &[("x.gltf", &file)]).join("x.gltf");
+    let warnings = load(&path, &Sequential).unwrap().warnings;
+    assert!(
+        warnings.iter().any(|line| line.contains("numbers are 0.5 apart, 1/4 of its size")),
+        "{warnings:?}"
+    );
+}
+
 #[test]
 fn specular_glossiness_has_a_diffuse_color_and_a_highlight() {
     let members = r#""extensionsUsed":["KHR_materials_pbrSpecularGlossiness"],"nodes":[{"mesh":0}],

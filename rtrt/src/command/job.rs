@@ -8,6 +8,7 @@ use super::report::Machine;
 use super::stream;
 use super::surroundings::{Surrounded, surrounded};
 use super::views::{View, Viewpoint};
+use glam::DVec3;
 use rtrt::cache::Cache;
 use rtrt::choose::{self, ChooseError, Chosen, choose};
 use rtrt::debug::{DebugImage, DebugView, show};
@@ -26,6 +27,8 @@ const MAX_RAYS: u64 = 1 << 31;
 /// A scene with a camera and settings.
 pub struct RenderJob {
     pub scene: Scene,
+    /// What the scene's coordinates are relative to, in those of the file.
+    pub origin: DVec3,
     pub camera: Camera,
     pub size: [u32; 2],
     pub samples: u32,
@@ -87,10 +90,10 @@ impl RenderJob {
         let camera_number = camera_number(common, &loaded.cameras)?;
         let camera = camera(common, &mut loaded, camera_number, time.is_some())?;
         let clip = clip(&common.camera, loaded.cameras.get(camera_number));
-        let Loaded { mut scene, cameras, labels, animation, files, bvh_build_ms, .. } = loaded;
+        let Loaded { mut scene, origin, cameras, labels, animation, files, bvh_build_ms, .. } = loaded;
         let own_lights = common.lights.is_empty() && !scene.lights().is_empty();
         if !common.lights.is_empty() {
-            scene.lights_mut().clone_from(&common.lights);
+            *scene.lights_mut() = common.lights.iter().map(|light| light.relative_to(origin)).collect();
         }
         if let Some(size) = common.light_radius {
             for light in scene.lights_mut() {
@@ -119,6 +122,7 @@ impl RenderJob {
         show_lights(&mut scene, common)?;
         let mut job = Self {
             scene,
+            origin,
             camera,
             size: common.size,
             samples,
@@ -170,7 +174,8 @@ impl RenderJob {
         let named = self.camera_number.and_then(|number| self.cameras.get(number));
         self.clip = clip(&self.common.camera, named);
         if let Some(named) = named {
-            self.camera = changed(named.fitted(aspect(self.size)), &self.common.camera, &self.scene);
+            let options = &self.common.camera;
+            self.camera = changed(named.fitted(aspect(self.size)), options, &self.scene, self.origin);
         }
     }
 
@@ -406,7 +411,7 @@ fn camera(common: &Common, loaded: &mut Loaded, number: usize, plays: bool) -> R
             None => import::framing(&loaded.scene, aspect),
         },
     };
-    Ok(changed(chosen, options, &loaded.scene))
+    Ok(changed(chosen, options, &loaded.scene, loaded.origin))
 }
 
 /// The depths of the planes before and beyond which nothing is drawn: those of the options, else those of the file's
@@ -422,14 +427,14 @@ fn aspect(size: [u32; 2]) -> f32 {
     size[0] as f32 / size[1] as f32
 }
 
-/// The camera with the values of the options.
-fn changed(camera: Camera, options: &CameraOptions, scene: &Scene) -> Camera {
+/// The camera with the values of the options. The scene's coordinates are relative to this origin.
+fn changed(camera: Camera, options: &CameraOptions, scene: &Scene, origin: DVec3) -> Camera {
+    let [eye, look_at] =
+        [options.eye, options.look_at].map(|point| point.map(|point| (point - origin).as_vec3()));
     let middle = || scene.extent().map_or(camera.look_at, |(low, high)| low * 0.5 + high * 0.5);
     Camera {
-        eye: options.eye.unwrap_or(camera.eye),
-        look_at: options
-            .look_at
-            .unwrap_or_else(|| if options.eye.is_some() { middle() } else { camera.look_at }),
+        eye: eye.unwrap_or(camera.eye),
+        look_at: look_at.unwrap_or_else(|| if eye.is_some() { middle() } else { camera.look_at }),
         up: options.up.unwrap_or(camera.up),
         projection: match (options.fov_y, options.parallel) {
             (Some(fov_y), _) => Projection::Perspective { fov_y },

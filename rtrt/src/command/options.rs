@@ -3,17 +3,18 @@
 #[cfg(feature = "viewer")]
 use super::parse::png;
 use super::parse::{
-    Background, Environment, EnvironmentSun, Exposure, Stream, angle, background, choice, depth, encoding,
-    environment, environment_sun, exposure, height, intensity, json, layers, light, mip, occluders, one_of,
-    part, picture, radius, rate, seconds, shadows, size, structure, tone, tone_map, turn, vector, view,
+    Background, Environment, EnvironmentSun, Exposure, GivenLight, Stream, angle, background, choice, depth,
+    encoding, environment, environment_sun, exposure, given_light, height, intensity, json, layers, mip,
+    occluders, one_of, part, picture, point_of_file, radius, rate, seconds, shadows, size, structure, tone,
+    tone_map, turn, vector, view,
 };
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rtrt::choose::{self, Choice};
 use rtrt::debug;
 use rtrt_core::backend::{LAYERS, Shadows, ToneMap};
-use rtrt_core::scene::{Light, Mip, Occluders, Setup, Structure};
+use rtrt_core::scene::{Mip, Occluders, Setup, Structure};
 use std::path::PathBuf;
 
 /// Options of `rtrt render`.
@@ -199,8 +200,8 @@ pub struct Common {
     /// for a sun; without it white is white at a distance of 1), reach=r (no light beyond), fade=linear (to
     /// 0 at the reach, or not at all, in place of the square of the distance) and inner=degrees (full
     /// brightness within this angle of a spot light), as in point:0,3,0:0.5:color=30,18,6:reach=20
-    #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = light)]
-    pub lights: Vec<Light>,
+    #[arg(long = "light", value_name = "KIND:X,Y,Z", value_parser = given_light)]
+    pub lights: Vec<GivenLight>,
     /// Ambient light, linear; an environment replaces it
     #[arg(long, value_name = "R,G,B", value_parser = tone, allow_hyphen_values = true)]
     pub ambient: Option<Vec3>,
@@ -308,11 +309,11 @@ pub struct CameraOptions {
     #[arg(long, value_name = "N|NAME|all", allow_negative_numbers = true)]
     pub camera: Option<String>,
     /// The position of the camera; without --look-at it looks at the center of the scene
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub eye: Option<Vec3>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = point_of_file, allow_hyphen_values = true)]
+    pub eye: Option<DVec3>,
     /// A point in the center of the picture
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub look_at: Option<Vec3>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = point_of_file, allow_hyphen_values = true)]
+    pub look_at: Option<DVec3>,
     /// The direction that is up in the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub up: Option<Vec3>,

@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use core::f32::consts::PI;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rtrt::choose::Choice;
 use rtrt::debug;
 use rtrt_core::backend::{Shadows, ToneMap};
@@ -173,6 +173,16 @@ pub fn vector(text: &str) -> Result<Vec3, String> {
     }
 }
 
+/// A point, in coordinates that single precision need not hold exactly: `6000000.1,4,0`.
+pub fn point_of_file(text: &str) -> Result<DVec3, String> {
+    vector(text)?;
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
+        _ => Err("not three finite numbers with commas between them".into()),
+    }
+}
+
 /// The background.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Background {
@@ -248,6 +258,33 @@ pub fn tone(text: &str) -> Result<Vec3, &'static str> {
 /// The color of a light without one: candela, or lux for a sun. A white surface that faces it at a distance of
 /// 1 is white.
 pub const LIGHT_COLOR: Vec3 = Vec3::splat(PI);
+
+/// A light, and its position in the file's coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GivenLight {
+    light: Light,
+    position: DVec3,
+}
+
+impl GivenLight {
+    /// The light in a scene whose coordinates are relative to this origin.
+    pub fn relative_to(&self, origin: DVec3) -> Light {
+        let mut light = self.light;
+        light.position = (self.position - origin).as_vec3();
+        light
+    }
+}
+
+/// [`light`], with the digits of its position.
+pub fn given_light(text: &str) -> Result<GivenLight, String> {
+    let light = light(text)?;
+    let place = text.split(':').filter(|part| !part.contains('=')).nth(1);
+    let position = match light.kind {
+        LightKind::Sun => light.position.as_dvec3(),
+        _ => place.map_or(Ok(light.position.as_dvec3()), point_of_file)?,
+    };
+    Ok(GivenLight { light, position })
+}
 
 /// `point:0,14,0`, `spot:0,14,0:0,-1,0:30` or `sun:1,2,2`, perhaps with a radius and properties such as
 /// `color=1,0.5,0`.

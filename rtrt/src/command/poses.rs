@@ -17,7 +17,7 @@
 //! | `time` | of the animation, seconds |
 
 use super::Error;
-use glam::{DMat4, DVec4, Vec3};
+use glam::{DMat4, DVec3, DVec4, Vec3};
 use rtrt::pose::{Pinhole, placed};
 use rtrt_core::scene::{Camera, Projection, Setup};
 use serde::Deserialize;
@@ -30,10 +30,40 @@ use std::path::Path;
 #[derive(Debug, Clone)]
 pub struct Pose {
     pub name: String,
-    pub camera: Camera,
+    placement: Placement,
+    projection: Projection,
     pub size: [u32; 2],
     /// Seconds.
     pub time: Option<f64>,
+}
+
+/// Where a camera is, in the coordinates of the scene's file.
+#[derive(Debug, Clone, Copy)]
+enum Placement {
+    Points {
+        eye: DVec3,
+        look_at: DVec3,
+        up: Vec3,
+    },
+    /// From the camera's axes, x to the right, y up, z backward.
+    Matrix(DMat4),
+}
+
+impl Pose {
+    /// The camera in a scene whose coordinates are relative to this origin.
+    pub fn camera(&self, origin: DVec3) -> Camera {
+        let Self { placement, projection, .. } = *self;
+        let points = |eye: DVec3, look_at: DVec3, up| {
+            let [eye, look_at] = [eye, look_at].map(|point| (point - origin).as_vec3());
+            Camera { eye, look_at, up, projection }
+        };
+        match placement {
+            Placement::Points { eye, look_at, up } => points(eye, look_at, up),
+            Placement::Matrix(matrix) => placed(&(DMat4::from_translation(-origin) * matrix), projection)
+                // It was placed when it was read. What is not placed so far away is refused as a camera.
+                .unwrap_or_else(|_| points(matrix.w_axis.truncate(), matrix.w_axis.truncate(), Vec3::Y)),
+        }
+    }
 }
 
 /// The cameras of a file, and warnings.
@@ -59,8 +89,8 @@ struct Keys {
     #[serde(alias = "transform_matrix")]
     matrix: Option<[[f64; 4]; 4]>,
     axes: Option<Axes>,
-    eye: Option<[f32; 3]>,
-    look_at: Option<[f32; 3]>,
+    eye: Option<[f64; 3]>,
+    look_at: Option<[f64; 3]>,
     up: Option<[f32; 3]>,
     #[serde(alias = "fx")]
     fl_x: Option<f64>,
@@ -166,17 +196,18 @@ fn pose(keys: &Keys, all: &Keys, size: [u32; 2], name: String) -> Result<Pose, S
         Some(projection) => projection,
         None => projection(all, size)?.unwrap_or(Projection::Perspective { fov_y: FOV_Y }),
     };
-    let camera = match (keys.eye, keys.look_at, &keys.matrix) {
+    let placement = match (keys.eye, keys.look_at, &keys.matrix) {
         (Some(eye), Some(look_at), _) => {
             let up = keys.up.or(all.up).map_or(Vec3::Y, Vec3::from);
-            Camera { eye: eye.into(), look_at: look_at.into(), up, projection }
+            Placement::Points { eye: eye.into(), look_at: look_at.into(), up }
         }
         (None, None, Some(rows)) => {
             let mut matrix = DMat4::from_cols_array_2d(rows).transpose();
             if keys.axes.or(all.axes) == Some(Axes::OpenCv) {
                 matrix *= DMat4::from_diagonal(DVec4::new(1.0, -1.0, -1.0, 1.0));
             }
-            placed(&matrix, projection)?
+            placed(&matrix, projection)?;
+            Placement::Matrix(matrix)
         }
         _ => return Err("it has neither a matrix nor eye and look_at".into()),
     };
@@ -184,7 +215,7 @@ fn pose(keys: &Keys, all: &Keys, size: [u32; 2], name: String) -> Result<Pose, S
     if time.is_some_and(|time| !(time >= 0.0 && time.is_finite())) {
         return Err("its time is not a number of 0 or more".into());
     }
-    Ok(Pose { name, camera, size, time })
+    Ok(Pose { name, placement, projection, size, time })
 }
 
 /// The projection that an entry names, if it does.
@@ -232,15 +263,28 @@ mod tests {
     fn a_camera_is_a_point_and_a_target_or_a_matrix() {
         let placed = one(r#"{"cameras":[{"name":"a","eye":[1,2,3],"look_at":[1,2,0],"fov_y":90}]}"#).unwrap();
         assert_eq!((placed.name.as_str(), placed.size, placed.time), ("a", SIZE, None));
-        assert_eq!(placed.camera.projection, Projection::Perspective { fov_y: core::f32::consts::FRAC_PI_2 });
+        let camera = placed.camera(DVec3::ZERO);
+        assert_eq!(camera.projection, Projection::Perspective { fov_y: core::f32::consts::FRAC_PI_2 });
         // The same by a matrix, which OpenCV turns around x.
         let matrix = "[[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]";
         let turned = "[[1,0,0,1],[0,-1,0,2],[0,0,-1,3],[0,0,0,1]]";
         for (matrix, axes) in [(matrix, "opengl"), (turned, "opencv")] {
             let text = format!(r#"{{"axes":"{axes}","fov_y":90,"cameras":[{{"matrix":{matrix}}}]}}"#);
-            let Camera { eye, look_at, up, projection } = one(&text).unwrap().camera;
-            assert_eq!((eye, up, projection), (placed.camera.eye, Vec3::Y, placed.camera.projection));
+            let Camera { eye, look_at, up, projection } = one(&text).unwrap().camera(DVec3::ZERO);
+            assert_eq!((eye, up, projection), (camera.eye, Vec3::Y, camera.projection));
             assert_eq!((look_at - eye).normalize(), -Vec3::Z);
+        }
+    }
+
+    #[test]
+    fn digits_far_from_the_origin_count() {
+        let origin = DVec3::new(6e6, 0.0, -4e6);
+        let points = r#"{"cameras":[{"eye":[6000000.25,1,-4000000],"look_at":[6000000.25,1,-4000000.5]}]}"#;
+        let matrix = r#"{"cameras":[{"matrix":[[1,0,0,6000000.25],[0,1,0,1],[0,0,1,-4000000],[0,0,0,1]]}]}"#;
+        for text in [points, matrix] {
+            let camera = one(text).unwrap().camera(origin);
+            assert_eq!(camera.eye, Vec3::new(0.25, 1.0, 0.0));
+            assert_eq!((camera.look_at - camera.eye).normalize(), -Vec3::Z);
         }
     }
 
@@ -255,8 +299,8 @@ mod tests {
         assert_eq!([&poses[0].name, &poses[1].name], ["train_r_0", "train_r_1"]);
         assert_eq!((poses[0].size, poses[1].time), ([80, 40], Some(0.5)));
         let edges = |left, right, bottom, top| Projection::OffCenter { left, right, bottom, top };
-        assert_eq!(poses[0].camera.projection, edges(-1.0, 1.0, -0.5, 0.5));
-        assert_eq!(poses[1].camera.projection, edges(-0.1, 0.7, -0.1, 0.3));
+        assert_eq!(poses[0].projection, edges(-1.0, 1.0, -0.5, 0.5));
+        assert_eq!(poses[1].projection, edges(-0.1, 0.7, -0.1, 0.3));
     }
 
     #[test]

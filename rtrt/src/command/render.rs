@@ -18,6 +18,7 @@ use super::run_report::{RunReport, Shot};
 use super::sinks::Sinks;
 use super::views::{View, are_many, is_all, views};
 use bytemuck::cast_slice;
+use glam::DVec3;
 use image::ExtendedColorType::{Rgba8, Rgba16};
 use rtrt::hash;
 use rtrt::layers::Layers;
@@ -225,7 +226,9 @@ impl Run<'_> {
             let still = || vec![[0.0; 2]; layers.object.len()];
             let moved = frame.before.map(|before| motion(&job.scene, &job.camera, &layers, before));
             let moved = (options.frames > 1).then(|| moved.unwrap_or_else(still));
-            output::write(path, &all_layers(path, &layers, moved.as_deref(), &shot)?)?;
+            let placed = (job.origin != DVec3::ZERO).then(|| layers.clone().moved(job.origin));
+            let placed = placed.as_ref().unwrap_or(&layers);
+            output::write(path, &all_layers(path, placed, moved.as_deref(), &shot)?)?;
         }
         if let Some(path) = &output {
             console.step(format_args!("writing {}", path.display()));

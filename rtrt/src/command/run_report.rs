@@ -5,7 +5,7 @@
 use super::job::RenderJob;
 use super::memory::peak_rss_bytes;
 use super::report::{Machine, PerStage};
-use glam::DMat4;
+use glam::{DMat4, DVec3};
 use rtrt::hash;
 use rtrt::layers::Layers;
 use rtrt::objects::seen;
@@ -89,7 +89,7 @@ struct SeenReport {
     /// Left, top, and the first column and row beyond.
     box_2d: [u32; 4],
     /// Lower and upper corner around all of it, world space.
-    box_3d: [[f32; 3]; 2],
+    box_3d: [[f64; 3]; 2],
 }
 
 /// How the light of a picture was taken: nothing that differs from run to run, and nothing of its display.
@@ -104,8 +104,8 @@ pub struct Shot {
     samples: u32,
     /// Rows of the matrix from the camera's axes (x to the right, y up, z backward) to world space.
     transform_matrix: [[f64; 4]; 4],
-    eye: [f32; 3],
-    look_at: [f32; 3],
+    eye: [f64; 3],
+    look_at: [f64; 3],
     up: [f32; 3],
     /// The lens, pixels from the upper left corner; null for parallel rays.
     fl_x: Option<f64>,
@@ -135,9 +135,12 @@ impl Shot {
             h: job.size[1],
             samples: job.samples,
             // A camera that looks nowhere is refused before it is rendered.
-            transform_matrix: to_world(&job.camera).unwrap_or(DMat4::IDENTITY).transpose().to_cols_array_2d(),
-            eye: job.camera.eye.into(),
-            look_at: job.camera.look_at.into(),
+            transform_matrix: (DMat4::from_translation(job.origin)
+                * to_world(&job.camera).unwrap_or(DMat4::IDENTITY))
+            .transpose()
+            .to_cols_array_2d(),
+            eye: in_file(job.camera.eye.into(), job.origin),
+            look_at: in_file(job.camera.look_at.into(), job.origin),
             up: job.camera.up.into(),
             fl_x: lens.map(|lens| lens.fx),
             fl_y: lens.map(|lens| lens.fy),
@@ -147,6 +150,16 @@ impl Shot {
             parallel,
         }
     }
+}
+
+/// A point in the file's coordinates; without an origin, the shortest numbers that are the same in single precision.
+fn in_file(point: [f32; 3], origin: DVec3) -> [f64; 3] {
+    let axis = |axis: usize| {
+        let shortest = point[axis].to_string().parse();
+        if origin[axis] == 0.0 { shortest } else { Ok(origin[axis] + f64::from(point[axis])) }
+            .unwrap_or(f64::from(point[axis]))
+    };
+    [0, 1, 2].map(axis)
 }
 
 impl RunReport {
@@ -196,7 +209,7 @@ impl RunReport {
             id: seen.object,
             pixels: seen.pixels,
             box_2d: seen.box_2d,
-            box_3d: seen.box_3d,
+            box_3d: seen.box_3d.map(|corner| in_file(corner, job.origin)),
         };
         let tone_map = ToneMap::ALL.iter().find(|(_, map)| *map == job.tone_map);
         self.frames.push(FrameReport {

@@ -38,7 +38,7 @@ pub fn views(options: &RenderOptions, poses: &[Pose], job: &RenderJob) -> Result
     if !poses.is_empty() {
         let view = |pose: &Pose| View {
             name: pose.name.clone(),
-            from: Viewpoint::Camera(pose.camera),
+            from: Viewpoint::Camera(pose.camera(job.origin)),
             size: Some(pose.size),
             time: pose.time,
         };

@@ -3,7 +3,7 @@
 use super::shape::Shape;
 use crate::import::builder::Builder;
 use crate::import::{ImportError, Loaded, NamedCamera, Options};
-use glam::Mat4;
+use glam::{DVec3, Mat4};
 use rtrt_core::layout::Texture;
 use rtrt_core::scene::{Camera, Image, Join, Material, MaterialIndex, MeshIndex, Scene};
 use std::path::Path;
@@ -12,6 +12,7 @@ use std::path::Path;
 pub(super) fn loaded(scene: Scene, name: &str, camera: Camera, bvh_build_ms: f64) -> Loaded {
     Loaded {
         scene,
+        origin: DVec3::ZERO,
         cameras: vec![NamedCamera { name: name.into(), camera, aspect: None, clip: [0.0, f32::INFINITY] }],
         camera,
         labels: Vec::new(),

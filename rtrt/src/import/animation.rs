@@ -18,6 +18,8 @@ pub struct Animation {
     names: Vec<String>,
     /// The animation that is played; none for all at once.
     played: Option<usize>,
+    /// What is subtracted from the world of the nodes.
+    origin: DVec3,
     /// Parents come before their children.
     nodes: Vec<SceneNode>,
     /// Instances with a motion, and their transforms at the start.
@@ -112,7 +114,20 @@ pub struct Pose {
 
 impl Animation {
     pub(super) fn new(path: &Path, names: Vec<String>, nodes: Vec<SceneNode>) -> Self {
-        Self { path: path.to_owned(), names, played: Some(0), nodes, motions: Vec::new(), rest: 0.0 }
+        Self {
+            path: path.to_owned(),
+            names,
+            played: Some(0),
+            origin: DVec3::ZERO,
+            nodes,
+            motions: Vec::new(),
+            rest: 0.0,
+        }
+    }
+
+    /// The animation of a world from which this is subtracted.
+    pub(super) fn relative_to(self, origin: DVec3) -> Self {
+        Self { origin, ..self }
     }
 
     /// An animation of these motions, which end after `rest` seconds.
@@ -162,9 +177,10 @@ impl Animation {
     fn pose(&self, time: Option<f64>) -> Result<Pose, ImportError> {
         let mut pose = Pose { path: self.path.clone(), ..Pose::default() };
         let (mut worlds, mut moving): (Vec<DMat4>, Vec<bool>) = (vec![], vec![]);
+        let from_origin = DMat4::from_translation(-self.origin);
         for node in &self.nodes {
             let tracks: Vec<_> = self.played(node).filter(|_| time.is_some()).collect();
-            let parent = node.parent.map_or(DMat4::IDENTITY, |place| worlds[place]);
+            let parent = node.parent.map_or(from_origin, |place| worlds[place]);
             worlds.push(parent * node.local.at(&tracks, time.unwrap_or(0.0)).matrix());
             moving.push(node.parent.is_some_and(|place| moving[place]) || !tracks.is_empty());
         }

@@ -2,9 +2,10 @@
 
 use super::file::Files;
 use super::geometry::{Geometry, Tangents};
+use super::origin::Bounds;
 use super::{ImportError, Label, Options, picture};
 use crate::cache::Cache;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rtrt_core::layout::{Texture, Wrap};
 use rtrt_core::scene::{
     Bvh, Content, Image, InstanceIndex, Join, Material, MaterialIndex, Mesh, MeshError, MeshIndex, Scene,
@@ -35,6 +36,11 @@ pub(crate) struct Builder<'a, J> {
     /// Features of the file that the renderer does not have.
     pub not_drawn: BTreeSet<&'static str>,
     pub bvh_build_ms: f64,
+    /// What is subtracted from the file's coordinates.
+    pub origin: DVec3,
+    /// The meshes whose vertices are coarse: how many; and of the coarsest its name, the distance between numbers, and how
+    /// many of them lie along its diagonal.
+    coarse: (usize, Option<(String, f64, f64)>),
     /// The diameter of points and lines, in units of the scene, if the caller sets it.
     pub point_size: Option<f32>,
     /// The names of materials, by number.
@@ -57,6 +63,8 @@ impl<'a, J: Join> Builder<'a, J> {
             warnings: Vec::new(),
             not_drawn: BTreeSet::new(),
             bvh_build_ms: 0.0,
+            origin: DVec3::ZERO,
+            coarse: (0, None),
             point_size: options.point_size,
             materials: Vec::new(),
             labels: Vec::new(),
@@ -79,6 +87,18 @@ impl<'a, J: Join> Builder<'a, J> {
         }
     }
 
+    /// Warns of meshes whose vertices are far from the origin of their coordinates, for their size.
+    pub fn warn_of_coarse_meshes(&mut self) {
+        if let (count, Some((name, step, steps))) = std::mem::take(&mut self.coarse) {
+            let others =
+                if count > 1 { format!(", and those of {} other meshes", count - 1) } else { String::new() };
+            self.warn(format!(
+                "the vertices of {name} are coarse{others}: so far from the origin of their coordinates, numbers are {step} \
+                 apart, 1/{steps:.0} of its size"
+            ));
+        }
+    }
+
     /// The error of a file that breaks a rule of its format.
     pub fn invalid(&self, why: String) -> ImportError {
         ImportError::Invalid { path: self.path.clone(), why }
@@ -93,7 +113,14 @@ impl<'a, J: Join> Builder<'a, J> {
         let refused =
             |source: MeshError| ImportError::Mesh { path: self.path.clone(), mesh: name.into(), source };
         let Geometry { positions, attributes, indices, second_uv, tangents, deform: _ } = geometry;
+        let coarseness = Bounds::of(&positions).coarseness();
         let mut mesh = Mesh::new(positions, attributes, indices).map_err(refused)?;
+        if let Some((step, steps)) = coarseness {
+            self.coarse.0 += 1;
+            if self.coarse.1.as_ref().is_none_or(|(_, _, fewest)| steps < *fewest) {
+                self.coarse.1 = Some((name.into(), step, steps));
+            }
+        }
         if let Some(uv) = second_uv {
             mesh = mesh.with_second_uv(uv).map_err(refused)?;
         }

@@ -1,6 +1,7 @@
 //! A scene from a file, with its cameras, its animation and warnings.
 
 use super::animation::Animation;
+use glam::DVec3;
 use rtrt_core::scene::{Camera, Projection, Scene};
 use std::path::PathBuf;
 
@@ -67,6 +68,10 @@ pub struct Label {
 pub struct Loaded {
     /// The scene, with the lights of the file.
     pub scene: Scene,
+    /// What the import has subtracted from the file's coordinates, so that single precision serves a scene that is far
+    /// from their origin: 0, unless it is more than 64 of its diagonals away. Coordinates of the scene, its cameras, lights
+    /// and animations are relative to it.
+    pub origin: DVec3,
     /// The file's cameras, in the depth-first order of its nodes.
     pub cameras: Vec<NamedCamera>,
     /// The first of them, for any picture ([`NamedCamera::fitted`] is for one of a given shape), or

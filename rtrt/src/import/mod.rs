@@ -14,6 +14,8 @@
 //! content that would be drawn is refused with one line that gives the reason. No file makes the
 //! import panic, hang, or allocate much more than the file's size and the documented limits.
 //!
+//! A scene that is far from the origin of the file's coordinates is moved: [`Loaded::origin`].
+//!
 //! [`framing`] is the camera of scenes without one, and [`light_by_default`] lights scenes without lights.
 
 mod animation;
@@ -32,6 +34,7 @@ mod loaded;
 mod marks;
 mod normals;
 mod obj;
+mod origin;
 mod picture;
 mod placement;
 mod ply;
@@ -109,6 +112,7 @@ pub fn load_bytes(
         _ if obj::looks_like(bytes) => (obj::load(&mut builder, bytes)?, None),
         _ => return Err(ImportError::Format { path: path.to_owned() }),
     };
+    builder.warn_of_coarse_meshes();
     let labels = builder.labels();
     let scene = builder.scene;
     let camera = cameras.first().map_or_else(|| framing(&scene, 16.0 / 9.0), |named| named.camera);
@@ -117,6 +121,6 @@ pub fn load_bytes(
         let list: Vec<_> = builder.not_drawn.into_iter().collect();
         warnings.push(format!("not drawn: {}", list.join(", ")));
     }
-    let (files, bvh_build_ms) = (builder.files.list(), builder.bvh_build_ms);
-    Ok(Loaded { scene, cameras, camera, labels, animation, warnings, files, bvh_build_ms })
+    let (files, bvh_build_ms, origin) = (builder.files.list(), builder.bvh_build_ms, builder.origin);
+    Ok(Loaded { scene, origin, cameras, camera, labels, animation, warnings, files, bvh_build_ms })
 }

@@ -9,6 +9,7 @@
 
 use super::builder::Builder;
 use super::geometry::Geometry;
+use super::origin::{Bounds, relative};
 use super::{ImportError, text};
 use glam::Mat4;
 use rtrt_core::layout::Attribute;
@@ -39,7 +40,9 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
 
 /// Adds the facets of a file to the scene as one object.
 pub(super) fn load<J: Join>(builder: &mut Builder<'_, J>, bytes: &[u8]) -> Result<(), ImportError> {
-    let stl = parse(bytes).map_err(|why| builder.invalid(why))?;
+    let mut stl = parse(bytes).map_err(|why| builder.invalid(why))?;
+    builder.origin = Bounds::of(stl.facets.as_flattened()).origin();
+    relative(stl.facets.as_flattened_mut(), builder.origin);
     if stl.has_words {
         builder.not_drawn.insert("colors of STL facets");
     }

@@ -8,7 +8,7 @@ use crate::command::render::SAMPLES;
 use crate::command::surroundings::{Surrounded, default_blur};
 use clap::CommandFactory;
 use clap::parser::ValueSource;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rtrt::debug::DebugView;
 use rtrt_core::backend::{LAYERS, Request, Shadows, ToneMap};
 use rtrt_core::scene::{Light, LightKind, Projection, Scene};
@@ -22,6 +22,8 @@ pub struct Shot<'a> {
     /// See [`passed_on`].
     pub passed_on: &'a [String],
     pub request: Request<'a>,
+    /// What coordinates of the scene are relative to.
+    pub origin: DVec3,
     /// The time of the animation; none at rest.
     pub time: Option<f64>,
     /// Whether a GPU rasterizes the first surfaces.
@@ -167,8 +169,9 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     if let (None, Some(radius)) = (shot.lights, common.light_radius) {
         option(format_args!("--light-radius {radius}"));
     }
-    for light in shot.lights.unwrap_or(&common.lights) {
-        option(format_args!("--light {}", light_option(light)));
+    let given: Vec<Light> = common.lights.iter().map(|light| light.relative_to(shot.origin)).collect();
+    for light in shot.lights.unwrap_or(&given) {
+        option(format_args!("--light {}", light_option(light, shot.origin)));
     }
     if let Some(environment) = &shot.environment {
         // Lights of their own would put a scene out of the studio.
@@ -205,8 +208,8 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
         option(format_args!("--time {time}"));
     }
     let camera = request.camera;
-    option(format_args!("--eye {}", vector(camera.eye)));
-    option(format_args!("--look-at {}", vector(camera.look_at)));
+    option(format_args!("--eye {}", in_file(camera.eye, shot.origin)));
+    option(format_args!("--look-at {}", in_file(camera.look_at, shot.origin)));
     option(format_args!("--up {}", vector(camera.up)));
     match camera.projection {
         Projection::Perspective { fov_y } => {
@@ -241,14 +244,23 @@ fn vector(v: Vec3) -> String {
     format!("{},{},{}", v.x, v.y, v.z)
 }
 
+/// A point that the scene has relative to an origin, in the file's coordinates.
+fn in_file(point: Vec3, origin: DVec3) -> String {
+    if origin == DVec3::ZERO {
+        return vector(point);
+    }
+    let DVec3 { x, y, z } = point.as_dvec3() + origin;
+    format!("{x},{y},{z}")
+}
+
 /// The value of `--light` for a light.
-fn light_option(light: &Light) -> String {
+fn light_option(light: &Light, origin: DVec3) -> String {
     let degrees = |radians: f32| f64::from(radians).to_degrees();
     let Light { kind, position, direction, color, reach, inverse_square, inner, outer, radius, .. } = *light;
     let mut text = match kind {
-        LightKind::Point => format!("point:{}:{radius}", vector(position)),
+        LightKind::Point => format!("point:{}:{radius}", in_file(position, origin)),
         LightKind::Spot => {
-            format!("spot:{}:{}:{}:{radius}", vector(position), vector(direction), degrees(outer))
+            format!("spot:{}:{}:{}:{radius}", in_file(position, origin), vector(direction), degrees(outer))
         }
         LightKind::Sun => format!("sun:{}:{}", vector(-direction), degrees(radius)),
     };
@@ -313,6 +325,7 @@ mod tests {
                 common: &common,
                 passed_on: &[],
                 request,
+                origin: if place % 3 == 0 { DVec3::new(6e6, -3e6, 0.5) } else { DVec3::ZERO },
                 time: Some(0.1 + 0.2),
                 hybrid: place % 3 == 0,
                 debug,
@@ -324,7 +337,12 @@ mod tests {
             let planes = if place % 2 == 0 { [Some(0.1), Some(1e30)] } else { [None; 2] };
             let CameraOptions { eye, look_at, up, near, far, .. } = read.common.camera;
             assert_eq!([near, far], planes);
-            assert_eq!((eye, look_at, up), (Some(camera.eye), Some(camera.look_at), Some(camera.up)));
+            let back = |point: Option<DVec3>| point.map(|point| (point - shot.origin).as_vec3());
+            let apart = |a: Option<Vec3>, b: Vec3| a.map_or(f32::MAX, |a| (a - b).abs().max_element());
+            // Double precision at 6,000,000.
+            let most = if place % 3 == 0 { 1e-9 * camera.eye.abs().max_element().max(1.0) } else { 0.0 };
+            assert!(apart(back(eye), camera.eye) <= most && apart(back(look_at), camera.look_at) <= most);
+            assert_eq!(up, Some(camera.up));
             match projection {
                 Projection::Perspective { fov_y } => assert_eq!(read.common.camera.fov_y, Some(fov_y)),
                 Projection::Orthographic { height } => {
@@ -370,7 +388,7 @@ mod tests {
                     .radius(radius),
                 Light::sun(along).color(color).radius(number * 0.78),
             ] {
-                let text = light_option(&light);
+                let text = light_option(&light, DVec3::ZERO);
                 assert_eq!(crate::command::parse::light(&text), Ok(light), "{text}");
             }
         }

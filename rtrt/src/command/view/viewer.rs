@@ -410,6 +410,7 @@ impl Viewer {
             common: &self.options,
             passed_on: &self.passed_on,
             request: self.job.request(self.settings.debug.is_some()),
+            origin: self.job.origin,
             time: self.time,
             hybrid: self.is_hybrid(),
             debug: self.settings.debug,

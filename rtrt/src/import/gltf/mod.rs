@@ -11,6 +11,7 @@ mod container;
 mod draco;
 mod extended;
 mod extensions;
+mod far;
 mod levels;
 mod light;
 mod mark_size;
@@ -44,6 +45,8 @@ pub(super) fn load<J: Join>(
 ) -> Result<(Vec<NamedCamera>, Option<Animation>), ImportError> {
     let (root, binary) = container::open(builder, bytes)?;
     let path = builder.path.clone();
+    builder.origin = far::origin(&root);
+    let origin = builder.origin;
     let buffers = Buffers::new(&path, &root, binary, builder.files.clone());
     let mut import = Import {
         root: &root,
@@ -60,7 +63,7 @@ pub(super) fn load<J: Join>(
     import.draw_scene()?;
     let (cameras, nodes) = (import.cameras, import.nodes);
     let names = root.animations.iter().map(|animation| animation.name.clone().unwrap_or_default());
-    let animation = Animation::new(&path, names.collect(), nodes);
+    let animation = Animation::new(&path, names.collect(), nodes).relative_to(origin);
     animation.rest()?.apply(&mut builder.scene)?;
     Ok((cameras, Some(animation).filter(Animation::moves)))
 }

@@ -32,6 +32,7 @@ impl<J: Join> Import<'_, '_, J> {
         for track in self.tracks() {
             tracks.entry(track.node).or_default().push(track);
         }
+        let from_origin = DMat4::from_translation(-self.builder.origin);
         let mut worlds: Vec<(DMat4, bool)> = vec![];
         // The places of the file's nodes in `self.nodes`.
         let mut places = HashMap::new();
@@ -57,7 +58,7 @@ impl<J: Join> Import<'_, '_, J> {
             if std::mem::replace(&mut is_visited[number], true) {
                 return Err(self.invalid(format!("node {number} has two parents or is its own ancestor")));
             }
-            let (from, is_carried) = parent.map_or((DMat4::IDENTITY, false), |place: usize| worlds[place]);
+            let (from, is_carried) = parent.map_or((from_origin, false), |place: usize| worlds[place]);
             let (local, tracks) = (local(node), tracks.remove(&number).unwrap_or_default());
             let to_world = from * local.matrix();
             let moves = is_carried || !tracks.is_empty();

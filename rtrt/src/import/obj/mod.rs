@@ -10,9 +10,10 @@ use crate::import::builder::Builder;
 use crate::import::error::quoted;
 use crate::import::geometry::{Geometry, Tangents, pack_color};
 use crate::import::marks::{Marks, bounds, diameter};
+use crate::import::origin::Bounds;
 use crate::import::polygon::Splitter;
 use crate::import::{ImportError, NamedCamera, text};
-use glam::Mat4;
+use glam::{DVec3, Mat4};
 use material::Materials;
 use parse::{Corner, NONE, Obj, Polygon};
 use rtrt_core::layout::Attribute;
@@ -33,7 +34,12 @@ pub(super) fn load<J: Join>(
     builder: &mut Builder<'_, J>,
     bytes: &[u8],
 ) -> Result<Vec<NamedCamera>, ImportError> {
-    let mut obj = parse::parse(&text::utf8(bytes)).map_err(|why| builder.invalid(why))?;
+    let bytes = text::utf8(bytes);
+    let mut obj = parse::parse(&bytes).map_err(|why| builder.invalid(why))?;
+    builder.origin = Bounds::of(&obj.positions).origin();
+    if builder.origin != DVec3::ZERO {
+        obj.positions = parse::relative_positions(&bytes, builder.origin);
+    }
     warn(builder, &obj);
     normals::smooth(&mut obj);
     let mut materials = Materials::new(builder, &obj.libraries);

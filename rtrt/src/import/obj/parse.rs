@@ -98,6 +98,21 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Obj, String> {
     obj.check().map(|()| obj)
 }
 
+/// The positions of a file that [`parse`] reads, relative to an origin: their digits count as far as double precision
+/// goes.
+pub(super) fn relative_positions(bytes: &[u8], origin: DVec3) -> Vec<[f32; 3]> {
+    let words = |line: String| {
+        let mut words = line.split_whitespace().map(str::to_owned).collect::<Vec<_>>().into_iter();
+        (words.next().as_deref() == Some("v")).then_some(words)
+    };
+    let position = |words: std::vec::IntoIter<String>| {
+        let mut numbers = words.map(|word| word.parse().unwrap_or(f64::NAN));
+        let [x, y, z] = [0; 3].map(|_| numbers.next().unwrap_or(f64::NAN));
+        (DVec3::new(x, y, z) - origin).as_vec3().to_array()
+    };
+    lines(bytes).filter_map(|(_, line)| words(line)).map(position).collect()
+}
+
 impl Obj {
     /// Reads `x y z`, perhaps followed by a weight, which polygons do not use, and by a color of 0 ..= 1 in sRGB.
     fn vertex(&mut self, rest: &str) -> Result<(), String> {

@@ -29,9 +29,10 @@ use super::error::quoted;
 use super::geometry::Geometry;
 use super::marks::{Marks, bounds, diameter};
 use super::normals::{angle_weighted, finite};
+use super::origin::Bounds;
 use super::polygon::Splitter;
 use super::{ImportError, file, picture};
-use glam::Mat4;
+use glam::{DVec3, Mat4};
 pub(super) use header::looks_like;
 use rtrt_core::layout::{Attribute, Texture};
 use rtrt_core::scene::{Join, Material};
@@ -41,7 +42,12 @@ use table::Ply;
 /// Adds the faces of a file to the scene as one object, its edges as another; or its points.
 pub(super) fn load<J: Join>(builder: &mut Builder<'_, J>, bytes: &[u8]) -> Result<(), ImportError> {
     let header = header::parse(bytes).map_err(|why| builder.invalid(why))?;
-    let mut ply = table::read(&header, bytes).map_err(|why| builder.invalid(why))?;
+    let read = |origin| table::read(&header, bytes, origin);
+    let mut ply = read(DVec3::ZERO).map_err(|why| builder.invalid(why))?;
+    builder.origin = Bounds::of(&ply.positions).origin();
+    if builder.origin != DVec3::ZERO {
+        ply = read(builder.origin).map_err(|why| builder.invalid(why))?;
+    }
     if ply.positions.is_empty() {
         return Err(builder.invalid("it has no vertices".into()));
     }
@@ -182,7 +188,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Ply {
-        table::read(&header::parse(text.as_bytes()).unwrap(), text.as_bytes()).unwrap()
+        table::read(&header::parse(text.as_bytes()).unwrap(), text.as_bytes(), DVec3::ZERO).unwrap()
     }
 
     /// A roof: two rectangles that share a ridge.

@@ -4,6 +4,7 @@ use super::header::{Element, Header, Property, Type};
 use super::reader::Reader;
 use crate::import::color::srgb_to_linear;
 use crate::import::geometry::pack_color;
+use glam::DVec3;
 
 /// What a file holds. A list of normals, texture coordinates or colors is empty if the file has none.
 #[derive(Debug, Default)]
@@ -163,11 +164,11 @@ impl Row {
     }
 }
 
-/// What the file with this header holds.
+/// What the file with this header holds, with positions relative to an origin.
 ///
 /// # Errors
 /// The file is cut off, a number cannot be read, or an index is out of range. The text names the place and the reason.
-pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Ply, String> {
+pub(super) fn read(header: &Header, bytes: &[u8], origin: DVec3) -> Result<Ply, String> {
     let mut reader = Reader::new(&bytes[header.body..], header.encoding);
     let mut ply = Ply::default();
     // An element without properties has no bytes, however often it is there.
@@ -188,7 +189,7 @@ pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Ply, String> {
             let failed = |why: String| format!("{} {number}: {why}", element.name.escape_debug());
             columns.read(&mut reader, &mut row).map_err(failed)?;
             match element.name.as_str() {
-                "vertex" => ply.add_vertex(&columns, &row),
+                "vertex" => ply.add_vertex(&columns, &row, origin),
                 "face" => ply.add_face(&columns, &row).map_err(failed)?,
                 "edge" => {
                     let [a, b] = row.ends.map(index);
@@ -227,8 +228,8 @@ impl Ply {
         Ok(())
     }
 
-    fn add_vertex(&mut self, columns: &Columns<'_>, row: &Row) {
-        self.positions.push(row.position.map(|c| c as f32));
+    fn add_vertex(&mut self, columns: &Columns<'_>, row: &Row, origin: DVec3) {
+        self.positions.push((DVec3::from(row.position) - origin).as_vec3().to_array());
         if columns.has(&NORMAL) {
             self.normals.push(row.normal.map(|c| c as f32));
         }
@@ -287,7 +288,7 @@ mod tests {
     use super::*;
 
     fn table(text: &str) -> Result<Ply, String> {
-        read(&header::parse(text.as_bytes()).unwrap(), text.as_bytes())
+        read(&header::parse(text.as_bytes()).unwrap(), text.as_bytes(), DVec3::ZERO)
     }
 
     /// A file with a triangle, with more properties of vertices and of the face, and what stands after these words.
