@@ -587,6 +587,39 @@ fn glowing_surfaces_light_nothing_and_a_warning_says_so() {
     assert_eq!(warnings, ["not drawn: the light that glowing surfaces shed"]);
 }
 
+/// A floor below a square that glows downward, as large as this share of it.
+fn lit_room(side: f32, emission: &str) -> Loaded {
+    let half = side * 0.5;
+    let floor =
+        [-1.0, 0.0, -1.0, -1.0, 0.0, 1.0, 1.0, 0.0, 1.0, -1.0, 0.0, -1.0, 1.0, 0.0, 1.0, 1.0, 0.0, -1.0];
+    let [a, b, c, d] = [[-half, 1.5, -half], [half, 1.5, -half], [half, 1.5, half], [-half, 1.5, half]];
+    let lamp: Vec<f32> = [a, b, c, a, c, d].concat();
+    let members = format!(
+        r#""nodes":[{{"mesh":0}},{{"mesh":1}}],"materials":[{{}},{{"emissiveFactor":{emission}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}},
+        {{"primitives":[{{"attributes":{{"POSITION":1}},"material":1}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":6}},
+        {{"bufferView":1,"componentType":5126,"type":"VEC3","count":6}}],
+        "bufferViews":[{{"buffer":0,"byteLength":72}},{{"buffer":0,"byteOffset":72,"byteLength":72}}]"#
+    );
+    let file = gltf(&members, &[floats(&floor), floats(&lamp)].concat());
+    load(&folder(&format!("lamp-{side}"), &[("x.gltf", &file)]).join("x.gltf"), &Sequential).unwrap()
+}
+
+#[test]
+fn a_large_flat_surface_that_glows_lights_the_scene() {
+    let loaded = lit_room(0.5, "[1,0.5,0]");
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    let [lamp] = loaded.scene.lights() else { panic!("{:?}", loaded.scene.lights()) };
+    // 3/2 · 0.5² · emission, from the middle of the square, which faces down.
+    assert!((lamp.color - Vec3::new(0.375, 0.1875, 0.0)).abs().max_element() < 1e-6, "{}", lamp.color);
+    assert!(lamp.position.distance(Vec3::new(0.0, 1.4995, 0.0)) < 1e-6, "{}", lamp.position);
+    assert!(lamp.direction.distance(-Vec3::Y) < 1e-6 && lamp.inverse_square, "{}", lamp.direction);
+    assert!((lamp.radius - (0.25 / std::f32::consts::PI).sqrt()).abs() < 1e-6, "{}", lamp.radius);
+    let small = lit_room(0.02, "[1,1,1]");
+    assert_eq!((small.scene.lights().len(), small.warnings.len()), (0, 1));
+}
+
 #[test]
 fn zeros_after_the_json_of_a_binary_file_are_padding() {
     let json = br#"{"asset":{"version":"2.0"}}"#;

@@ -5,7 +5,7 @@ use super::geometry::{Geometry, Tangents};
 use super::origin::Bounds;
 use super::{ImportError, Label, Options, picture};
 use crate::cache::Cache;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rtrt_core::layout::{Texture, Wrap};
 use rtrt_core::scene::{
     Bvh, Content, Image, InstanceIndex, Join, Material, MaterialIndex, Mesh, MeshError, MeshIndex, Scene,
@@ -147,9 +147,6 @@ impl<'a, J: Join> Builder<'a, J> {
 
     /// Adds a material.
     pub fn add_material(&mut self, material: Material) -> Result<MaterialIndex, ImportError> {
-        if material.emission != Vec3::ZERO && !material.unlit {
-            self.not_drawn.insert("the light that glowing surfaces shed");
-        }
         let path = &self.path;
         self.scene.add_material(material).map_err(|source| ImportError::Scene { path: path.clone(), source })
     }

@@ -27,6 +27,7 @@ mod error;
 mod file;
 mod framing;
 pub(crate) mod geometry;
+mod glow;
 mod gltf;
 mod ground;
 mod ktx2;
@@ -113,6 +114,11 @@ pub fn load_bytes(
         _ => return Err(ImportError::Format { path: path.to_owned() }),
     };
     builder.warn_of_coarse_meshes();
+    if animation.is_none() {
+        glow::add_lights(&mut builder);
+    } else {
+        glow::warn(&mut builder);
+    }
     let labels = builder.labels();
     let scene = builder.scene;
     let camera = cameras.first().map_or_else(|| framing(&scene, 16.0 / 9.0), |named| named.camera);
