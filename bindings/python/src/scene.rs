@@ -66,7 +66,13 @@ fn import_error(error: &ImportError) -> PyErr {
 
 impl Scene {
     fn of(loaded: Loaded) -> Self {
-        let Loaded { scene, cameras, labels, animation, warnings, files, .. } = loaded;
+        let Loaded { scene, origin, cameras, labels, animation, mut warnings, files, .. } = loaded;
+        if origin.to_array() != [0.0; 3] {
+            let [x, y, z] = origin.to_array();
+            warnings.push(format!(
+                "the scene is far away, so coordinates are relative to {x}, {y}, {z} of the file"
+            ));
+        }
         let mut found = Self { own_lights: !scene.lights().is_empty(), ..Self::around(scene) };
         for (number, instance) in found.scene.instances().iter().enumerate() {
             let index = found.scene.instance_index(number as u32);
