@@ -432,7 +432,7 @@ fn what_is_far_from_the_origin_is_drawn_as_if_it_were_near() {
         picture.pixels
     });
     let colors: std::collections::BTreeSet<_> = pictures[0].iter().collect();
-    assert!(colors.len() > 100, "{} colors", colors.len());
+    assert!(colors.len() > 30, "{} colors", colors.len());
     for far in &pictures[1..] {
         let differs = far.iter().zip(&pictures[0]).filter(|(far, near)| far != near).count();
         assert!(differs * 100 <= far.len(), "{differs} of {}", far.len());
