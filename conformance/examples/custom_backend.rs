@@ -26,7 +26,8 @@ use rtrt_core::stage::peel::LayerSum;
 use rtrt_core::stage::surface::Surfaces;
 use rtrt_core::stage::visibility::{directions, hit};
 use rtrt_core::stage::{
-    bin, detail, light, occlusion, peel, penumbra_filter, prepare, resolve, shade, surface, visibility,
+    ambient, bin, detail, light, occlusion, peel, penumbra_filter, prepare, resolve, shade, surface,
+    visibility,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -70,6 +71,7 @@ impl Backend for OneByOne {
         // Behind the colors is what goes through the layers so far.
         now.colors.resize(2 * frame.rays as usize, [1.0; 4]);
         let mut shadows = vec![0; (ShadowBuffer::new(frame).words_per_ray() * frame.rays) as usize];
+        let mut around = vec![[0.0; 2]; frame.rays as usize];
         [picture.width, picture.height] = request.size;
         picture.pixels.resize((frame.width * frame.height) as usize, 0);
         for step in steps(frame) {
@@ -85,7 +87,8 @@ impl Backend for OneByOne {
                     let lists = BlockLists { data: &lists, blocks: frame.blocks };
                     let context = Context { frame, views, lists, geometry };
                     for at in (0..units).flat_map(|unit| (0..lights).map(move |light| [unit, light])) {
-                        run(pass, at, scene, &context, &mut now, &mut shadows, &mut picture.pixels);
+                        let scratch = (&mut shadows[..], &mut around[..]);
+                        run(pass, at, scene, &context, &mut now, scratch, &mut picture.pixels);
                     }
                 }
             }
@@ -117,14 +120,14 @@ fn sorted_lists(frame: &Frame, views: &[View], instances: &[Instance], bounds: &
 }
 
 /// Runs a pass on one ray or pixel, and one light. `now` are the records of the layer that rays look at, `shadows`
-/// its shadows before they are filtered.
+/// its shadows before they are filtered, `around` what they find of the light from all around.
 fn run(
     pass: Pass,
     [unit, light]: [u32; 2],
     scene: &Scene,
     context: &Context<'_>,
     now: &mut Deferred,
-    shadows: &mut [u32],
+    (shadows, around): (&mut [u32], &mut [[f32; 2]]),
     pixels: &mut [u32],
 ) {
     let Deferred { hits, surfaces, masks, transmittance, lit, colors, layers, layer_count, .. } = now;
@@ -179,13 +182,16 @@ fn run(
                     occlusion::mask(frame, word, Word(0), tint).0;
             }
         }
+        Pass::Ambient => around[at] = ambient::ambient::<f32, 1>(context, ray, &[found])[0],
         Pass::Light => {
             let mask = |word: u32| Word(masks[(unit * frame.mask_words + word) as usize]);
             let terms = ShadowTerms::new(mask, |light| Word(transmittance[word_at(light)]));
             lit[at] = light::light::<f32>(frame, views, maps, &terms, ray, direction, &found).lane(0);
         }
         Pass::Shade | Pass::Blend => {
-            let shaded = shade::shade(frame, maps, direction, &found, &IncomingLight::new(&lit[at]));
+            let record = |ray: u32| ambient::record(around[ray as usize], &surfaces[ray as usize]);
+            let share = ambient::share::<f32>((), frame, unit, record);
+            let shaded = shade::shade(frame, maps, direction, &found, &IncomingLight::new(&lit[at]), share);
             if pass == Pass::Blend {
                 layers[(unit * *layer_count + *layer_count - frame.layers) as usize] = hits[at];
             }

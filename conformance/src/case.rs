@@ -37,6 +37,8 @@ pub struct Case {
     pub tone_map: ToneMap,
     /// Depths of the near and the far plane.
     pub clip: [f32; 2],
+    /// From how far away surfaces hide ambient light.
+    pub ambient_occlusion: f32,
     /// How exactly.
     pub agree: Agree,
     /// Whether the picture is of a single color. Any other picture that is one is red: it
@@ -70,6 +72,7 @@ impl Case {
         exposure: 0.0,
         tone_map: ToneMap::None,
         clip: [0.0, f32::INFINITY],
+        ambient_occlusion: 0.0,
         agree: Agree::Bits,
         blank: false,
         known: None,
@@ -84,6 +87,7 @@ impl Case {
             .exposure(self.exposure)
             .tone_map(self.tone_map)
             .clip(self.clip[0], self.clip[1])
+            .ambient_occlusion(self.ambient_occlusion)
             .deferred(true)
     }
 }

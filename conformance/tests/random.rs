@@ -198,13 +198,16 @@ fn every_variant_equals_the_oracles_on_random_scenes() {
     for seed in seeds() {
         let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let is_swarm = seed % 6 == 0;
-        let scene = if is_swarm { swarm(&mut random) } else { scene(&mut random) };
+        let mut scene = if is_swarm { swarm(&mut random) } else { scene(&mut random) };
         let camera = camera(&mut random);
         let size = if is_swarm { [61, 45] } else { [1 + random.below(40), 1 + random.below(30)] };
         let (near, far) = (random.within(-2.0, 2.0).max(0.0), random.within(2.0, 12.0));
         let far = if random.below(4) == 0 { far } else { f32::INFINITY };
+        let reach = if random.below(3) == 0 { random.within(0.1, 4.0) } else { 0.0 };
+        scene.ambient = Vec3::splat(if reach > 0.0 { 0.5 } else { 0.0 });
         let request = Request::new(&camera, size)
             .clip(near, far)
+            .ambient_occlusion(reach)
             .samples([1, 1, 1, 1, 1, 4, 4, 16][random.below(8) as usize])
             .shadows(shadows(&mut random))
             .layers([1, 2, 3, 8][random.below(4) as usize])

@@ -112,6 +112,9 @@ pub struct Request<'a> {
     /// The depths of a near and a far plane, world units along the view: the camera draws only surfaces between them.
     /// 0 and infinity unless set. Shadows and reflections know nothing of them.
     pub clip: [f32; 2],
+    /// From how far away surfaces hide the light of the environment, or ambient light, from one another (see
+    /// [`ambient`](crate::stage::ambient)), world units. 0, for not at all, unless set.
+    pub ambient_occlusion: f32,
     /// Whether the picture comes with the deferred buffers. It does not unless set.
     pub deferred: bool,
 }
@@ -128,6 +131,7 @@ impl<'a> Request<'a> {
             exposure: 0.0,
             tone_map: ToneMap::None,
             clip: [0.0, f32::INFINITY],
+            ambient_occlusion: 0.0,
             deferred: false,
         }
     }
@@ -179,6 +183,12 @@ impl<'a> Request<'a> {
     #[must_use]
     pub const fn clip(self, near: f32, far: f32) -> Self {
         Self { clip: [near, far], ..self }
+    }
+
+    /// The request in which surfaces hide light from all around from one another, if they are nearer than this.
+    #[must_use]
+    pub const fn ambient_occlusion(self, reach: f32) -> Self {
+        Self { ambient_occlusion: reach, ..self }
     }
 
     /// The request with or without the deferred buffers.

@@ -114,6 +114,8 @@ pub enum Pass {
     FilterPenumbra,
     /// The shadow mask that follows from the transmittance. Only the deferred buffers hold it.
     Mask,
+    /// How much of the light from all around reaches a surface.
+    Ambient,
     /// The light that arrives at a surface.
     Light,
     /// The color of the first layer.
@@ -182,7 +184,8 @@ impl Step {
             | Pass::SummarizePenumbras
             | Pass::SelectFilterBlocks
             | Pass::FilterPenumbra
-            | Pass::Mask => Stage::Occlusion,
+            | Pass::Mask
+            | Pass::Ambient => Stage::Occlusion,
             Pass::Light => Stage::Light,
             Pass::Shade | Pass::Blend => Stage::Shade,
         }
@@ -217,7 +220,7 @@ impl Step {
 }
 
 /// The passes over a layer of surfaces, in order. No layer has all of them.
-const LAYER: [Pass; 16] = [
+const LAYER: [Pass; 17] = [
     Pass::EndCovered,
     Pass::Pick,
     Pass::Visibility,
@@ -231,6 +234,7 @@ const LAYER: [Pass; 16] = [
     Pass::SelectFilterBlocks,
     Pass::FilterPenumbra,
     Pass::Mask,
+    Pass::Ambient,
     Pass::Light,
     Pass::Shade,
     Pass::Blend,
@@ -253,6 +257,7 @@ impl Step {
             | Pass::SelectFilterBlocks
             | Pass::FilterPenumbra => shadows == ShadowKind::Penumbra,
             Pass::Mask => is_first && shadows != ShadowKind::Bits,
+            Pass::Ambient => frame.has_ambient_rays(),
             Pass::Shade => is_first,
             Pass::EndCovered | Pass::Blend => !is_first,
             _ => true,
@@ -283,10 +288,11 @@ mod tests {
             penumbra_window: 24 * (number >> 1 & 1),
             details: number >> 2 & 1,
             is_drawn: number >> 3 & 1,
-            near: (number >> 4) as f32,
+            near: (number >> 4 & 1) as f32,
+            ambient_view: number >> 5,
             ..Frame::zeroed()
         };
-        (0..32).map(frame)
+        (0..64).map(frame)
     }
 
     #[test]

@@ -87,7 +87,9 @@ impl LaneTask for RunBlock<'_, '_> {
         let mut local = [[0.0; 4]; 2 * RAYS];
         // Where no step waits for other blocks, colors need no memory but the stack's.
         let colors = if colors.is_empty() { &mut local[..] } else { colors };
-        let mut rays = Rays { colors, transmittance, hits, cells };
+        // Rays ask and shade between the same barriers.
+        let mut ambient = [[0.0; 8]; RAYS];
+        let mut rays = Rays { colors, transmittance, hits, cells, ambient: &mut ambient };
         let was_done = *is_done;
         let (mut clock, mut start) = (Clock::default(), Instant::now());
         for steps in steps.chunk_by(|a, b| is_of_packet(a) && is_of_packet(b)) {

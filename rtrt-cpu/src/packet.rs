@@ -18,7 +18,7 @@ use rtrt_core::stage::peel::{LayerSum, is_covered, peel};
 use rtrt_core::stage::shade::shade;
 use rtrt_core::stage::surface::Surfaces;
 use rtrt_core::stage::visibility::{directions, hit, visibility};
-use rtrt_core::stage::{detail, light, occlusion, surface};
+use rtrt_core::stage::{ambient, detail, light, occlusion, surface};
 use std::time::Instant;
 
 /// Words of a hit.
@@ -34,6 +34,8 @@ pub struct Rays<'a> {
     pub hits: &'a mut [u32],
     /// See [`cells`], where penumbras are filtered.
     pub cells: &'a mut [u32],
+    /// In frames that ask for light from all around.
+    pub ambient: &'a mut [ambient::Record],
 }
 
 /// A packet, and the results of its last steps.
@@ -162,9 +164,10 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
             Pass::Occlusion => self.occlusion(&context),
             Pass::Transmittance => self.transmittance(&context, rays.transmittance),
             Pass::BlockerSearch => self.blocker_search(&context, rays.cells),
+            Pass::Ambient => self.ambient(&context, rays.ambient),
             Pass::Light => self.light(frame, rays.transmittance),
             Pass::Shade | Pass::Blend => {
-                self.shade(step, frame, rays.colors);
+                self.shade(step, frame, rays.colors, rays.ambient);
                 if let Some(records) = records {
                     self.record(step.layer, rays.transmittance, records);
                 }
@@ -353,7 +356,31 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     }
 
     #[inline(always)]
-    fn shade(&self, step: Step, frame: &Frame, colors: &mut [[f32; 4]]) {
+    fn ambient(&self, context: &Context<'_>, records: &mut [ambient::Record]) {
+        let (surfaces, first) = (&self.surfaces, self.first);
+        L::outlined(
+            self.token,
+            #[inline(always)]
+            || {
+                let found = ambient::ambient::<L, G>(context, self.ray, surfaces);
+                for g in 0..G {
+                    let ([open, total], Surfaces { origin, normal, .. }) = (found[g], surfaces[g]);
+                    let rows = [open.row(), total.row()];
+                    let places = [origin.x.row(), origin.y.row(), origin.z.row()];
+                    let facing = [normal.x.row(), normal.y.row(), normal.z.row()];
+                    for lane in 0..L::WIDTH {
+                        let [open, total] = [rows[0].at(lane), rows[1].at(lane)];
+                        let [x, y, z] = [places[0].at(lane), places[1].at(lane), places[2].at(lane)];
+                        let [i, j, k] = [facing[0].at(lane), facing[1].at(lane), facing[2].at(lane)];
+                        records[first + g * L::WIDTH + lane] = [open, total, x, y, z, i, j, k];
+                    }
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn shade(&self, step: Step, frame: &Frame, colors: &mut [[f32; 4]], ambient: &[ambient::Record]) {
         let Self { directions, surfaces, incoming, token, .. } = self;
         let maps = &self.context.maps;
         // Behind the colors is what goes through colored layers.
@@ -366,7 +393,14 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
             || {
                 for g in 0..G {
                     let colors = &mut colors[g * L::WIDTH..];
-                    let shaded = shade(frame, maps, directions[g], &surfaces[g], &incoming[g]);
+                    let share = ambient::share::<L>(
+                        *token,
+                        frame,
+                        (self.first + g * L::WIDTH) as u32,
+                        #[inline(always)]
+                        |ray| ambient[ray as usize],
+                    );
+                    let shaded = shade(frame, maps, directions[g], &surfaces[g], &incoming[g], share);
                     if !frame.has_layers() {
                         store(&shaded.record(), colors);
                         continue;

@@ -54,7 +54,8 @@ const TRACE: &[Slot] = &[
     Slot::Texels,
 ];
 /// What the entry points that shade read.
-const SHADE: &[Slot] = &[Slot::Frame, Slot::Views, Slot::Materials, Slot::Texels, Slot::Surfaces, Slot::Lit];
+const SHADE: &[Slot] =
+    &[Slot::Frame, Slot::Views, Slot::Materials, Slot::Texels, Slot::Surfaces, Slot::Lit, Slot::Ambient];
 
 const fn entry(pass: Pass, name: &'static str, reads: &'static [Slot], writes: &'static [Slot]) -> Entry {
     Entry { name, pass, reads, writes, starts_at_zero: |_| false, work: Work::Units }
@@ -86,6 +87,7 @@ pub(crate) const ENTRIES: &[Entry] = {
         entry(Pass::SelectFilterBlocks, "select_filter_blocks", &[Frame, PenumbraSummary], &[FilterBlocks]),
         entry(Pass::FilterPenumbra, "filter_penumbra", &[Frame, Views, Surfaces, Shadows, FilterBlocks], &[Transmittance]),
         entry(Pass::Mask, "mask", &[Frame, Transmittance], &[Masks]),
+        entry(Pass::Ambient, "ambient", &[Frame, Views, BlockLists, Instances, Nodes, MeshData, Positions, Surfaces], &[Ambient]),
         entry(Pass::Light, "light", &[Frame, Views, Materials, Texels, Surfaces, Masks, Transmittance], &[Lit]),
         entry(Pass::Shade, "shade", SHADE, &[Colors]),
         entry(Pass::Blend, "blend", SHADE, &[Colors]),
@@ -221,7 +223,8 @@ mod tests {
     fn every_stage_is_dispatched_in_order() {
         let frame =
             Frame { width: 16, height: 16, side: 1, rays: 256, lights: 1, views: 7, ..Frame::zeroed() };
-        let frame = Frame { seen: 1, instances: 1, blocks: 2, capacity: 1, details: 1, ..frame };
+        let frame =
+            Frame { seen: 1, instances: 1, blocks: 2, capacity: 1, details: 1, ambient_view: 7, ..frame };
         let mut rows = Vec::new();
         for frame in [0, 3].into_iter().flat_map(|layers| {
             [0, 24].into_iter().flat_map(move |penumbra_window| {

@@ -34,6 +34,7 @@ pub(crate) enum Slot {
     PenumbraSummary,
     FilterBlocks,
     Transmittance,
+    Ambient,
     Lit,
     Colors,
     Layers,
@@ -102,6 +103,7 @@ pub(crate) const TABLE: [Row; Slot::COUNT] = {
         row::<PenumbraSummary>(Slot::PenumbraSummary, "penumbra summary", Count::Frame(penumbra_blocks)),
         row::<u32>(Slot::FilterBlocks, "filter blocks", Count::Frame(penumbra_blocks)),
         row::<u32>(Slot::Transmittance, "transmittance", Ray(|frame| shadow_words(frame)[1])),
+        row::<[f32; 2]>(Slot::Ambient, "ambient", Ray(|frame| frame.has_ambient_rays().into())),
         row::<Lit>(Slot::Lit, "lit", Ray(|_| 1)),
         // Behind the colors is what goes through colored layers.
         row::<[f32; 4]>(Slot::Colors, "colors", Ray(|frame| 1 + u64::from(frame.has_colored_layers()))),

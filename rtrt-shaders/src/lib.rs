@@ -12,6 +12,7 @@
 
 #![cfg_attr(target_arch = "spirv", no_std)]
 
+pub mod ambient;
 pub mod bin;
 pub mod canary;
 pub mod detail;

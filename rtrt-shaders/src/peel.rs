@@ -1,5 +1,6 @@
 //! Layers: one invocation a ray.
 
+use crate::ambient::share;
 use crate::index;
 use crate::shade::store;
 use rtrt_core::grid::RayIndex;
@@ -69,7 +70,8 @@ pub fn blend(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] texels: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] surfaces: &[Surface],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] lit: &[Lit],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] colors: &mut [[f32; 4]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] found: &[[f32; 2]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] colors: &mut [[f32; 4]],
 ) {
     let index = index(id);
     if index < frame.rays && !stage::peel::is_covered(colors[index as usize][3]) {
@@ -78,7 +80,9 @@ pub fn blend(
         let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let arriving = IncomingLight::new(&lit[index as usize]);
-        let shaded = stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving);
+        let share = share(frame, index, surfaces, found);
+        let shaded =
+            stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving, share);
         let color = colors[index as usize];
         let through =
             if frame.has_colored_layers() { colors[(frame.rays + index) as usize] } else { [0.0; 4] };

@@ -1,5 +1,6 @@
 //! Shade: one invocation a ray.
 
+use crate::ambient::share;
 use crate::index;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::texture::Maps;
@@ -29,7 +30,8 @@ pub fn shade(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] texels: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] surfaces: &[Surface],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] lit: &[Lit],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] colors: &mut [[f32; 4]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] found: &[[f32; 2]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] colors: &mut [[f32; 4]],
 ) {
     let index = index(id);
     if index < frame.rays {
@@ -38,7 +40,9 @@ pub fn shade(
         let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
         let surface = Surfaces::new(&surfaces[index as usize]);
         let arriving = IncomingLight::new(&lit[index as usize]);
-        let shaded = stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving);
+        let share = share(frame, index, surfaces, found);
+        let shaded =
+            stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving, share);
         if frame.has_layers() {
             store(frame, colors, index, &LayerSum::new(()).blend(frame, &shaded));
         } else {

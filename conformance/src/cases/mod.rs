@@ -1,5 +1,6 @@
 //! The cases, in files named for the kernels and stages that they are about.
 
+mod ambient;
 mod area;
 mod bin;
 mod camera;
@@ -35,6 +36,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         soft::CASES,
         light::CASES,
         environment::CASES,
+        ambient::CASES,
         transparency::CASES,
         motion::CASES,
         tone::CASES,

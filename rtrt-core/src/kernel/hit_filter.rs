@@ -2,8 +2,10 @@
 
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::geometry::Geometry;
+use crate::kernel::transparency::alpha_mode;
 use crate::kernel::triangle::Intersection;
 use crate::lane::{Lane, Mask, Select};
+use crate::layout::AlphaKind;
 
 /// What a box is around that rays are tested against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,6 +97,32 @@ impl<L: Lane> HitFilter<L> for Any {
             return false;
         }
         closest.t = intersection.mask.select(closest.t.broadcast(-1.0), closest.t);
+        true
+    }
+}
+
+/// Finds how far the nearest opaque surface is, whichever side it shows.
+#[derive(Clone, Copy)]
+pub struct Opaque;
+
+impl<L: Lane> HitFilter<L> for Opaque {
+    const TERMINATES: bool = false;
+    const FACES: Faces = Faces::Both;
+
+    #[inline(always)]
+    fn accept(
+        &mut self,
+        geometry: &Geometry<'_>,
+        instance: u32,
+        _: u32,
+        intersection: &Intersection<L>,
+        closest: &mut ClosestHit<L>,
+    ) -> bool {
+        let placed = &geometry.instances[instance as usize];
+        if !intersection.mask.any() || alpha_mode(placed, geometry.mesh_data) != AlphaKind::Opaque as u32 {
+            return false;
+        }
+        closest.t = intersection.mask.select(closest.t.min(intersection.t), closest.t);
         true
     }
 }

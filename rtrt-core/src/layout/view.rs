@@ -263,10 +263,18 @@ pub struct Frame {
     pub near: f32,
     /// Surfaces beyond this depth are not drawn.
     pub far: f32,
+    /// The first of the views from which light from all around comes (see [`ambient`](crate::stage::ambient)); 0 for none.
+    pub ambient_view: u32,
+    /// From how far away a surface hides that light, world units.
+    pub ambient_reach: f32,
     /// Unused: a uniform block is a multiple of 16 bytes.
     pub unused_0: u32,
+    /// Unused.
+    pub unused_1: u32,
+    /// Unused.
+    pub unused_2: u32,
 }
-const _: () = assert!(size_of::<Frame>() == 160 && offset_of!(Frame, ambient_r) == 48);
+const _: () = assert!(size_of::<Frame>() == 176 && offset_of!(Frame, ambient_r) == 48);
 
 impl View {
     /// The camera's list for a block of the frame.
@@ -342,6 +350,11 @@ impl Frame {
     #[inline(always)]
     pub fn has_layers(&self) -> bool {
         self.layers != 0
+    }
+    /// Whether rays ask how much of the light from all around reaches surfaces.
+    #[inline(always)]
+    pub fn has_ambient_rays(&self) -> bool {
+        self.ambient_view != 0
     }
     /// Whether closest surfaces are found by [`peel`](crate::stage::peel), because some that a ray meets are not drawn.
     #[inline(always)]

@@ -284,7 +284,7 @@ fn cube_face(light: &View, face: usize, cells: u32, first_block: u32) -> View {
 }
 
 /// The view along parallel light, fitted to the scene's bounds.
-fn parallel(direction: DVec3, color: Vec3, bounds: &Bounds, cells: u32, first_block: u32) -> View {
+pub(super) fn parallel(direction: DVec3, color: Vec3, bounds: &Bounds, cells: u32, first_block: u32) -> View {
     let helper = if direction.x.abs() < 0.5 { DVec3::X } else { DVec3::Y };
     let u = unit(direction.cross(helper)).unwrap_or(DVec3::Y);
     let v = direction.cross(u);

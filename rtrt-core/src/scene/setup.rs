@@ -10,7 +10,7 @@ use crate::scene::floor::floored;
 use crate::scene::levels::LodSelection;
 use crate::scene::light::is_color;
 use crate::scene::setup_error::{MAX_LAYERS, MAX_STOPS, SetupError};
-use crate::scene::views::{Lights, light_views, mark};
+use crate::scene::views::{Asked, Lights, light_views, mark};
 use crate::scene::{Mip, Occluders, Scene, Structure};
 use crate::stage::occlusion::LIGHTS_PER_WORD;
 use alloc::vec::Vec;
@@ -101,6 +101,7 @@ impl Setup {
             exposure,
             tone_map,
             clip: [near, far],
+            ambient_occlusion,
             deferred: _,
         } = *request;
         let side = match samples {
@@ -141,6 +142,11 @@ impl Setup {
         if !(near >= 0.0 && near < far) {
             return Err(SetupError::Clip { near, far });
         }
+        if ambient_occlusion != 0.0 && !(LEAST_REACH..=MOST_REACH).contains(&ambient_occlusion) {
+            return Err(SetupError::AmbientReach { reach: ambient_occlusion });
+        }
+        let is_lit_around = scene.sky().first != 0 || scene.ambient.map(floored) != Vec3::ZERO;
+        let has_ambient_rays = ambient_occlusion > 0.0 && is_lit_around && !scene.instances().is_empty();
         let lights = scene.lights();
         if lights.len() > Self::MAX_LIGHTS {
             return Err(SetupError::Lights { lights: lights.len(), limit: Self::MAX_LIGHTS });
@@ -158,7 +164,10 @@ impl Setup {
         let is_one_list = scene.structure == Structure::None;
         let by_angle = u32::from(scene.mip == Mip::Angle);
         let eye = View { by_angle, ..camera.view(grid)? };
-        let light_blocks = light_views(&mut self.views, &mut self.lights, scene, &bounds, shadows, eye)?;
+        let light_blocks = {
+            let asked = Asked { shadows, has_ambient_rays };
+            light_views(&mut self.views, &mut self.lights, scene, &bounds, asked, eye)?
+        };
         let camera = &mut self.views[Frame::CAMERA as usize];
         if is_one_list {
             [camera.width, camera.height] = [1, 1];
@@ -214,11 +223,19 @@ impl Setup {
             tone_map: tone_map as u32,
             near: floored(near),
             far: floored(far.min(f32::MAX)),
+            ambient_view: if has_ambient_rays { 1 + lights.len() as u32 * Frame::VIEWS_PER_LIGHT } else { 0 },
+            ambient_reach: ambient_occlusion,
             ..Frame::zeroed()
         };
         Ok(())
     }
 }
+
+/// The least distance up to which surfaces may hide ambient light, 2⁻⁶⁰: its reciprocal is finite, and products with it
+/// are not denormal.
+const LEAST_REACH: f32 = 1.0 / 1_152_921_504_606_846_976.0;
+/// The largest, 2⁶⁰.
+const MOST_REACH: f32 = 1_152_921_504_606_846_976.0;
 
 /// Cosine and sine of an angle in radians; exact where it is a right angle as far as `f32` tells.
 fn turn(angle: f32) -> [f32; 2] {

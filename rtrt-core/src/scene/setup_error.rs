@@ -73,6 +73,12 @@ pub enum SetupError {
         /// Depth of the far plane.
         far: f32,
     },
+    /// A reach of ambient occlusion that is not usable.
+    #[error("{reach} is not a distance up to which surfaces may hide ambient light: 0, or 2^-60 to 2^60")]
+    AmbientReach {
+        /// What it is.
+        reach: f32,
+    },
     /// A number of the environment that is not usable.
     #[error("the {what} of the environment is {value}, which is not within {low} ..= {high}")]
     Environment {

@@ -4,8 +4,19 @@ use crate::kernel::area::hash;
 use crate::layout::{Frame, View, ViewKind};
 use crate::request::Shadows;
 use crate::scene::bvh::Bounds;
+use crate::scene::light::parallel;
 use crate::scene::{Occluders, Scene, SetupError, Structure};
+use crate::stage::ambient::DIRECTIONS;
 use alloc::vec::Vec;
+use glam::{DVec3, Vec3};
+
+/// What a request asks of the views of lights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Asked {
+    pub shadows: Shadows,
+    /// Whether there are views for light from all around, behind those of lights.
+    pub has_ambient_rays: bool,
+}
 
 /// The key of the views of lights.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,7 +26,7 @@ pub(super) struct Lights {
     /// The bits of the scene's lower and upper corner.
     bounds: [[u32; 3]; 2],
     cells: u32,
-    shadows: Shadows,
+    asked: Asked,
     structure: Structure,
     occluders: Occluders,
 }
@@ -27,7 +38,7 @@ pub(super) fn light_views(
     made_of: &mut Option<Lights>,
     scene: &Scene,
     bounds: &Bounds,
-    shadows: Shadows,
+    asked: Asked,
     camera: View,
 ) -> Result<u32, SetupError> {
     let (lights, structure) = (scene.lights(), scene.structure);
@@ -37,7 +48,7 @@ pub(super) fn light_views(
         changes: scene.light_changes(),
         bounds: [bounds.low, bounds.high].map(|corner| corner.map(f32::to_bits)),
         cells: if is_one_list { 1 } else { light_cells(scene.instances().len(), lights.len()) },
-        shadows,
+        asked,
         structure,
         occluders: scene.occluders,
     };
@@ -51,7 +62,7 @@ pub(super) fn light_views(
     views.push(camera);
     let mut first_block = 0;
     for (number, light) in (0..).zip(lights) {
-        let jitter = match shadows {
+        let jitter = match asked.shadows {
             Shadows::Area { jitter } => Some(jitter.map_or(0, |seed| key(seed, number))),
             _ => None,
         };
@@ -60,8 +71,32 @@ pub(super) fn light_views(
         first_block += blocks(&faces);
         views.extend(faces);
     }
+    if asked.has_ambient_rays {
+        let cells = source.cells.min(AMBIENT_CELLS);
+        for along in ambient_directions() {
+            let mut view = parallel(along, Vec3::ZERO, bounds, cells, first_block);
+            view.one_list = u32::from(is_one_list);
+            first_block += view.width * view.height;
+            views.push(view);
+        }
+    }
     *made_of = Some(source);
     Ok(first_block)
+}
+
+/// The most blocks along one side of a view of light from all around, of which there are many.
+const AMBIENT_CELLS: u32 = 32;
+
+/// The ways of light from all around: evenly over the sphere, along a spiral (González, 2010). Every fourth is about as
+/// even.
+fn ambient_directions() -> impl Iterator<Item = DVec3> {
+    let golden = core::f64::consts::PI * (3.0 - libm::sqrt(5.0));
+    (0..DIRECTIONS).map(move |number| {
+        let height = 1.0 - (2.0 * f64::from(number) + 1.0) / f64::from(DIRECTIONS);
+        let ring = libm::sqrt(1.0 - height * height);
+        let (sine, cosine) = libm::sincos(golden * f64::from(number));
+        -DVec3::new(ring * cosine, height, ring * sine)
+    })
 }
 
 /// Writes the scene's [`Structure`](crate::scene::Structure) and [`Occluders`] into a view.

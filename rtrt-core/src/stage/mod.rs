@@ -1,6 +1,7 @@
 //! What a ray, a pixel or a block needs: compositions of kernels that backends only dispatch, in
 //! the order of [`schedule`](crate::schedule).
 
+pub mod ambient;
 pub mod bin;
 mod coating;
 pub mod context;
@@ -47,7 +48,7 @@ mod tests {
             let [lit] = super::occlusion::word::<L, 1>(&context, 0, ray, &[seen]);
             let shadows = super::light::ShadowTerms::new(|_| lit, |_| lit);
             let incoming = super::light::light(frame, context.views, &maps, &shadows, ray, direction, &seen);
-            let color = super::shade::shade(frame, &maps, direction, &seen, &incoming);
+            let color = super::shade::shade(frame, &maps, direction, &seen, &incoming, L::splat((), 1.0));
             let numbers = color.record().map(|channel| channel.lane(0));
             let pixel = super::resolve::resolve::<L>((), frame, |_| [0, 0], |_| numbers, |_| [0.0; 4]);
             let sum = |v: V3<L>| (v.x.to_bits() + v.y.to_bits() + v.z.to_bits()).0;

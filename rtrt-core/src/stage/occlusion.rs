@@ -135,7 +135,7 @@ fn shadow_rays<L: Lane, F: HitFilter<L>, const G: usize>(
 ) -> [L::Bits; G] {
     let (frame, light) = (context.frame, context.light(light));
     let none = active[0].broadcast(0);
-    let mut pending: [L; G] = groups(
+    let pending: [L; G] = groups(
         #[inline(always)]
         |g| {
             let limit = arrival(light, origins[g]);
@@ -150,31 +150,53 @@ fn shadow_rays<L: Lane, F: HitFilter<L>, const G: usize>(
         #[inline(always)]
         |g| Ray::new(origins[g], to_light(frame, light, group::<L>(first, g), origins[g]).0),
     );
+    let ends = trace_by_block(context, light, origins, &rays, &pending, filters);
+    let mut g = 0;
+    while g < G {
+        let zero = pending[g].broadcast(0.0);
+        let ended = pending[g].gt(zero) & ends[g].lt(zero);
+        lit[g] = ended.select(none, lit[g]);
+        g += 1;
+    }
+    lit
+}
+
+/// Traces rays from `origins` toward a view, up to `limits`, and returns where on them their filters have left their
+/// limits. A ray whose limit is not above 0 is not traced.
+#[inline(always)]
+pub(super) fn trace_by_block<L: Lane, F: HitFilter<L>, const G: usize>(
+    context: &Context<'_>,
+    view: &View,
+    origins: &[V3<L>; G],
+    rays: &[Ray<L>; G],
+    limits: &[L; G],
+    filters: &mut [F; G],
+) -> [L; G] {
     let blocks: [L::Bits; G] = groups(
         #[inline(always)]
-        |g| light_block(light, origins[g]),
+        |g| light_block(view, origins[g]),
     );
+    let (mut pending, mut ends) = (*limits, *limits);
     while let Some(block) = first_pending(&pending, &blocks) {
-        let limits: [L; G] = groups(
+        let here: [L; G] = groups(
             #[inline(always)]
-            |g| blocks[g].eq(none.broadcast(block)).select(pending[g], pending[g].broadcast(-1.0)),
+            |g| blocks[g].eq(blocks[g].broadcast(block)).select(pending[g], pending[g].broadcast(-1.0)),
         );
         let mut hits = PacketHits::new(groups(
             #[inline(always)]
-            |g| ClosestHit::none(limits[g]),
+            |g| ClosestHit::none(here[g]),
         ));
-        trace(context, block, &rays, &mut hits, filters);
+        trace(context, block, rays, &mut hits, filters);
         let mut g = 0;
         while g < G {
             let zero = pending[g].broadcast(0.0);
-            let traced = limits[g].gt(zero);
-            let ended = traced & hits.closest[g].t.lt(zero);
-            lit[g] = ended.select(none, lit[g]);
+            let traced = here[g].gt(zero);
+            ends[g] = traced.select(hits.closest[g].t, ends[g]);
             pending[g] = traced.select(zero.broadcast(-1.0), pending[g]);
             g += 1;
         }
     }
-    lit
+    ends
 }
 
 /// One word of the shadow mask of a group of surfaces, where `transmittance(light)` is that of each light:

@@ -39,10 +39,13 @@ impl<L: Lane> Shaded<L> {
 /// ```text
 /// diffuse · ((1 − F₀) · diffuse light + (1 − R) · ambient · occlusion)
 ///     + mirror · specular light + F₉₀ · grazing light
-///     + M · mirrored · occlusion
+///     + M · mirrored · mirrored share
 ///     + emission
 ///
 /// through = base · (1 − metallic) · transmission · (1 − R)
+///
+/// occlusion      = min(texture of occlusion, share of `ambient`)
+/// mirrored share = min(texture of occlusion, share + (1 − share) · (1 − roughness)²)
 ///
 /// base    = material · texture · vertex color
 /// diffuse = base · (1 − metallic) · (1 − transmission)
@@ -70,6 +73,7 @@ pub fn shade<L: Lane>(
     direction: V3<L>,
     surfaces: &Surfaces<L>,
     arriving: &IncomingLight<L>,
+    share: L,
 ) -> Shaded<L> {
     let token = surfaces.footprint.token();
     let one = surfaces.footprint.broadcast(1.0);
@@ -89,7 +93,8 @@ pub fn shade<L: Lane>(
     let material = surface_material(frame, maps, surfaces, to_viewer);
     let flat = V3::splat(token, [frame.ambient_r, frame.ambient_g, frame.ambient_b]);
     let ambient = if sky.first == 0 { flat } else { flush3(arriving_from(maps, sky, surfaces.normal)) };
-    let (lit, kept) = lit(frame, maps, to_viewer, surfaces, &material, ambient, arriving);
+    let around = Around { ambient, share };
+    let (lit, kept) = lit(frame, maps, to_viewer, surfaces, &material, around, arriving);
     let through = if frame.has_colored_layers() {
         let through = flush3(material.clear.scale(kept));
         V3::select(found, through, V3::splat(token, [0.0; 3]))
@@ -99,9 +104,18 @@ pub fn shade<L: Lane>(
     let color = V3::select(found, V3::select(material.unlit, flush3(material.base), lit), background);
     let mut alpha = material.alpha;
     if frame.has(MaterialRecord::IS_SHADOW_CATCHER) {
-        alpha = material.catches.select(flush(shadow(ambient, arriving)), alpha);
+        alpha = material.catches.select(flush(shadow(ambient, share, arriving)), alpha);
     }
     Shaded { color, alpha: found.select(alpha, clear), through }
+}
+
+/// The light from all around.
+#[derive(Clone, Copy)]
+struct Around<L> {
+    /// That which arrives where nothing hides any, as radiance.
+    ambient: V3<L>,
+    /// The share of it that arrives past what is near.
+    share: L,
 }
 
 /// The light that surfaces of these materials send toward the viewer, and the share of what is behind them that they
@@ -113,9 +127,10 @@ fn lit<L: Lane>(
     to_viewer: V3<L>,
     surfaces: &Surfaces<L>,
     material: &SurfaceMaterial<L>,
-    ambient: V3<L>,
+    around: Around<L>,
     arriving: &IncomingLight<L>,
 ) -> (V3<L>, L) {
+    let Around { ambient, share } = around;
     let &SurfaceMaterial { diffuse, dielectric, mirror, grazing, roughness, .. } = material;
     let &SurfaceMaterial { strength, emission, occlusion, cosine, .. } = material;
     let one = roughness.broadcast(1.0);
@@ -130,13 +145,17 @@ fn lit<L: Lane>(
         let along = normal.scale(normal.dot(to_viewer) * 2.0) - to_viewer;
         flush3(mirrored(maps, sky, along, roughness))
     };
+    // A texture of occlusion and rays measure the same. A smooth surface mirrors one direction, of which rays know little.
+    let glossy = one - roughness;
+    let mirrored_share = occlusion.min(share + (one - share) * flush(glossy * glossy));
+    let occlusion = occlusion.min(share);
     let albedo = albedo(cosine, roughness);
     let boost = albedo.boost();
     let back = |normal: L| albedo.reflectance(normal, grazing, boost);
     let kept = one - albedo.reflectance(dielectric, strength, boost);
     let through = flush3(ambient.scale(occlusion * kept)) + flush3(arriving.diffuse.scale(one - dielectric));
     let reflectance = V3 { x: back(mirror.x), y: back(mirror.y), z: back(mirror.z) };
-    let reflected = flush3(times(reflectance, around.scale(occlusion)));
+    let reflected = flush3(times(reflectance, around.scale(mirrored_share)));
     let highlight = flush3(times(mirror, arriving.specular) + arriving.grazing.scale(grazing));
     let answer = flush3(times(diffuse, through)) + reflected + highlight;
     if !frame.has(MaterialRecord::HAS_COAT | MaterialRecord::HAS_SHEEN) {
@@ -144,7 +163,7 @@ fn lit<L: Lane>(
     }
     let coating = Coating::new(frame, maps, surfaces.material, surfaces, to_viewer);
     let below = flush3(answer.scale(coating.through_sheen()) + emission).scale(coating.through_coat());
-    let above = coating.mirrored(frame, maps, surfaces.normal, to_viewer, ambient).scale(occlusion);
+    let above = coating.mirrored(frame, maps, surfaces.normal, to_viewer, ambient).scale(mirrored_share);
     let color = flush3(flush3(below) + flush3(above) + arriving.coating);
     (color, kept * coating.through_sheen() * coating.through_coat())
 }
@@ -162,16 +181,18 @@ fn bent_normal<L: Lane>(maps: &Maps<'_>, surfaces: &Surfaces<L>, to_viewer: V3<L
 /// The alpha of a surface that catches shadows:
 ///
 /// ```text
-/// missing / (π · ambient + reached + missing)
+/// (missing + (1 − share) · π · ambient) / (π · ambient + reached + missing)
 /// ```
 ///
 /// of the luminances of what arrives, so that black with this alpha darkens what is behind it as much as the shadow
 /// would.
 #[inline(always)]
-fn shadow<L: Lane>(ambient: V3<L>, arriving: &IncomingLight<L>) -> L {
+fn shadow<L: Lane>(ambient: V3<L>, share: L, arriving: &IncomingLight<L>) -> L {
     let missing = luminance(arriving.specular);
-    let all = luminance(ambient) * core::f32::consts::PI + luminance(arriving.diffuse) + missing;
+    let around = luminance(ambient) * core::f32::consts::PI;
+    let all = around + luminance(arriving.diffuse) + missing;
     let none = all.broadcast(0.0);
+    let missing = missing + flush(around * (none.broadcast(1.0) - share));
     all.gt(all.broadcast(FLOOR)).select(clamp(missing * recip(all), 0.0, 1.0), none)
 }
 
@@ -433,7 +454,7 @@ mod tests {
             grazing: V3::splat((), [0.25; 3]),
             coating: zero,
         };
-        shade(&frame, &maps, V3::splat((), [0.0, 0.0, -1.0]), &surfaces, &arriving)
+        shade(&frame, &maps, V3::splat((), [0.0, 0.0, -1.0]), &surfaces, &arriving, 1.0)
     }
 
     /// A smooth surface that is no metal.

@@ -3,7 +3,7 @@
 use super::Error;
 use super::console::Console;
 use super::options::{BackendOptions, CameraOptions, Common};
-use super::parse::Exposure;
+use super::parse::{AmbientOcclusion, Exposure};
 use super::report::Machine;
 use super::stream;
 use super::surroundings::{Surrounded, surrounded};
@@ -40,6 +40,8 @@ pub struct RenderJob {
     pub tone_map: ToneMap,
     /// The depths of the near and the far plane.
     pub clip: [f32; 2],
+    /// From how far away surfaces hide ambient light; 0 for not at all.
+    pub ambient_reach: f32,
     /// The number of rays from the camera.
     pub rays: u64,
     /// Milliseconds, of [`Self::load_ms`].
@@ -108,6 +110,7 @@ impl RenderJob {
         if let Some(ambient) = common.ambient {
             scene.ambient = ambient;
         }
+        let ambient_reach = ambient_reach(common, &scene);
         if animation.is_none() && time.is_some() {
             console.warn(3, "nothing in the scene is animated")?;
         }
@@ -138,6 +141,7 @@ impl RenderJob {
             },
             tone_map: common.tone_map,
             clip,
+            ambient_reach,
             surrounded,
             animation,
             cameras,
@@ -232,6 +236,7 @@ impl RenderJob {
             .exposure(self.exposure)
             .tone_map(self.tone_map)
             .clip(self.clip[0], self.clip[1])
+            .ambient_occlusion(self.ambient_reach)
             .deferred(deferred)
     }
 
@@ -420,6 +425,19 @@ fn clip(options: &CameraOptions, named: Option<&NamedCamera>) -> [f32; 2] {
     let own = named.filter(|_| options.eye.is_none() && options.look_at.is_none());
     let [near, far] = own.map_or([0.0, f32::INFINITY], |named| named.clip);
     [options.near.unwrap_or(near), options.far.unwrap_or(far)]
+}
+
+/// From how far away surfaces of the scene hide ambient light.
+fn ambient_reach(common: &Common, scene: &Scene) -> f32 {
+    match common.surroundings.ambient_occlusion {
+        AmbientOcclusion::Off => 0.0,
+        AmbientOcclusion::Reach(reach) => reach,
+        AmbientOcclusion::Auto => {
+            let diagonal = scene.extent().map_or(0.0, |(low, high)| low.distance(high));
+            let reach = diagonal / 16.0;
+            if (1e-18..=1e18).contains(&reach) { reach } else { 0.0 }
+        }
+    }
 }
 
 /// Width / height.

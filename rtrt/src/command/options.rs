@@ -3,10 +3,10 @@
 #[cfg(feature = "viewer")]
 use super::parse::png;
 use super::parse::{
-    Background, Environment, EnvironmentSun, Exposure, GivenLight, Stream, angle, background, choice, depth,
-    encoding, environment, environment_sun, exposure, given_light, height, intensity, json, layers, mip,
-    occluders, one_of, part, picture, point_of_file, radius, rate, seconds, shadows, size, structure, tone,
-    tone_map, turn, vector, view,
+    AmbientOcclusion, Background, Environment, EnvironmentSun, Exposure, GivenLight, Stream,
+    ambient_occlusion, angle, background, choice, depth, encoding, environment, environment_sun, exposure,
+    given_light, height, intensity, json, layers, mip, occluders, one_of, part, picture, point_of_file,
+    radius, rate, seconds, shadows, size, structure, tone, tone_map, turn, vector, view,
 };
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -293,6 +293,10 @@ pub struct SurroundingsOptions {
     /// Put a plane under the scene that shows shadows and nothing else
     #[arg(id = "ground", long = "ground")]
     pub ground: bool,
+    /// Let surfaces hide the light of the environment, and ambient light, from what is as near as this distance; auto is a
+    /// sixteenth of the scene's diagonal
+    #[arg(id = "ambient_occlusion", long = "ambient-occlusion", value_name = "off|auto|DISTANCE", default_value = "auto", value_parser = ambient_occlusion, allow_negative_numbers = true)]
+    pub ambient_occlusion: AmbientOcclusion,
     /// The brightest disc of an environment, if it sheds at least a quarter as much light as everything
     /// else: light makes it a sun that casts shadows, keep leaves it in the environment, drop removes it.
     /// The key light of the studio is a sun as well

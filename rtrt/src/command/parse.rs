@@ -97,6 +97,29 @@ pub fn environment_sun() -> impl TypedValueParser<Value = EnvironmentSun> {
     })
 }
 
+/// From how far away surfaces hide ambient light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AmbientOcclusion {
+    /// Not at all.
+    Off,
+    /// From a sixteenth of the scene's diagonal.
+    Auto,
+    /// From this distance, world units.
+    Reach(f32),
+}
+
+/// `off`, `auto` or a distance.
+pub fn ambient_occlusion(text: &str) -> Result<AmbientOcclusion, &'static str> {
+    match text {
+        "off" => Ok(AmbientOcclusion::Off),
+        "auto" => Ok(AmbientOcclusion::Auto),
+        _ => {
+            let reach = height(text).ok().filter(|reach| (1e-18..=1e18).contains(reach));
+            reach.map(AmbientOcclusion::Reach).ok_or("neither off, auto nor a distance of 1e-18 to 1e18")
+        }
+    }
+}
+
 /// Degrees, to radians, all the way around and more.
 pub fn turn(text: &str) -> Result<f32, &'static str> {
     let degrees = text.parse().ok().filter(|degrees: &f64| degrees.abs() <= 36_000.0);
