@@ -17,7 +17,7 @@ valgrind --tool=callgrind --demangle=no --toggle-collect="$frame" --callgrind-ou
 # of earlier ones. "other" is the rest: lists, and memory that is copied or cleared.
 awk '
     BEGIN {
-        count = split("prepare bin visibility peel surface detail occlusion penumbra_blocks penumbra_filter light shade resolve", stages)
+        count = split("prepare bin visibility peel surface detail occlusion penumbra_blocks penumbra_filter ambient light shade resolve", stages)
         for (i = 1; i <= count; i++) place[stages[i]] = i
     }
     function name(text, names, parts) {
