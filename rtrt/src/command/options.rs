@@ -295,7 +295,7 @@ pub struct SurroundingsOptions {
     pub ground: bool,
     /// Let surfaces hide the light of the environment, and ambient light, from what is as near as this distance; auto is a
     /// sixteenth of the scene's diagonal
-    #[arg(id = "ambient_occlusion", long = "ambient-occlusion", value_name = "off|auto|DISTANCE", default_value = "auto", value_parser = ambient_occlusion, allow_negative_numbers = true)]
+    #[arg(id = "ambient_occlusion", long = "ambient-occlusion", value_name = "off|auto|DISTANCE", default_value = "off", value_parser = ambient_occlusion, allow_negative_numbers = true)]
     pub ambient_occlusion: AmbientOcclusion,
     /// The brightest disc of an environment, if it sheds at least a quarter as much light as everything
     /// else: light makes it a sun that casts shadows, keep leaves it in the environment, drop removes it.
