@@ -90,7 +90,7 @@ fn panes() -> Scene {
     let mut build =
         Build::default().shape(Shape::floor(3.0, -1.0)).shape(Shape::ball(6).at([0.0, -0.5, 0.0], 0.5));
     for z in [0.6, 1.2] {
-        build = build.shape_of(Shape::quad([-1.0, -1.0, z], [1.5, 0.0, 0.0], [0.0, 1.5, 0.0]), pane.clone());
+        build = build.shape_of(Shape::quad([-1.0, -1.0, z], [1.5, 0.0, 0.0], [0.0, 1.5, 0.0]), pane);
     }
     build.scene.ambient = Vec3::splat(0.9);
     build.light(Light::point([0.0, 1.0, 3.0])).scene
