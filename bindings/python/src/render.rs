@@ -12,6 +12,9 @@ use rtrt::layers::MOST_RAYS;
 use rtrt_core::backend::{LAYERS, RenderError, Request, Shadows, ToneMap};
 use rtrt_core::scene::Camera as CoreCamera;
 
+// What the signature of `render` says.
+const _: () = assert!(LAYERS == 8);
+
 /// How well a picture is rendered.
 struct Quality {
     samples: u32,
@@ -140,13 +143,13 @@ fn aovs(aov: Option<&Bound<'_, PyAny>>, out: Option<&Bound<'_, PyDict>>) -> PyRe
 ///     tone_map: "neutral", "agx", "aces" or "none".
 ///     backend: A Backend; one for all calls if not given, on the first GPU that works, else on the processor.
 #[pyfunction]
-#[pyo3(signature = (scene, camera = None, size = [640, 360], aov = None, *, out = None, samples = 4, shadows = "soft", layers = LAYERS as i64, exposure = 0.0, tone_map = "neutral", backend = None))]
+#[pyo3(signature = (scene, camera = None, size = (640, 360), aov = None, *, out = None, samples = 4, shadows = "soft", layers = 8, exposure = 0.0, tone_map = "neutral", backend = None))]
 #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
 pub fn render<'py>(
     py: Python<'py>,
     scene: &Scene,
     camera: Option<&Bound<'py, PyAny>>,
-    size: [i64; 2],
+    size: (i64, i64),
     aov: Option<&Bound<'py, PyAny>>,
     out: Option<Bound<'py, PyDict>>,
     samples: i64,
@@ -157,7 +160,7 @@ pub fn render<'py>(
     backend: Option<&Bound<'py, Backend>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let quality = Quality::new(samples, shadows, layers, exposure, tone_map)?;
-    let (size, aovs) = (camera::size(size)?, aovs(aov, out.as_ref())?);
+    let (size, aovs) = (camera::size(size.into())?, aovs(aov, out.as_ref())?);
     let (cameras, are_many) = cameras(scene, camera, size)?;
     let before = are_many.then_some(cameras.len());
     let deferred = aovs.iter().any(|aov| aov.is_deferred());
@@ -213,17 +216,17 @@ pub fn render<'py>(
 /// Args:
 ///     scene, camera, size, shadows, backend: See `render`; one camera.
 #[pyfunction]
-#[pyo3(signature = (scene, camera = None, size = [640, 360], *, shadows = "soft", backend = None))]
+#[pyo3(signature = (scene, camera = None, size = (640, 360), *, shadows = "soft", backend = None))]
 pub fn meter(
     py: Python<'_>,
     scene: &Scene,
     camera: Option<&Camera>,
-    size: [i64; 2],
+    size: (i64, i64),
     shadows: &str,
     backend: Option<&Bound<'_, Backend>>,
 ) -> PyResult<f32> {
     let quality = Quality::new(4, shadows, i64::from(LAYERS), 0.0, "none")?;
-    let size = camera::size(size)?;
+    let size = camera::size(size.into())?;
     let camera = camera.map_or_else(|| scene.usual_camera(size), |camera| camera.at(size));
     let (machine, core) = (machine(py, backend)?, &scene.scene);
     let stops = py.detach(|| {

@@ -1,6 +1,7 @@
 from collections.abc import Iterable, Sequence
 from os import PathLike
-from typing import Any, Literal, TypedDict, overload
+from pathlib import Path
+from typing import Any, Literal, TypedDict, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,16 +9,16 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 AOVS: list[str]
 
-Aov = Literal[
+_Aov = Literal[
     "rgba", "color", "depth", "normal", "albedo", "object", "material", "triangle", "source", "barycentrics", "uv",
     "position", "shadow",
 ]
-Shadows = Literal["off", "hard", "soft", "area"]
-ToneMap = Literal["neutral", "agx", "aces", "none"]
-Sides = Literal["both", "fronts", "backs", "drawn"]
-Size = tuple[int, int]
+_Shadows = Literal["off", "hard", "soft", "area"]
+_ToneMap = Literal["neutral", "agx", "aces", "none"]
+_Sides = Literal["both", "fronts", "backs", "drawn"]
+_Size = tuple[int, int]
 
-class Label(TypedDict):
+class _Label(TypedDict):
     object: int
     node: str
     mesh: str
@@ -25,21 +26,22 @@ class Label(TypedDict):
     material_id: int
     box: tuple[list[float], list[float]]
 
-class Seen(TypedDict):
+class _Seen(TypedDict):
     object: int
     pixels: int
     box_2d: list[int]
     box_3d: list[list[float]]
 
+@final
 class Backend:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         kind: Literal["auto", "cpu", "gpu"] = "auto",
         *,
         adapter: str | None = None,
         threads: int | None = None,
         lanes: Literal[1, 8, 16] | None = None,
-    ) -> None: ...
+    ) -> Backend: ...
     @property
     def kind(self) -> str: ...
     @property
@@ -49,9 +51,10 @@ class Backend:
     @property
     def why(self) -> str: ...
 
+@final
 class Camera:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         eye: ArrayLike,
         look_at: ArrayLike,
         up: ArrayLike | None = None,
@@ -62,7 +65,7 @@ class Camera:
         fy: float | None = None,
         cx: float | None = None,
         cy: float | None = None,
-    ) -> None: ...
+    ) -> Camera: ...
     @staticmethod
     def from_matrix(
         matrix: ArrayLike,
@@ -81,9 +84,10 @@ class Camera:
     def eye(self) -> NDArray[np.float32]: ...
     @property
     def matrix(self) -> NDArray[np.float64]: ...
-    def intrinsics(self, size: Size) -> tuple[float, float, float, float] | None: ...
-    def project(self, points: ArrayLike, size: Size) -> NDArray[np.float64]: ...
+    def intrinsics(self, size: _Size) -> tuple[float, float, float, float] | None: ...
+    def project(self, points: ArrayLike, size: _Size) -> NDArray[np.float64]: ...
 
+@final
 class Light:
     @staticmethod
     def point(
@@ -117,12 +121,13 @@ class Light:
     @property
     def color(self) -> tuple[float, float, float]: ...
 
+@final
 class Scene:
     ambient: Any
     """Linear RGB; what is assigned is any three numbers."""
     background: Any
     """A color (linear RGB), "environment", or None for nothing."""
-    def __init__(self) -> None: ...
+    def __new__(cls) -> Scene: ...
     @staticmethod
     def load(path: str | PathLike[str], *, light: bool = True, point_size: float | None = None) -> Scene: ...
     def light_by_default(self) -> None: ...
@@ -212,7 +217,8 @@ class Scene:
     ) -> int: ...
     @overload
     def add_sphere(
-        self, material: int, center: ArrayLike | None = None, radius: float | None = None, *, name: str | None = None
+        self, material: int, center: ArrayLike | None = None, radius: float | None = None, *, transform: None = None,
+        name: str | None = None,
     ) -> int: ...
     @overload
     def add_sphere(self, material: int, *, transform: ArrayLike, name: str | None = None) -> int: ...
@@ -237,17 +243,17 @@ class Scene:
     ) -> None: ...
     @property
     def cameras(self) -> list[Camera]: ...
-    def framing(self, size: Size, direction: ArrayLike | None = None) -> Camera: ...
+    def framing(self, size: _Size, direction: ArrayLike | None = None) -> Camera: ...
     @property
-    def labels(self) -> list[Label]: ...
-    def seen(self, objects: NDArray[np.int32]) -> list[Seen]: ...
+    def labels(self) -> list[_Label]: ...
+    def seen(self, objects: NDArray[np.int32]) -> list[_Seen]: ...
     def play(self, time: float) -> None: ...
     @property
     def duration(self) -> float | None: ...
     @property
     def warnings(self) -> list[str]: ...
     @property
-    def files(self) -> list[PathLike[str]]: ...
+    def files(self) -> list[Path]: ...
     @property
     def objects(self) -> int: ...
     @property
@@ -261,7 +267,7 @@ class Scene:
         *,
         near: float = 0.0,
         far: ArrayLike | None = None,
-        sides: Sides = "both",
+        sides: _Sides = "both",
         surfaces: bool = False,
     ) -> dict[str, NDArray[Any]]: ...
     def occluded(
@@ -271,28 +277,28 @@ class Scene:
         *,
         near: float = 0.0,
         far: ArrayLike | None = None,
-        sides: Sides = "both",
+        sides: _Sides = "both",
     ) -> NDArray[np.bool_]: ...
 
 def render(
     scene: Scene,
     camera: Camera | Iterable[Camera] | None = None,
-    size: Size = (640, 360),
-    aov: Aov | Sequence[Aov] | None = None,
+    size: _Size = (640, 360),
+    aov: _Aov | Sequence[_Aov] | None = None,
     *,
     out: dict[str, NDArray[Any]] | None = None,
     samples: Literal[1, 4, 16] = 4,
-    shadows: Shadows = "soft",
+    shadows: _Shadows = "soft",
     layers: int = 8,
     exposure: float = 0.0,
-    tone_map: ToneMap = "neutral",
+    tone_map: _ToneMap = "neutral",
     backend: Backend | None = None,
 ) -> dict[str, NDArray[Any]]: ...
 def meter(
     scene: Scene,
     camera: Camera | None = None,
-    size: Size = (640, 360),
+    size: _Size = (640, 360),
     *,
-    shadows: Shadows = "soft",
+    shadows: _Shadows = "soft",
     backend: Backend | None = None,
 ) -> float: ...

@@ -81,6 +81,8 @@ class Renderer:
         self._slots = np.full(1, -1)
         self._lights: Any = None
         self._sky = _Sky.of(model)
+        self._sky_key: Any = None
+        self._sky_picture = np.zeros((0, 0, 3), np.uint8)
         self._buffers: dict[str, np.ndarray] = {}
         self._is_open = True
 
@@ -165,17 +167,13 @@ class Renderer:
         """
         if not self._is_open:
             raise RuntimeError("render cannot be called after close.")
-        size = (self._height, self._width)
-        shape, kind = (size + (3,), np.uint8)
-        if self._depth:
-            shape, kind = size, np.float32
-        elif self._segmentation:
-            shape, kind = size + (2,), np.int32
+        numbers = () if self._depth else (2,) if self._segmentation else (3,)
+        shape = (self._height, self._width, *numbers)
         if out is not None and out.shape != shape:
             raise ValueError(f"Expected `out.shape == {shape}`. Got `out.shape={out.shape}` instead.")
         self._place()
         if self._depth:
-            result = self._depths()
+            result: np.ndarray = self._depths()
         elif self._segmentation:
             result = self._ids()
         else:
@@ -194,7 +192,7 @@ class Renderer:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _frame(self, aov: str, samples: int, shadows: str) -> np.ndarray:
+    def _frame(self, aov: Any, samples: Any, shadows: Any) -> np.ndarray:
         buffers = {aov: self._buffers[aov]} if aov in self._buffers else {}
         frame = rtrt.render(
             self._scene,
@@ -210,11 +208,11 @@ class Renderer:
         self._buffers[aov] = frame[aov]
         return frame[aov]
 
-    def _depths(self) -> np.ndarray:
+    def _depths(self) -> Any:
         far = self._model.vis.map.zfar * self._model.stat.extent
         return np.minimum(self._frame("depth", 1, "off"), np.float32(far))
 
-    def _ids(self) -> np.ndarray:
+    def _ids(self) -> Any:
         objects = self._frame("object", 1, "off")
         geoms = self._mjv.geoms[: self._mjv.ngeom]
         known = [(geom.objid, geom.objtype) if geom.segid != -1 else (-1, -1) for geom in geoms]
@@ -226,16 +224,36 @@ class Renderer:
         self._light()
         shadows = self._shadows if self._mjv.flags[_FLAG.mjRND_SHADOW] else "off"
         picture = self._frame("rgba", self._samples, shadows)
-        colors = _FROM_SRGB[picture[..., :3]]
+        colors = np.take(_FROM_SRGB, picture[..., :3])
         alpha = picture[..., 3]
-        open_sky = alpha < 255
-        if open_sky.any():
-            share = alpha[open_sky].astype(np.float32)[:, None] / 255
-            behind = 0.0
-            if self._sky is not None and self._mjv.flags[_FLAG.mjRND_SKYBOX]:
-                behind = self._sky.toward(self._directions(open_sky))
-            colors[open_sky] = np.round(colors[open_sky] * share + behind * (1 - share))
+        if alpha.min() == 255:
+            return colors
+        behind = self._behind()
+        np.copyto(colors, behind, where=(alpha == 0)[..., None])
+        mixed = (alpha > 0) & (alpha < 255)
+        share = alpha[mixed].astype(np.float32)[:, None] / 255
+        colors[mixed] = np.round(colors[mixed] * share + behind[mixed] * (1 - share))
         return colors
+
+    def _behind(self) -> np.ndarray:
+        """The sky, (height, width, 3), or black without one."""
+        if self._sky is None or not self._mjv.flags[_FLAG.mjRND_SKYBOX]:
+            return np.zeros((self._height, self._width, 3), np.uint8)
+        camera, *edges = self._lens()
+        axes = self._axes(camera).astype(np.float32)
+        key = (axes.tobytes(), *edges, camera.orthographic)
+        if key != self._sky_key:
+            left, right, low, high = edges
+            x = left + (right - left) * (np.arange(self._width, dtype=np.float32) + 0.5) / self._width
+            y = high - (high - low) * (np.arange(self._height, dtype=np.float32) + 0.5) / self._height
+            local = np.empty((self._height, self._width, 3), np.float32)
+            local[..., 0] = 0 if camera.orthographic else x
+            local[..., 1] = 0 if camera.orthographic else y[:, None]
+            local[..., 2] = -1
+            # Coordinates one after the other.
+            ways = (axes @ local.reshape(-1, 3).T).T
+            self._sky_key, self._sky_picture = key, self._sky.toward(ways).reshape(local.shape)
+        return self._sky_picture
 
     # Cameras.
 
@@ -266,54 +284,39 @@ class Renderer:
         fx, fy = self._width / (right - left), self._height / (high - low)
         return rtrt.Camera.from_matrix(matrix, fx=fx, fy=fy, cx=-left * fx, cy=high * fy)
 
-    def _directions(self, which: np.ndarray) -> np.ndarray:
-        """Where the rays of these pixels go, world space."""
-        camera, left, right, low, high = self._lens()
-        rows, columns = np.nonzero(which)
-        x = left + (right - left) * (columns + 0.5) / self._width
-        y = high - (high - low) * (rows + 0.5) / self._height
-        if camera.orthographic:
-            x = y = np.zeros(len(rows))
-        return np.stack([x, y, np.full(len(rows), -1.0)], -1) @ self._axes(camera).T
-
     # Lights.
 
     def _light(self) -> None:
         ambient = np.zeros(3)
-        lights = []
+        lights: list[tuple[Any, dict[str, Any]]] = []
         for light in self._mjv.lights[: self._mjv.nlight]:
             ambient += light.ambient
             color = np.pi * np.asarray(light.diffuse, np.float64)
             if not color.any():
                 continue
-            soft = float(light.bulbradius)
             if light.headlight:
-                camera = self._lens()[0]
-                lights.append(("point", tuple(camera.pos), None, tuple(color), None, False, 0.0))
-            elif light.type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL:
-                lights.append(("sun", None, tuple(light.dir), tuple(color), None, False, 0.0))
+                lights.append((rtrt.Light.point, {"position": tuple(self._lens()[0].pos), "color": tuple(color)}))
+                continue
+            if light.type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL:
+                lights.append((rtrt.Light.sun, {"direction": tuple(light.dir), "color": tuple(color)}))
+                continue
+            constant, linear, square = light.attenuation
+            fades = square > 0 and constant == 0 and linear == 0
+            known = {
+                "position": tuple(light.pos),
+                "color": tuple(color / square if fades else color),
+                "inverse_square": fades,
+                "radius": float(light.bulbradius),
+            }
+            if light.type == mujoco.mjtLightType.mjLIGHT_SPOT and light.cutoff < 90:
+                lights.append((rtrt.Light.spot, known | {"direction": tuple(light.dir), "outer": float(light.cutoff)}))
             else:
-                constant, linear, square = light.attenuation
-                fades = square > 0 and constant == 0 and linear == 0
-                if fades:
-                    color = color / square
-                is_spot = light.type == mujoco.mjtLightType.mjLIGHT_SPOT and light.cutoff < 90
-                kind, cutoff = ("spot", float(light.cutoff)) if is_spot else ("point", None)
-                lights.append((kind, tuple(light.pos), tuple(light.dir), tuple(color), cutoff, fades, soft))
-        now = (tuple(ambient), tuple(lights))
-        if now == self._lights:
-            return
-        self._lights = now
-        self._scene.ambient = ambient
-        made = []
-        for kind, place, way, color, cutoff, fades, soft in lights:
-            if kind == "sun":
-                made.append(rtrt.Light.sun(way, color))
-            elif kind == "spot":
-                made.append(rtrt.Light.spot(place, way, color, outer=cutoff, inverse_square=fades, radius=soft))
-            else:
-                made.append(rtrt.Light.point(place, color, inverse_square=fades, radius=soft))
-        self._scene.lights = made
+                lights.append((rtrt.Light.point, known))
+        now = (tuple(ambient), lights)
+        if now != self._lights:
+            self._lights = now
+            self._scene.ambient = ambient
+            self._scene.lights = [make(**known) for make, known in lights]
 
     # Geoms.
 
@@ -423,7 +426,7 @@ class Renderer:
         if name == "mesh":
             positions, normals, uvs = _model_mesh(self._model, rest[0])
         elif name == "hfield":
-            positions, normals, uvs = *_hfield(self._model, rest[0]), None
+            (positions, normals), uvs = _hfield(self._model, rest[0]), None
         else:
             make = {"plane": _plane, "box": _box, "cylinder": _cylinder, "tube": _tube, "arrow": _arrow, "ellipsoid": _ball}
             positions, normals = _capsule(*rest[:2]) if name == "capsule" else make[name]()
@@ -461,54 +464,58 @@ def _texels(model: mujoco.MjModel, texid: int) -> np.ndarray:
     return np.repeat(texels, 3, -1) if channels == 1 else texels[..., :3]
 
 
-# Faces of a cube map from top to bottom of its picture: +x, -x, +y, -y, +z, -z, with OpenGL's axes of s and t.
-_FACES = [(0, 1, 2, -1, 1, -1), (0, -1, 2, 1, 1, -1), (1, 1, 0, 1, 2, 1), (1, -1, 0, 1, 2, -1), (2, 1, 0, 1, 1, -1), (2, -1, 0, -1, 1, -1)]
+# Faces of a cube map are +x, -x, +y, -y, +z, -z from top to bottom of its picture, as OpenGL has them.
 
 
-def _cube_places(directions: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def _cube_faces(directions: np.ndarray) -> Any:
+    x, y, z = directions.T
+    far_x, far_y, far_z = np.abs(x), np.abs(y), np.abs(z)
+    beside = np.where(far_y >= far_z, 2 + (y < 0), 4 + (z < 0))
+    return np.where((far_x >= far_y) & (far_x >= far_z), x < 0, beside)
+
+
+def _cube_places(directions: np.ndarray, faces: np.ndarray) -> Any:
     """Places on these faces of a cube map: s and t, 0 to 1."""
-    axis, _, s_axis, s_sign, t_axis, t_sign = np.array(_FACES)[faces].T
-    rows = np.arange(len(faces))
-    most = np.maximum(np.abs(directions[rows, axis]), 1e-12)
-    s = s_sign * directions[rows, s_axis] / most
-    t = t_sign * directions[rows, t_axis] / most
-    return np.stack([s, t], -1) * 0.5 + 0.5
-
-
-def _cube_faces(directions: np.ndarray) -> np.ndarray:
-    axis = np.abs(directions).argmax(-1)
-    return 2 * axis + (directions[np.arange(len(axis)), axis] < 0)
+    x, y, z = directions.T
+    is_x, is_y = faces < 2, (faces == 2) | (faces == 3)
+    most = np.abs(np.where(is_x, x, np.where(is_y, y, z)))
+    s = np.where(is_x, np.where(x < 0, z, -z), np.where(is_y | (z >= 0), x, -x))
+    t = np.where(is_y, np.where(y < 0, -z, z), -y)
+    return np.stack([s, t]) / np.maximum(most, 1e-12) * 0.5 + 0.5
 
 
 def _cube_uvs(positions: np.ndarray, pictures: int) -> np.ndarray:
     """Texture coordinates of corners, three a triangle, in a cube map of six pictures or of one for all faces. A triangle
     lies on one face."""
     faces = np.repeat(_cube_faces(positions.reshape(-1, 3, 3).mean(1)), 3)
-    places = np.clip(_cube_places(positions, faces), 0.001, 0.999)
-    return np.stack([places[:, 0], (np.minimum(faces, pictures - 1) + places[:, 1]) / pictures], -1)
+    s, t = np.clip(_cube_places(positions, faces), 0.001, 0.999)
+    return np.stack([s, (np.minimum(faces, pictures - 1) + t) / pictures], -1)
 
 
 class _Sky:
     """What is behind everything."""
 
     def __init__(self, texels: np.ndarray) -> None:
-        self.texels = texels.astype(np.float32)
+        self.texels = texels
 
     @staticmethod
     def of(model: mujoco.MjModel) -> _Sky | None:
         skies = np.nonzero(model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX)[0]
         return _Sky(_texels(model, int(skies[0]))) if len(skies) else None
 
-    def toward(self, directions: np.ndarray) -> np.ndarray:
+    def toward(self, directions: np.ndarray) -> Any:
         # A skybox is y up: MuJoCo turns it around x.
-        turned = np.stack([directions[:, 0], directions[:, 2], -directions[:, 1]], -1)
+        x, y, z = directions.T
+        turned = np.stack([x, z, -y]).T
         faces = _cube_faces(turned)
         side = self.texels.shape[1]
-        columns, rows = np.minimum((_cube_places(turned, faces) * side).astype(int), side - 1).T
-        return self.texels[np.minimum(faces * side, len(self.texels) - side) + rows, columns]
+        columns, rows = np.minimum((_cube_places(turned, faces) * side).astype(np.int32), side - 1)
+        first = np.minimum(faces * side, len(self.texels) - side)
+        return np.take(self.texels.reshape(-1, 3), (first + rows) * side + columns, 0)
 
 
-# Shapes as corners, three a triangle, counterclockwise from outside, with normals.
+_Shape = tuple[Any, Any]
+"""Corners, three a triangle, counterclockwise from outside, and their normals, or None for flat triangles."""
 
 
 def _quads(grid: np.ndarray) -> np.ndarray:
@@ -517,12 +524,12 @@ def _quads(grid: np.ndarray) -> np.ndarray:
     return np.stack([a, b, c, a, c, d], 2).reshape(-1, 3)
 
 
-def _plane() -> tuple[np.ndarray, np.ndarray]:
+def _plane() -> _Shape:
     corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, -1, 0], [1, 1, 0], [-1, 1, 0]], float)
     return corners, np.broadcast_to([0.0, 0.0, 1.0], corners.shape)
 
 
-def _box() -> tuple[np.ndarray, np.ndarray]:
+def _box() -> _Shape:
     front, normal = _plane()
     positions, normals = [], []
     for axis in range(3):
@@ -534,7 +541,7 @@ def _box() -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(positions), np.concatenate(normals)
 
 
-def _revolved(profile: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _revolved(profile: np.ndarray, normals: np.ndarray) -> _Shape:
     """A profile of (radius, height) from bottom to top, turned around z."""
     angles = np.linspace(0, 2 * np.pi, _ROUND + 1)
     angles[-1] = 0
@@ -547,20 +554,24 @@ def _revolved(profile: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.
     return _quads(turned(profile)), _quads(turned(normals))
 
 
-def _tube() -> tuple[np.ndarray, np.ndarray]:
+def _joined(parts: list[_Shape]) -> _Shape:
+    return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
+
+
+def _tube() -> _Shape:
     return _revolved(np.array([[1.0, -1], [1, 1]]), np.array([[1.0, 0], [1, 0]]))
 
 
-def _cylinder() -> tuple[np.ndarray, np.ndarray]:
+def _cylinder() -> _Shape:
     parts = [
         _tube(),
         _revolved(np.array([[1.0, 1], [0, 1]]), np.array([[0.0, 1], [0, 1]])),
         _revolved(np.array([[0.0, -1], [1, -1]]), np.array([[0.0, -1], [0, -1]])),
     ]
-    return tuple(np.concatenate(part) for part in zip(*parts))
+    return _joined(parts)
 
 
-def _capsule(radius: float, half: float) -> tuple[np.ndarray, np.ndarray]:
+def _capsule(radius: float, half: float) -> _Shape:
     angles = np.linspace(0, np.pi / 2, _ROUND // 4 + 1)
     arc = np.stack([np.cos(angles), np.sin(angles)], -1)
     arc[-1] = [0, 1]
@@ -569,11 +580,11 @@ def _capsule(radius: float, half: float) -> tuple[np.ndarray, np.ndarray]:
     return _revolved(normals * radius + ends, normals)
 
 
-def _ball() -> tuple[np.ndarray, np.ndarray]:
+def _ball() -> _Shape:
     return _capsule(1.0, 0.0)
 
 
-def _arrow() -> tuple[np.ndarray, np.ndarray]:
+def _arrow() -> _Shape:
     """An arrow of length 1 along z; its head is 0.35 of it, and 1.75 times as wide as its shaft."""
     parts = [
         _revolved(np.array([[0.0, 0], [1, 0]]), np.array([[0.0, -1], [0, -1]])),
@@ -581,14 +592,14 @@ def _arrow() -> tuple[np.ndarray, np.ndarray]:
         _revolved(np.array([[1.0, 0.65], [1.75, 0.65]]), np.array([[0.0, -1], [0, -1]])),
         _revolved(np.array([[1.75, 0.65], [0, 1]]), np.array([[0.2, 1], [0.2, 1]])),
     ]
-    return tuple(np.concatenate(part) for part in zip(*parts))
+    return _joined(parts)
 
 
 def _model_mesh(model: mujoco.MjModel, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     first, count = int(model.mesh_faceadr[number]), int(model.mesh_facenum[number])
     faces = slice(first, first + count)
 
-    def of(values: np.ndarray, adr: np.ndarray, indices: np.ndarray) -> np.ndarray:
+    def of(values: np.ndarray, adr: np.ndarray, indices: np.ndarray) -> Any:
         return values[int(adr[number]) + indices[faces]].reshape(-1, values.shape[-1])
 
     positions = of(model.mesh_vert, model.mesh_vertadr, model.mesh_face)
@@ -598,7 +609,7 @@ def _model_mesh(model: mujoco.MjModel, number: int) -> tuple[np.ndarray, np.ndar
     return positions, normals, of(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_facetexcoord)
 
 
-def _hfield(model: mujoco.MjModel, number: int) -> tuple[np.ndarray, np.ndarray | None]:
+def _hfield(model: mujoco.MjModel, number: int) -> _Shape:
     rows, columns = int(model.hfield_nrow[number]), int(model.hfield_ncol[number])
     first = int(model.hfield_adr[number])
     heights = model.hfield_data[first : first + rows * columns].reshape(rows, columns)
