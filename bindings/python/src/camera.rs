@@ -20,6 +20,7 @@ use rtrt_core::scene::{Camera as CoreCamera, Projection};
 ///     eye: Where the camera is.
 ///     look_at: A point in the middle of the picture (with `cx` and `cy`: at the principal point).
 ///     up: What is up in the picture.
+///     near, far: The depths between which surfaces are drawn.
 #[pyclass(frozen, module = "rtrt", from_py_object)]
 #[derive(Clone)]
 pub struct Camera {
@@ -36,9 +37,17 @@ struct Lens {
     cy: Option<f64>,
 }
 
+/// A camera for pictures of one size, and the depths of its near and its far plane.
+#[derive(Debug, Clone, Copy)]
+pub struct View {
+    pub camera: CoreCamera,
+    pub clip: [f32; 2],
+}
+
 /// What the arguments say of the lens.
-#[derive(Default)]
 struct Arguments {
+    near: f32,
+    far: f32,
     fov_y: Option<f64>,
     height: Option<f64>,
     fx: Option<f64>,
@@ -49,8 +58,13 @@ struct Arguments {
 
 impl Arguments {
     fn read(self) -> PyResult<(Projection, Option<Lens>)> {
-        let Self { fov_y, height, fx, fy, cx, cy } = self;
+        let Self { near, far, fov_y, height, fx, fy, cx, cy } = self;
         let wrong = |why: String| Err(PyValueError::new_err(why));
+        if !(near >= 0.0 && near < far) {
+            return wrong(format!(
+                "near and far are {near} and {far}, and not 0 or more, and more than that"
+            ));
+        }
         if [fov_y.is_some(), height.is_some(), fx.is_some()].iter().filter(|given| **given).count() > 1 {
             return wrong("a camera has one of fov_y, height and fx".into());
         }
@@ -90,23 +104,21 @@ impl Camera {
         Self { named, lens: None }
     }
 
-    fn new(camera: CoreCamera, lens: Option<Lens>) -> Self {
-        Self {
-            named: NamedCamera { name: String::new(), camera, aspect: None, clip: [0.0, f32::INFINITY] },
-            lens,
-        }
+    fn new(camera: CoreCamera, lens: Option<Lens>, clip: [f32; 2]) -> Self {
+        Self { named: NamedCamera { name: String::new(), camera, aspect: None, clip }, lens }
     }
 
     /// The camera for a picture of this size.
-    pub fn at(&self, size: [u32; 2]) -> CoreCamera {
-        match self.lens {
+    pub fn at(&self, size: [u32; 2]) -> View {
+        let camera = match self.lens {
             None => self.named.fitted(size[0] as f32 / size[1] as f32),
             Some(Lens { fx, fy, cx, cy }) => {
                 let middle = size.map(|side| 0.5 * f64::from(side));
                 let lens = Pinhole { fx, fy, cx: cx.unwrap_or(middle[0]), cy: cy.unwrap_or(middle[1]) };
                 CoreCamera { projection: lens.projection(size), ..self.named.camera }
             }
-        }
+        };
+        View { camera, clip: self.named.clip }
     }
 }
 
@@ -123,7 +135,7 @@ pub fn size([width, height]: [i64; 2]) -> PyResult<[u32; 2]> {
 #[pymethods]
 impl Camera {
     #[new]
-    #[pyo3(signature = (eye, look_at, up = None, *, fov_y = None, height = None, fx = None, fy = None, cx = None, cy = None))]
+    #[pyo3(signature = (eye, look_at, up = None, *, fov_y = None, height = None, fx = None, fy = None, cx = None, cy = None, near = 0.0, far = f32::INFINITY))]
     #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
     fn init(
         eye: &Bound<'_, PyAny>,
@@ -135,8 +147,10 @@ impl Camera {
         fy: Option<f64>,
         cx: Option<f64>,
         cy: Option<f64>,
+        near: f32,
+        far: f32,
     ) -> PyResult<Self> {
-        let (projection, lens) = Arguments { fov_y, height, fx, fy, cx, cy }.read()?;
+        let (projection, lens) = Arguments { near, far, fov_y, height, fx, fy, cx, cy }.read()?;
         let camera = CoreCamera {
             eye: vector("eye", eye)?.into(),
             look_at: vector("look_at", look_at)?.into(),
@@ -147,7 +161,7 @@ impl Camera {
             let why = "the camera looks nowhere: eye, look_at and up are finite, eye is not look_at, and up leads elsewhere";
             return Err(PyValueError::new_err(why));
         }
-        Ok(Self::new(camera, lens))
+        Ok(Self::new(camera, lens, [near, far]))
     }
 
     /// The camera with this matrix from its axes to world space.
@@ -155,9 +169,9 @@ impl Camera {
     /// Args:
     ///     matrix: 4 x 4, or its first three rows. Its axes may have any length.
     ///     axes: "opengl" (x to the right, y up, z backward, as in Blender and NeRF) or "opencv" (y down, z forward).
-    ///     fov_y, height, fx, fy, cx, cy: The lens; see `Camera`.
+    ///     fov_y, height, fx, fy, cx, cy, near, far: The lens; see `Camera`.
     #[staticmethod]
-    #[pyo3(signature = (matrix, *, axes = "opengl", fov_y = None, height = None, fx = None, fy = None, cx = None, cy = None))]
+    #[pyo3(signature = (matrix, *, axes = "opengl", fov_y = None, height = None, fx = None, fy = None, cx = None, cy = None, near = 0.0, far = f32::INFINITY))]
     #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
     fn from_matrix(
         matrix: &Bound<'_, PyAny>,
@@ -168,12 +182,14 @@ impl Camera {
         fy: Option<f64>,
         cx: Option<f64>,
         cy: Option<f64>,
+        near: f32,
+        far: f32,
     ) -> PyResult<Self> {
-        let (projection, lens) = Arguments { fov_y, height, fx, fy, cx, cy }.read()?;
+        let (projection, lens) = Arguments { near, far, fov_y, height, fx, fy, cx, cy }.read()?;
         let turned = DMat4::from_diagonal(DVec4::new(1.0, -1.0, -1.0, 1.0));
         let axes = named("axes", axes, &[("opengl", DMat4::IDENTITY), ("opencv", turned)])?;
         let matrix = crate::arrays::matrix("matrix", matrix)? * axes;
-        Ok(Self::new(placed(&matrix, projection).map_err(refused)?, lens))
+        Ok(Self::new(placed(&matrix, projection).map_err(refused)?, lens, [near, far]))
     }
 
     /// What the file calls it; empty for a camera that is in no file.
@@ -198,7 +214,7 @@ impl Camera {
     /// The lens for a picture of this size (width, height): `fx`, `fy`, `cx`, `cy` in pixels; None with parallel rays.
     fn intrinsics(&self, size: [i64; 2]) -> PyResult<Option<(f64, f64, f64, f64)>> {
         let size = self::size(size)?;
-        let lens = Pinhole::new(&self.at(size), size);
+        let lens = Pinhole::new(&self.at(size).camera, size);
         Ok(lens.map(|Pinhole { fx, fy, cx, cy }| (fx, fy, cx, cy)))
     }
 
@@ -215,7 +231,7 @@ impl Camera {
         if shape.len() != 2 || shape[1] != 3 {
             return Err(wrong_shape("points", &shape, "(n, 3)"));
         }
-        let camera = self.at(size);
+        let View { camera, .. } = self.at(size);
         let place = |point: &[f64; 3]| pixel(&camera, size, DVec3::from(*point)).unwrap_or([f64::NAN; 2]);
         let places: Vec<f64> = values.as_chunks::<3>().0.iter().flat_map(place).collect();
         PyArray1::from_vec(py, places).reshape([shape[0], 2])

@@ -3,14 +3,13 @@
 use crate::aov::{Aov, Memory, Part};
 use crate::arrays::named;
 use crate::backend::{Backend, machine};
-use crate::camera::{self, Camera};
+use crate::camera::{self, Camera, View};
 use crate::scene::{Scene, failed};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rtrt::layers::MOST_RAYS;
 use rtrt_core::backend::{LAYERS, RenderError, Request, Shadows, ToneMap};
-use rtrt_core::scene::Camera as CoreCamera;
 
 // What the signature of `render` says.
 const _: () = assert!(LAYERS == 8);
@@ -43,8 +42,9 @@ impl Quality {
         })
     }
 
-    fn request<'a>(&self, camera: &'a CoreCamera, size: [u32; 2], deferred: bool) -> Request<'a> {
-        Request::new(camera, size)
+    fn request<'a>(&self, view: &'a View, size: [u32; 2], deferred: bool) -> Request<'a> {
+        Request::new(&view.camera, size)
+            .clip(view.clip[0], view.clip[1])
             .samples(self.samples)
             .shadows(self.shadows)
             .layers(self.layers)
@@ -63,11 +63,7 @@ fn raised(error: &RenderError, before: &str) -> PyErr {
 }
 
 /// The cameras of an argument, and whether they are many.
-fn cameras(
-    scene: &Scene,
-    camera: Option<&Bound<'_, PyAny>>,
-    size: [u32; 2],
-) -> PyResult<(Vec<CoreCamera>, bool)> {
+fn cameras(scene: &Scene, camera: Option<&Bound<'_, PyAny>>, size: [u32; 2]) -> PyResult<(Vec<View>, bool)> {
     let Some(value) = camera.filter(|camera| !camera.is_none()) else {
         return Ok((vec![scene.usual_camera(size)], false));
     };

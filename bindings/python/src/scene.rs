@@ -3,7 +3,7 @@
 use crate::aov::objects;
 use crate::arrays::{Array, bytes, floats, indices, matrices, named, refused, rows, vector, wrong_shape};
 use crate::backend::threads;
-use crate::camera::{self, Camera};
+use crate::camera::{self, Camera, View};
 use crate::light::Light;
 use crate::material::changed;
 use crate::rays::{self, Question};
@@ -102,9 +102,12 @@ impl Scene {
     }
 
     /// The camera for pictures without one: the first of the file, or one that sees everything.
-    pub fn usual_camera(&self, size: [u32; 2]) -> rtrt_core::scene::Camera {
+    pub fn usual_camera(&self, size: [u32; 2]) -> View {
         let aspect = size[0] as f32 / size[1] as f32;
-        self.cameras.first().map_or_else(|| framing(&self.scene, aspect), |camera| camera.fitted(aspect))
+        match self.cameras.first() {
+            Some(named) => Camera::of(named.clone()).at(size),
+            None => View { camera: framing(&self.scene, aspect), clip: [0.0, f32::INFINITY] },
+        }
     }
 
     fn object(&self, number: i64) -> PyResult<InstanceIndex> {

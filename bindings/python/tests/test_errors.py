@@ -133,6 +133,8 @@ def test_empty_arrays():
         (lambda s: rtrt.Camera((0, 0, 1), (0, 0, 0), fov_y=9, fx=1), ValueError, "one of fov_y, height and fx"),
         (lambda s: rtrt.Camera((0, 0, 1), (0, 0, 0), cx=1), ValueError, "need fx"),
         (lambda s: rtrt.Camera((0, 0, 1), (0, 0, 0), fx=np.nan), ValueError, "fx is NaN"),
+        (lambda s: rtrt.Camera((0, 0, 1), (0, 0, 0), near=2, far=1), ValueError, "near and far are 2 and 1"),
+        (lambda s: rtrt.Camera((0, 0, 1), (0, 0, 0), near=np.nan), ValueError, "near and far are NaN"),
         (lambda s: rtrt.Camera.from_matrix(np.zeros((4, 4))), ValueError, "no length"),
         (lambda s: rtrt.Camera.from_matrix(np.diag([1, 1, -1, 1])), ValueError, "mirrored"),
         (lambda s: rtrt.Backend("tpu"), ValueError, 'kind is "tpu", and not one of auto, cpu, gpu'),

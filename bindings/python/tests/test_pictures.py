@@ -90,6 +90,12 @@ def test_project_finds_pixels(square):
     assert camera.intrinsics((64, 48)) == pytest.approx((70, 70, 20, 30))
 
 
+def test_cameras_draw_what_is_between_their_planes(square):
+    for near, far, seen in [(0, 4.5, True), (3.5, np.inf, True), (4.5, 9, False), (0, 3.5, False)]:
+        camera = rtrt.Camera((0, 0, 4), (0, 0, 0), near=near, far=far)
+        assert (rtrt.render(square, camera, (8, 8), ["object"])["object"][4, 4] == 0) == seen
+
+
 def test_matrices_are_cameras(square):
     placed = rtrt.Camera((1, 2, 6), (0, 1, 0), fov_y=50)
     turned = placed.matrix @ np.diag([1, -1, -1, 1])

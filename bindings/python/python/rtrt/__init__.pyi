@@ -65,6 +65,8 @@ class Camera:
         fy: float | None = None,
         cx: float | None = None,
         cy: float | None = None,
+        near: float = 0.0,
+        far: float = ...,
     ) -> Camera: ...
     @staticmethod
     def from_matrix(
@@ -77,6 +79,8 @@ class Camera:
         fy: float | None = None,
         cx: float | None = None,
         cy: float | None = None,
+        near: float = 0.0,
+        far: float = ...,
     ) -> Camera: ...
     @property
     def name(self) -> str: ...

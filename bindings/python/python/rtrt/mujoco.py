@@ -10,7 +10,7 @@
 (240, 320, 3)
 
 Colors are those of MuJoCo's own pictures as far as its model of light goes: sums of colors as they are shown. Shadows are
-traced. Not drawn: reflections, haze and fog, labels, skins and flexes, lights' textures, near and far clipping. A light that
+traced. Not drawn: reflections, haze and fog, labels, skins and flexes, lights' textures. A light that
 casts no shadow in MuJoCo casts one here, but for the headlight.
 """
 
@@ -279,10 +279,11 @@ class Renderer:
         matrix = np.eye(4)
         matrix[:3, :3] = self._axes(camera)
         matrix[:3, 3] = camera.pos
+        depths = {"near": camera.frustum_near, "far": camera.frustum_far}
         if camera.orthographic:
-            return rtrt.Camera.from_matrix(matrix, height=high - low)
+            return rtrt.Camera.from_matrix(matrix, height=high - low, **depths)
         fx, fy = self._width / (right - left), self._height / (high - low)
-        return rtrt.Camera.from_matrix(matrix, fx=fx, fy=fy, cx=-left * fx, cy=high * fy)
+        return rtrt.Camera.from_matrix(matrix, fx=fx, fy=fy, cx=-left * fx, cy=high * fy, **depths)
 
     # Lights.
 
