@@ -116,7 +116,7 @@ fn every(scene: &Scene, masks: &[u32], ray: &Ray) -> Vec<(f32, u32, u32, f32, f3
                     instance.corners(scene.mesh_data(), id).map(|v| scene.positions()[v as usize]);
                 let triangle = Triangle::new(a, b, c);
                 let relative = triangle.relative_to(local.origin);
-                (intersect(&local, &triangle, &relative, limit), relative.front(1.0_f32))
+                (intersect(&local, &relative, limit), relative.front(1.0_f32))
             };
             let is_side = match ray.sides {
                 Sides::Both => true,

@@ -56,7 +56,7 @@ impl<'a> Brute<'a> {
                 } else {
                     let triangle = geometry.triangle(instance, id);
                     let seen = triangle.relative_to(local.origin);
-                    (intersect(&local, &triangle, &seen, limit), seen.front(limit))
+                    (intersect(&local, &seen, limit), seen.front(limit))
                 };
                 if found.mask && (is_front != from_end || instance.double_sided == 1) {
                     visit(index, id, &found);

@@ -344,7 +344,7 @@ fn meet<L: Lane>(ray: &Ray<L>, words: &[u32], index: u32) -> Found<L::Bits> {
         let (near, far) = slab(ray, &around);
         let in_box = intersects(ray, &around, near.broadcast(f32::MAX));
         let seen = triangle.relative_to(ray.origin);
-        let hit = intersect(ray, &triangle, &seen, near.broadcast(f32::MAX));
+        let hit = intersect(ray, &seen, near.broadcast(f32::MAX));
         let here = numbers.eq(none.broadcast(lane));
         let met = here & hit.mask;
         found = Found {

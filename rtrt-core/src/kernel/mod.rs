@@ -21,6 +21,7 @@ pub mod project;
 pub mod ray;
 pub mod screen_bounds;
 pub mod shadow_distance;
+pub mod shear;
 pub(crate) mod sheen;
 pub mod slab;
 pub mod sphere;

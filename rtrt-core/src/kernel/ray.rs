@@ -1,5 +1,6 @@
 //! A ray, and its transform into object space.
 
+use crate::kernel::shear::Shear;
 use crate::lane::{Lane, V3};
 use crate::layout::Instance;
 use crate::num::recip;
@@ -17,6 +18,8 @@ pub struct Ray<L, O = L> {
     pub direction: V3<L>,
     /// The reciprocals of the direction, finite even where it is 0.
     pub inverse: V3<L>,
+    /// How it leans.
+    pub shear: Shear<L>,
 }
 
 impl<L: Lane, O: Lane> Ray<L, O> {
@@ -24,7 +27,7 @@ impl<L: Lane, O: Lane> Ray<L, O> {
     #[inline(always)]
     pub fn new(origin: V3<O>, direction: V3<L>) -> Self {
         let inverse = V3 { x: recip(direction.x), y: recip(direction.y), z: recip(direction.z) };
-        Self { origin, direction, inverse }
+        Self { origin, direction, inverse, shear: Shear::new(direction, inverse) }
     }
 
     /// The same points, `t` for `t`, in the space of an object with this
@@ -42,6 +45,20 @@ impl<L: Lane, O: Lane> Ray<L, O> {
     #[inline(always)]
     pub fn to_object(&self, instance: &Instance) -> Self {
         self.transformed(&instance.to_object)
+    }
+}
+
+impl Ray<f32> {
+    /// The same ray in all lanes.
+    #[inline(always)]
+    pub(crate) fn splat<L: Lane>(&self, token: L::Token) -> Ray<L> {
+        let each = |v: V3<f32>| V3::splat(token, v.lane(0));
+        Ray {
+            origin: each(self.origin),
+            direction: each(self.direction),
+            inverse: each(self.inverse),
+            shear: self.shear.splat(token),
+        }
     }
 }
 

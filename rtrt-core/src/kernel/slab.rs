@@ -27,6 +27,27 @@ impl<O: Lane> RelativeBox<O> {
         let token = origin.x.token();
         Self { low: V3::splat(token, *low) - origin, high: V3::splat(token, *high) - origin }
     }
+
+    /// The box around points, relative to the origin of rays.
+    #[inline(always)]
+    pub(crate) fn around([a, b, c]: &[V3<O>; 3]) -> Self {
+        Self { low: a.min(*b).min(*c), high: a.max(*b).max(*c) }
+    }
+
+    /// The largest coordinate of its corners, in magnitude.
+    #[inline(always)]
+    pub(crate) fn reach(&self) -> O {
+        let (low, high) = (&self.low, &self.high);
+        let most = low.x.abs().max(low.y.abs()).max(low.z.abs());
+        most.max(high.x.abs()).max(high.y.abs()).max(high.z.abs())
+    }
+
+    /// The box, wider by so much on each side.
+    #[inline(always)]
+    pub fn widened(&self, by: O) -> Self {
+        let by = V3 { x: by, y: by, z: by };
+        Self { low: self.low - by, high: self.high + by }
+    }
 }
 
 /// The interval of `t` for which the ray is between the box's planes: `(near, far)`,

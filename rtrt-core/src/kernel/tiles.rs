@@ -3,7 +3,7 @@
 
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::STRETCH;
+use crate::kernel::slab::{RelativeBox, STRETCH};
 use crate::lane::{Lane, Mask, V3};
 
 /// Rays in a tile: 16 neighbors in number, 4 × 4 of the grid.
@@ -116,13 +116,30 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
         }
     }
 
-    /// The tiles of `active` in which a ray may hit the box at some `0 ≤ t ≤` the tile's
+    /// No less than the largest coordinate, in magnitude, of a corner of the box relative to the origin of a ray.
+    #[inline(always)]
+    pub(crate) fn reach(&self, low: &[f32; 3], high: &[f32; 3]) -> f32 {
+        let token = self.origin[0].low.x.token();
+        let (low, high) = (V3::<L>::splat(token, *low), V3::splat(token, *high));
+        let mut reach = -1.0;
+        let mut v = 0;
+        while v < Self::VECTORS {
+            let Range { low: least, high: most } = &self.origin[v];
+            let corners = RelativeBox { low: low - *most, high: high - *least };
+            reach = Lane::max(reach, corners.reach().largest());
+            v += 1;
+        }
+        reach
+    }
+
+    /// The tiles of `active` in which a ray may hit the box, widened by so much on each side, at some `0 ≤ t ≤` the tile's
     /// limit: every tile in which one does, and few more. `O` is the type of the rays' origin. NaN misses.
     #[inline(always)]
     pub fn hit_mask<O: Lane>(
         &self,
         low: &[f32; 3],
         high: &[f32; 3],
+        by: f32,
         limits: &[f32; TILES],
         active: u32,
     ) -> u32 {
@@ -136,15 +153,16 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
                 let (i, j) = (&inverse.low, &inverse.high);
                 let ((x0, x1), (y0, y1), (z0, z1)) = if O::WIDTH < L::WIDTH {
                     let start = &self.start;
-                    let to = |axis: usize| [low[axis] - start[axis], high[axis] - start[axis]];
+                    let to = |axis: usize| [low[axis] - start[axis] - by, high[axis] - start[axis] + by];
                     (
                         common_origin(self.signs[0], to(0), i.x, j.x),
                         common_origin(self.signs[1], to(1), i.y, j.y),
                         common_origin(self.signs[2], to(2), i.z, j.z),
                     )
                 } else {
-                    let a = V3::splat(token, *low) - origin.high;
-                    let b = V3::splat(token, *high) - origin.low;
+                    let by = V3::splat(token, [by; 3]);
+                    let a = V3::splat(token, *low) - origin.high - by;
+                    let b = V3::splat(token, *high) - origin.low + by;
                     (
                         separate_origins(self.signs[0], [a.x, b.x], i.x, j.x),
                         separate_origins(self.signs[1], [a.y, b.y], i.y, j.y),
@@ -358,8 +376,9 @@ mod tests {
         for _ in 0..2000 {
             let low = [0; 3].map(|_| random(&mut seed) * 3.0);
             let high = low.map(|c| c + random(&mut seed).abs());
-            let hit = ray_hit_mask(rays, &low, &high, active, &closest);
-            let passed = tiles.hit_mask::<O>(&low, &high, &limits, active);
+            let by = random(&mut seed).abs() * 1e-3;
+            let hit = ray_hit_mask(rays, &low, &high, by, active, &closest);
+            let passed = tiles.hit_mask::<O>(&low, &high, by, &limits, active);
             assert_eq!(hit & !passed, 0, "{low:?} {high:?}");
             for (count, more) in counts.iter_mut().zip([active, hit, passed]) {
                 *count += more.count_ones();

@@ -4,7 +4,7 @@ use crate::kernel::geometry::Geometry;
 use crate::kernel::hit_filter::{Bounded, Faces, HitFilter};
 use crate::kernel::packet::{Packet, PacketHits, first_tile, groups_of_tile};
 use crate::kernel::sphere::{Chord, ENTRY, EXIT};
-use crate::kernel::triangle::{RelativeTriangle, intersect};
+use crate::kernel::triangle::{PASSING, RelativeTriangle, intersect};
 use crate::lane::{Lane, Mask};
 use crate::layout::{Instance, Node};
 use core::ops::Mul;
@@ -17,8 +17,9 @@ pub(crate) const STACK: usize = 64;
 ///
 /// The rays are in the instance's own space. The result is a function of the set of triangles: the
 /// BVH, its order and the packet's shape only decide how soon it is found. A node is culled when, for
-/// every ray, its box is missed, behind the origin, or beyond the ray's limit; nested boxes have nested
-/// intervals, and a hit lies in its triangle's (see [`intersect`]), so no hit is lost.
+/// every ray, its box, widened by how far rays may pass from triangles, is missed, behind the origin, or beyond
+/// the ray's limit; nested boxes have nested intervals, and a hit lies in its triangle's (see [`intersect`]), so
+/// no hit is lost.
 #[inline(always)]
 pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: usize>(
     geometry: &Geometry<'_>,
@@ -31,6 +32,8 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G:
     let mesh = Mesh::new(geometry, instance);
     // The sign of the first ray's direction decides for all of them which child is nearer.
     let direction = packet.first_active(active).direction.lane(0);
+    let root = &geometry.nodes[mesh.instance.start as usize];
+    let passing = packet.reach(&root.low, &root.high, active) * PASSING;
     let mut stack = [0_u32; STACK];
     let mut stack_active = [0_u32; STACK];
     let mut waiting = 0_usize;
@@ -53,8 +56,8 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G:
             let far_first = (direction[node.kind as usize] < 0.0) as u32;
             let children = mesh.instance.root + node.first;
             let (near, far) = (children + far_first, children + 1 - far_first);
-            near_active = node_hit_mask(geometry, near, packet, active, hits, filters);
-            let far_active = node_hit_mask(geometry, far, packet, active, hits, filters);
+            near_active = node_hit_mask(geometry, near, passing, packet, active, hits, filters);
+            let far_active = node_hit_mask(geometry, far, passing, packet, active, hits, filters);
             index = near;
             active = near_active;
             if near_active == 0 {
@@ -78,18 +81,19 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G:
             active = if G > 1 { stack_active[waiting] } else { 1 };
             if waiting < stale {
                 stale = waiting;
-                active = node_hit_mask(geometry, index, packet, active, hits, filters);
+                active = node_hit_mask(geometry, index, passing, packet, active, hits, filters);
             }
             near_active = active;
         }
     }
 }
 
-/// The tiles of `active` that may hit a node's box.
+/// The tiles of `active` that may hit a node's box, widened by `passing`.
 #[inline(always)]
 fn node_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: usize>(
     geometry: &Geometry<'_>,
     node: u32,
+    passing: f32,
     packet: &Packet<'_, L, O, G>,
     active: u32,
     hits: &PacketHits<L, G>,
@@ -97,7 +101,7 @@ fn node_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G
 ) -> u32 {
     filters[0].test_box(Bounded::Node);
     let node = geometry.nodes[node as usize];
-    packet.hit_mask(&node.low, &node.high, active, hits)
+    packet.hit_mask(&node.low, &node.high, passing, active, hits)
 }
 
 /// Tests the active tiles of a packet against a sphere, as [`traverse`] does against a mesh. The rays are
@@ -189,8 +193,8 @@ impl<'a> Mesh<'a> {
                     let (ray, closest) = (&packet.rays[g], &mut hits.closest[g]);
                     let relative =
                         if O::WIDTH < L::WIDTH { shared } else { triangle.relative_to(ray.origin) };
-                    let mut intersection = intersect(ray, &triangle, &relative, closest.t);
-                    if one_sided {
+                    let mut intersection = intersect(ray, &relative, closest.t);
+                    if one_sided && intersection.mask.any() {
                         intersection.mask = intersection.mask & counts::<L, F, O>(&relative, closest.t);
                     }
                     is_changed |= filters[g].accept(self.geometry, self.source, id, &intersection, closest);
@@ -289,7 +293,7 @@ mod tests {
                 for id in 0..scene.instances()[0].triangles {
                     let triangle = geometry.triangle(&scene.instances()[0], id);
                     let relative = triangle.relative_to(ray.origin);
-                    let hit = intersect(&ray, &triangle, &relative, 3.0);
+                    let hit = intersect(&ray, &relative, 3.0);
                     is_any |= hit.mask && (double_sided || !relative.front(0.0_f32));
                     let counts = hit.mask && (double_sided || relative.front(0.0_f32));
                     least.keep_closest(&hit, counts, 0, id);

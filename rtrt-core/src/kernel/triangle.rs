@@ -1,45 +1,36 @@
-//! The ray–triangle test of Möller and Trumbore ("Fast, Minimum Storage Ray/Triangle
-//! Intersection", 1997), and what exactly counts as a hit.
+//! The ray–triangle test: which triangles a ray meets after Woop, Benthin and Wald ("Watertight Ray/Triangle
+//! Intersection", JCGT 2013), and where after Möller and Trumbore ("Fast, Minimum Storage Ray/Triangle
+//! Intersection", 1997).
 
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{RelativeBox, slab};
-use crate::lane::{Lane, Mask, V3};
-use crate::num::{FLOOR, TINY, flush, recip};
+use crate::lane::{Lane, Mask, Select, V3};
+use crate::num::{TINY, flush, recip};
 use core::ops::Mul;
 
-/// A determinant smaller than this in magnitude is of a ray in the triangle's plane, or
-/// of a triangle without area: 2⁻⁸⁰, far above anything that a device may flush.
-pub(crate) const DETERMINANT_FLOOR: f32 = f32::from_bits((127 - 80) << 23);
+/// Products of two coordinates of the plane that are smaller than this in magnitude may be flushed, or be of places
+/// that are: 2⁻⁶⁴, for coordinates of up to 2³⁴.
+const NOISE: f32 = f32::from_bits((127 - 64) << 23);
+
+/// How far a ray may pass from a triangle that it meets, as a share of the largest coordinate of the triangle's
+/// corners relative to the ray's origin: 2⁻²⁰.
+///
+/// A place in the plane is off by at most 6 · 2⁻²⁴ of it: a rounded subtraction from the origin, the rounded lean
+/// (a reciprocal and a product) and its product, a rounded subtraction.
+pub(crate) const PASSING: f32 = f32::from_bits((127 - 20) << 23);
 
 /// A triangle, ready to be tested.
 #[derive(Clone, Copy)]
 pub struct Triangle {
     /// Its corners.
     pub corners: [[f32; 3]; 3],
-    /// First to second corner.
-    ab: [f32; 3],
-    /// First to third corner.
-    ac: [f32; 3],
-    /// `ac × ab`.
-    across: [f32; 3],
 }
 
 impl Triangle {
     /// The triangle with these corners.
     #[inline(always)]
     pub fn new(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Self {
-        let ab = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-        let ac = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
-        Self {
-            corners: [a, b, c],
-            ab,
-            ac,
-            across: [
-                ac[1] * ab[2] - ac[2] * ab[1],
-                ac[2] * ab[0] - ac[0] * ab[2],
-                ac[0] * ab[1] - ac[1] * ab[0],
-            ],
-        }
+        Self { corners: [a, b, c] }
     }
 
     /// Lower and upper corner of the bounds.
@@ -54,34 +45,59 @@ impl Triangle {
     /// What [`intersect`] needs of the triangle for rays that start at `origin`.
     #[inline(always)]
     pub fn relative_to<O: Lane>(&self, origin: V3<O>) -> RelativeTriangle<O> {
-        let (ab, ac) = (&self.ab, &self.ac);
-        let s = origin - V3::splat(origin.x.token(), self.corners[0]);
-        let v =
-            V3 { x: s.y * ab[2] - s.z * ab[1], y: s.z * ab[0] - s.x * ab[2], z: s.x * ab[1] - s.y * ab[0] };
+        let token = origin.x.token();
+        let [a, b, c] = &self.corners;
         RelativeTriangle {
-            u: V3 {
-                x: s.z * ac[1] - s.y * ac[2],
-                y: s.x * ac[2] - s.z * ac[0],
-                z: s.y * ac[0] - s.x * ac[1],
-            },
-            v,
-            distance: flush(v.x * ac[0] + v.y * ac[1] + v.z * ac[2]),
+            corners: [
+                V3::splat(token, *a) - origin,
+                V3::splat(token, *b) - origin,
+                V3::splat(token, *c) - origin,
+            ],
+            ab: [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
+            ac: [c[0] - a[0], c[1] - a[1], c[2] - a[2]],
         }
     }
 }
 
-/// A triangle relative to the origin of rays: the terms that directions are multiplied with.
+/// A triangle relative to the origin of rays.
 #[derive(Clone, Copy)]
 pub struct RelativeTriangle<O> {
-    /// `ac × (o − a)`.
-    u: V3<O>,
-    /// `(o − a) × ab`.
-    v: V3<O>,
-    /// `ac · v`.
-    distance: O,
+    /// From the origin to the corners.
+    corners: [V3<O>; 3],
+    /// First to second corner.
+    ab: [f32; 3],
+    /// First to third corner.
+    ac: [f32; 3],
 }
 
 impl<O: Lane> RelativeTriangle<O> {
+    /// `ac × ab`.
+    #[inline(always)]
+    fn across(&self) -> [f32; 3] {
+        let (ab, ac) = (&self.ab, &self.ac);
+        [ac[1] * ab[2] - ac[2] * ab[1], ac[2] * ab[0] - ac[0] * ab[2], ac[0] * ab[1] - ac[1] * ab[0]]
+    }
+
+    /// `ac × (o − a)`.
+    #[inline(always)]
+    fn u(&self) -> V3<O> {
+        let (a, ac) = (&self.corners[0], &self.ac);
+        V3 { x: a.y * ac[2] - a.z * ac[1], y: a.z * ac[0] - a.x * ac[2], z: a.x * ac[1] - a.y * ac[0] }
+    }
+
+    /// `(o − a) × ab`.
+    #[inline(always)]
+    fn v(&self) -> V3<O> {
+        let (a, ab) = (&self.corners[0], &self.ab);
+        V3 { x: a.z * ab[1] - a.y * ab[2], y: a.x * ab[2] - a.z * ab[0], z: a.y * ab[0] - a.x * ab[1] }
+    }
+
+    /// `ac · v`, for this `v`.
+    #[inline(always)]
+    fn distance(&self, v: &V3<O>) -> O {
+        flush(v.x * self.ac[0] + v.y * self.ac[1] + v.z * self.ac[2])
+    }
+
     /// Whether the origin is in front of the triangle, where its corners are counterclockwise: `(o − a) · (ab × ac) > 0`. `like` is a value of the rays.
     ///
     /// The triangle and what it is seen from are in the space of its instance, so that the front
@@ -89,7 +105,7 @@ impl<O: Lane> RelativeTriangle<O> {
     /// 3.7.4).
     #[inline(always)]
     pub fn front<L: Lane + Mul<O, Output = L>>(&self, like: L) -> L::Mask {
-        (like.broadcast(1.0) * self.distance).gt(like.broadcast(0.0))
+        (like.broadcast(1.0) * self.distance(&self.v())).gt(like.broadcast(0.0))
     }
 }
 
@@ -106,70 +122,105 @@ pub struct Intersection<L: Lane> {
     pub v: L,
 }
 
+/// The area of the parallelogram between two places and the origin, as a difference.
+#[inline(always)]
+fn products<L: Lane>(p: &[L; 2], q: &[L; 2]) -> [L; 2] {
+    [p[0] * q[1], p[1] * q[0]]
+}
+
+/// The lanes whose ray may meet the triangle with its corners at these places of the plane: all that do.
+#[inline(always)]
+pub(crate) fn may_meet<L: Lane>([a, b, c]: &[[L; 2]; 3]) -> L::Mask {
+    let [[p, q], [r, s], [x, y]] = [products(b, c), products(c, a), products(a, b)];
+    let (u, v, w) = (p - q, r - s, x - y);
+    let noise = u.broadcast(NOISE);
+    u.min(v).min(w).gt(-noise) | u.max(v).max(w).lt(noise)
+}
+
 /// Where the ray meets the triangle, at some 2⁻⁹⁰ < `t` ≤ `limit`, from either side.
 /// `seen` is the triangle relative to the origin of the ray.
+///
+/// **Which.** In the plane of the ray's [`Shear`](crate::kernel::shear::Shear) the corners are `a`, `b` and `c`,
+/// and the ray is the origin:
+///
+/// ```text
+/// hit: b_x c_y ≥ b_y c_x,  c_x a_y ≥ c_y a_x,  a_x b_y ≥ a_y b_x,  not all equal; or all with ≤
+/// ```
+///
+/// Triangles at an edge compare the same two rounded products, each the other way round, and rounding keeps their
+/// order. So a ray is never outside of both: closed meshes have no gaps, at edges and at corners, and what exactly
+/// meets an edge meets both its sides. Numbers below 2⁻¹⁰⁰ count as 0, as on devices that flush denormals.
+///
+/// **Where.**
 ///
 /// ```text
 /// s = o − a,  det = d · (ac × ab)
 /// u = d · (ac × s) / det,  v = d · (s × ab) / det,  t = ac · (s × ab) / det
-/// hit: |det| ≥ 2⁻⁸⁰,  u ≥ 0,  v ≥ 0,  u + v ≤ 1,  t > 0
 /// ```
 ///
 /// These are the triple products of Möller and Trumbore, turned so that the direction comes
-/// last: all else is the same for rays that start at one point, and is computed once for a
-/// packet of them (as Kensler and Shirley, "Optimizing Ray-Triangle Intersection via
-/// Automated Search", 2006, do).
+/// last: all else is the same for rays that start at one point (as Kensler and Shirley, "Optimizing Ray-Triangle
+/// Intersection via Automated Search", 2006, do). The determinant has the sign that the plane gives it, and the
+/// weights are clamped into their range.
 ///
-/// Two additions make the result independent of how the triangle was found: the interval of
-/// the triangle's own box must not be empty, and `t` is clamped into it. A test on an almost
-/// edge-on triangle can return a `t` far from the triangle; clamped, it is inside every box
-/// around the triangle, so no culling by boxes can lose it. (Rejecting instead of clamping
-/// would lose real hits: a triangle parallel to an axis has a box without thickness, whose
-/// `t` differs from the above by rounding.)
-///
-/// Comparisons are made before the division, on numerators with the determinant's sign
-/// folded in, and a numerator below 2⁻¹⁰⁰ counts as 0, as it does on devices that flush
-/// denormals.
+/// Two additions make the result independent of how the triangle was found: `t` is clamped into the interval of
+/// the triangle's own box, and then into that of the box widened by [`PASSING`], which must not be empty. A test
+/// on an almost edge-on triangle can return a `t` far from the triangle; clamped, it is inside every box
+/// around the triangle that is widened as much, so no culling by such boxes can lose it.
 #[inline(always)]
 pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
     ray: &Ray<L, O>,
-    triangle: &Triangle,
     seen: &RelativeTriangle<O>,
     limit: L,
 ) -> Intersection<L> {
-    let d = &ray.direction;
-    let n = &triangle.across;
-    let determinant = d.x * n[0] + d.y * n[1] + d.z * n[2];
-    let sign = determinant.sign_bit();
-    let size = determinant.abs();
-    let u = (d.x * seen.u.x + d.y * seen.u.y + d.z * seen.u.z).flip_sign(sign);
-    let v = (d.x * seen.v.x + d.y * seen.v.y + d.z * seen.v.z).flip_sign(sign);
+    let places = ray.shear.flatten(ray, &seen.corners);
     // Cheap, and conservative even if denormals are flushed: most rays end here.
-    let below = size.broadcast(-2.0 * FLOOR);
-    let mut mask =
-        u.gt(below) & v.gt(below) & size.ge(size.broadcast(DETERMINANT_FLOOR)) & ((u + v) * 0.999).le(size);
-    let mut t = limit;
-    let (mut weight_u, mut weight_v) = (u, v);
+    let mut mask = may_meet(&places);
+    let (mut t, mut u, mut v) = (limit, limit, limit);
     if mask.any() {
-        let zero = size.broadcast(0.0);
-        let (u, v) = (flush(u), flush(v));
-        let inverse = recip(size);
-        let (low, high) = triangle.bounds();
-        let (near, far) = slab(ray, &RelativeBox::new(ray.origin, &low, &high));
-        let t_plane = inverse.flip_sign(sign) * seen.distance;
-        t = t_plane.min(far).max(near);
+        let (zero, one) = (limit.broadcast(0.0), limit.broadcast(1.0));
+        let [is_clockwise, is_counterclockwise] = windings(&places);
+        let d = &ray.direction;
+        let along = ray.shear.along(*d);
+        let sign = is_counterclockwise.select(-along, along).sign_bit();
+        let n = seen.across();
+        let determinant = d.x * n[0] + d.y * n[1] + d.z * n[2];
+        let inverse = recip(determinant.abs()).flip_sign(sign);
+        let (of_u, of_v) = (seen.u(), seen.v());
+        let distance = seen.distance(&of_v);
+        let own = RelativeBox::around(&seen.corners);
+        let widened = own.widened(own.reach() * PASSING);
+        let ((near, far), (first, last)) = (slab(ray, &own), slab(ray, &widened));
+        t = (inverse * distance).min(far).max(near).min(last).max(first);
         mask = mask
-            & u.ge(zero)
-            & v.ge(zero)
-            & (u + v).le(size)
-            & near.le(far)
-            & (zero.broadcast(1.0).flip_sign(sign) * seen.distance).gt(zero)
+            & ((is_clockwise & !is_counterclockwise) | (is_counterclockwise & !is_clockwise))
+            & along.abs().ge(zero.broadcast(TINY))
+            & first.le(last)
+            & (one.flip_sign(sign) * distance).gt(zero)
             & t.gt(zero.broadcast(TINY))
             & t.le(limit);
-        weight_u = flush(u * inverse);
-        weight_v = flush(v * inverse);
+        u = flush(flush(d.x * of_u.x + d.y * of_u.y + d.z * of_u.z) * inverse).max(zero).min(one);
+        v = flush(flush(d.x * of_v.x + d.y * of_v.y + d.z * of_v.z) * inverse).max(zero).min(one - u);
     }
-    Intersection { mask, t, u: weight_u, v: weight_v }
+    Intersection { mask, t, u, v }
+}
+
+/// Whether the corners at these places go around the origin clockwise, and whether they do counterclockwise; both
+/// if they are in a line with it.
+#[inline(always)]
+fn windings<L: Lane>([a, b, c]: &[[L; 2]; 3]) -> [L::Mask; 2] {
+    let (a, b, c) = (flushed(a), flushed(b), flushed(c));
+    let [p, q, r] = [products(&b, &c), products(&c, &a), products(&a, &b)];
+    let (p, q, r) = (flushed(&p), flushed(&q), flushed(&r));
+    [
+        p[0].le(p[1]) & q[0].le(q[1]) & r[0].le(r[1]),
+        p[0].ge(p[1]) & q[0].ge(q[1]) & r[0].ge(r[1]),
+    ]
+}
+
+#[inline(always)]
+fn flushed<L: Lane>(pair: &[L; 2]) -> [L; 2] {
+    [flush(pair[0]), flush(pair[1])]
 }
 
 #[cfg(test)]
@@ -181,7 +232,7 @@ mod tests {
     fn met(corners: [[f32; 3]; 3], origin: [f32; 3], direction: [f32; 3], limit: f32) -> Intersection<f32> {
         let ray = Ray::<f32>::new(V3::splat((), origin), V3::splat((), direction));
         let triangle = Triangle::new(corners[0], corners[1], corners[2]);
-        intersect(&ray, &triangle, &triangle.relative_to(ray.origin), limit)
+        intersect(&ray, &triangle.relative_to(ray.origin), limit)
     }
 
     /// Numbers within −1 .. 1 that look random.

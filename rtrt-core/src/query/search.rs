@@ -6,9 +6,11 @@ use super::source::Parts;
 use super::tree::{MeshTree, Tree};
 use super::wide::{Asked, Range, Visitor, traverse};
 use crate::kernel::ray::Ray as WorldRay;
+use crate::kernel::slab::RelativeBox;
 use crate::kernel::sphere::{Chord, ENTRY, EXIT};
-use crate::kernel::triangle::{Intersection, Triangle, intersect};
+use crate::kernel::triangle::{Intersection, PASSING, Triangle, intersect};
 use crate::lane::Lane;
+use crate::scene::Bounds;
 
 /// What a search meets.
 #[derive(Clone, Copy)]
@@ -51,7 +53,7 @@ pub(crate) fn search<L: Lane, S: Parts>(
     let skip = asked.skip.filter(|skip| skip.scene == source.id()).map(|skip| skip.number);
     let mut instances = Instances::<L, S, _> { token, tree, source, asked, scaled, skip, collect };
     let range = Range { from: scaled.from, limit: instances.collect.limit() };
-    let wide = Asked::<L>::new(token, &scaled.ray, magnitude);
+    let wide = Asked::<L>::new(token, &scaled.ray, magnitude, 0.0);
     let top = &tree.instances;
     traverse(&top.tree, Some(&top.slacks), &wide, range, &mut instances);
 }
@@ -96,7 +98,9 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
             triangles.sphere();
         } else {
             let range = Range { from: scaled.from, limit: triangles.collect.limit() };
-            let asked = Asked::<L>::new(self.token, &ray, 0.0);
+            let Bounds { low, high } = &tree.bounds;
+            let passing = RelativeBox::new(ray.origin, low, high).reach() * PASSING;
+            let asked = Asked::<L>::new(self.token, &ray, 0.0, passing);
             traverse(&tree.tree, None, &asked, range, &mut triangles);
         }
         self.collect.limit()
@@ -129,7 +133,7 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Triangles<'_, L, S, C> {
                 let [a, b, c] = block.triangle(lane as usize);
                 let triangle = Triangle::new(a, b, c);
                 let relative = triangle.relative_to(self.ray.origin);
-                let found = intersect(&self.ray, &triangle, &relative, self.collect.limit());
+                let found = intersect(&self.ray, &relative, self.collect.limit());
                 if found.mask {
                     self.offer(block.first + lane, &found, relative.front(found.t));
                 }

@@ -33,6 +33,8 @@ pub(crate) struct MeshTree {
     /// Its leaves hold blocks.
     pub tree: WideTree,
     pub blocks: Vec<Block>,
+    /// The box of all triangles.
+    pub bounds: Bounds,
 }
 
 impl MeshTree {
@@ -51,7 +53,8 @@ impl MeshTree {
                 }));
             }
         }
-        Self { version, tree, blocks }
+        let bounds = tree.nodes[0].all_bounds();
+        Self { version, tree, blocks, bounds }
     }
 
     /// The blocks of a leaf that starts at the block `first` and holds so many triangles.

@@ -113,6 +113,8 @@ pub(crate) struct Asked<L> {
     exit: [usize; 3],
     /// How much wider boxes are than in the nodes, per unit of their slack.
     magnitude: L,
+    /// How much wider they are besides.
+    passing: L,
 }
 
 /// The children that a ray may hit, and where it enters each.
@@ -122,9 +124,10 @@ struct Entered {
 }
 
 impl<L: Lane> Asked<L> {
-    /// `magnitude` widens the boxes by that much of their slack; 0 for nodes that have none.
+    /// `magnitude` widens the boxes by that much of their slack; 0 for nodes that have none. `passing` widens
+    /// all.
     #[inline(always)]
-    pub fn new(token: L::Token, ray: &Ray<f32>, magnitude: f32) -> Self {
+    pub fn new(token: L::Token, ray: &Ray<f32>, magnitude: f32, passing: f32) -> Self {
         let each = |v: [f32; 3]| v.map(|c| L::splat(token, c));
         let inverse = ray.inverse.lane(0);
         let is_up = inverse.map(|c| c > 0.0);
@@ -134,6 +137,7 @@ impl<L: Lane> Asked<L> {
             entry: [0, 1, 2].map(|axis| if is_up[axis] { axis } else { 3 + axis }),
             exit: [0, 1, 2].map(|axis| if is_up[axis] { 3 + axis } else { axis }),
             magnitude: L::splat(token, magnitude),
+            passing: L::splat(token, passing),
         }
     }
 
@@ -181,7 +185,9 @@ impl<L: Lane> Asked<L> {
             let pad = self.load(slack, first) * self.magnitude;
             bound = if plane < 3 { bound - pad } else { bound + pad };
         }
-        (bound - self.origin[axis]) * self.inverse[axis]
+        let to = bound - self.origin[axis];
+        let to = if plane < 3 { to - self.passing } else { to + self.passing };
+        to * self.inverse[axis]
     }
 
     /// The numbers of the children from `first` on.

@@ -158,7 +158,7 @@ pub fn pick(frame: &Frame, camera: &View, meshes: &Meshes<'_>, ray: RayIndex, dr
     let corner = |vertex: u32| meshes.positions[vertex as usize];
     let shape = Triangle::new(corner(a), corner(b), corner(c));
     let seen = shape.relative_to(ray.origin);
-    let found = intersect(&ray, &shape, &seen, f32::MAX);
+    let found = intersect(&ray, &seen, f32::MAX);
     let is_between = found.t > frame.near && found.t <= frame.far;
     if found.mask && is_between && (placed.double_sided == 1 || seen.front(found.t)) {
         Hit { t: found.t, instance, triangle, u: found.u, v: found.v }
