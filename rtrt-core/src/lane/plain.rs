@@ -25,6 +25,8 @@ macro_rules! lanewise {
     ($($kind:ident $operator:ident $name:ident, $a:ident $b:ident => $result:expr;)*) => {$(
         impl<const N: usize> $operator for $kind<N> {
             type Output = Self;
+            // Tests of stages compile in a fraction of the time where operators are calls.
+            #[cfg_attr(test, inline(never))]
             fn $name(self, other: Self) -> Self {
                 Self(zip(self.0, other.0, |$a, $b| $result))
             }
@@ -48,6 +50,7 @@ macro_rules! with_one {
     ($($kind:ident $operator:ident $name:ident $one:ty, $a:ident $b:ident => $result:expr;)*) => {$(
         impl<const N: usize> $operator<$one> for $kind<N> {
             type Output = Self;
+            #[cfg_attr(test, inline(never))]
             fn $name(self, $b: $one) -> Self {
                 Self(self.0.map(|$a| $result))
             }
@@ -90,14 +93,16 @@ impl<const N: usize> Mask for PlainMask<N> {
 }
 
 impl<const N: usize> Select<Plain<N>> for PlainMask<N> {
-    #[inline(always)]
+    #[cfg_attr(test, inline(never))]
+    #[cfg_attr(not(test), inline(always))]
     fn select(self, a: Plain<N>, b: Plain<N>) -> Plain<N> {
         Plain(core::array::from_fn(|lane| if self.0[lane] { a.0[lane] } else { b.0[lane] }))
     }
 }
 
 impl<const N: usize> Select<PlainBits<N>> for PlainMask<N> {
-    #[inline(always)]
+    #[cfg_attr(test, inline(never))]
+    #[cfg_attr(not(test), inline(always))]
     fn select(self, a: PlainBits<N>, b: PlainBits<N>) -> PlainBits<N> {
         PlainBits(core::array::from_fn(|lane| if self.0[lane] { a.0[lane] } else { b.0[lane] }))
     }
