@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prints the instructions of a frame on one thread with 8 lanes, in total and stage by stage, as
 # valgrind counts them. Takes the arguments of `rtrt render`. Needs valgrind, binutils and
-# target/release/rtrt.
+# target/profiling/rtrt (cargo build --profile profiling -p rtrt).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=$(mktemp -d)
@@ -9,9 +9,9 @@ trap 'rm -rf "$out"' EXIT
 # A string instruction that clears or copies memory counts as one for each byte: have libc do without.
 export GLIBC_TUNABLES=glibc.cpu.x86_rep_stosb_threshold=100000000:glibc.cpu.x86_rep_movsb_threshold=100000000
 # Counts the frame alone: loading takes far longer.
-frame=$(nm target/release/rtrt | awk '$3 ~ /^_ZN8rtrt_cpu6Memory5frame17h[0-9a-f]*E$/ { print $3 }')
+frame=$(nm target/profiling/rtrt | awk '$3 ~ /^_ZN8rtrt_cpu6Memory5frame17h[0-9a-f]*E$/ { print $3 }')
 valgrind --tool=callgrind --demangle=no --toggle-collect="$frame" --callgrind-out-file="$out/calls" \
-    target/release/rtrt render "$@" --samples 1 --threads 1 --lanes 8 --backend cpu --quiet \
+    target/profiling/rtrt render "$@" --samples 1 --threads 1 --lanes 8 --backend cpu --quiet \
     -o "$out/frame.png" 2>"$out/log" || { cat "$out/log" >&2; exit 1; }
 # A function belongs to the last stage whose file has some of its instructions: stages call functions
 # of earlier ones. "other" is the rest: lists, and memory that is copied or cleared.
