@@ -60,7 +60,8 @@ impl Shape {
 
     /// A box whose sides, flat along the axes, are cut into so many squares, each of two triangles.
     fn room(name: &'static str, size: Vec3, cuts: u32) -> Self {
-        let mut shape = Self { name, corners: vec![], triangles: vec![], center: Vec3::ZERO, room: size * 0.4 };
+        let mut shape =
+            Self { name, corners: vec![], triangles: vec![], center: Vec3::ZERO, room: size * 0.4 };
         for side in 0..6 {
             let (axis, sign) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
             let first = shape.corners.len() as u32;
@@ -68,7 +69,8 @@ impl Shape {
                 for column in 0..=cuts {
                     let at = |i: u32| i as f32 / cuts as f32 * 2.0 - 1.0;
                     let mut corner = [0.0; 3];
-                    (corner[axis], corner[(axis + 1) % 3], corner[(axis + 2) % 3]) = (sign, at(row), at(column));
+                    (corner[axis], corner[(axis + 1) % 3], corner[(axis + 2) % 3]) =
+                        (sign, at(row), at(column));
                     shape.corners.push(Vec3::from(corner) * size);
                 }
             }

@@ -223,7 +223,8 @@ mod tests {
         let hits = PacketHits::new([ClosestHit::none(Plain([9.0; 8])); 32]);
         let tiles = Tiles::of(&rays, &hits.closest, 0xffff);
         let packet = Packet { rays: &rays, tiles: &tiles };
-        let mask = |z: f32, active| packet.hit_mask(&[2.5, -1.0, z], &[6.5, 1.0, z + 1.0], 0.0, active, &hits);
+        let mask =
+            |z: f32, active| packet.hit_mask(&[2.5, -1.0, z], &[6.5, 1.0, z + 1.0], 0.0, active, &hits);
         assert_eq!([mask(3.0, 0xffff), mask(3.0, 0b1_1001)], [0b111_1000, 0b1_1000]);
         assert_eq!([mask(9.5, 0xffff), mask(-3.0, 0xffff)], [0; 2]);
     }

@@ -173,8 +173,7 @@ mod tests {
             [i * 0.7 - 2.0, 3.0 - i, 1.0 + 0.1 * i]
         };
         let points = [[1.0, 2.0, 3.0], [-0.5, 0.25, 7.0], [0.1, -0.2, 0.3]];
-        let many: Ray<Plain<8>, f32> =
-            Ray::new(V3::splat((), [0.0; 3]), V3::from_fn((), direction));
+        let many: Ray<Plain<8>, f32> = Ray::new(V3::splat((), [0.0; 3]), V3::from_fn((), direction));
         let shared = points.map(|p| V3::splat((), p));
         let wide = many.shear.flatten(&many, &shared);
         for lane in 0..8 {

@@ -212,10 +212,7 @@ fn windings<L: Lane>([a, b, c]: &[[L; 2]; 3]) -> [L::Mask; 2] {
     let (a, b, c) = (flushed(a), flushed(b), flushed(c));
     let [p, q, r] = [products(&b, &c), products(&c, &a), products(&a, &b)];
     let (p, q, r) = (flushed(&p), flushed(&q), flushed(&r));
-    [
-        p[0].le(p[1]) & q[0].le(q[1]) & r[0].le(r[1]),
-        p[0].ge(p[1]) & q[0].ge(q[1]) & r[0].ge(r[1]),
-    ]
+    [p[0].le(p[1]) & q[0].le(q[1]) & r[0].le(r[1]), p[0].ge(p[1]) & q[0].ge(q[1]) & r[0].ge(r[1])]
 }
 
 #[inline(always)]
