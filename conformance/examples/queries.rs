@@ -302,7 +302,7 @@ impl<'a> Each<'a> {
             (PacketHits::new([ClosestHit::none(ray.to.min(f32::MAX))]), [Twice { filter }]);
         for (number, instance) in (0..).zip(self.geometry.instances) {
             let (low, high) = instance.padded_aabb(magnitude);
-            if ray_hit_mask(&[asked], &low, &high, 0.0, 1, &hits.closest) == 0 {
+            if ray_hit_mask(&[asked], &low, &high, 1, &hits.closest) == 0 {
                 continue;
             }
             let rays = [if instance.is_identity == 1 { asked } else { asked.to_object(instance) }];

@@ -4,7 +4,8 @@ use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{RelativeBox, intersects};
 use crate::kernel::tiles::{TILES, Tiles};
-use crate::lane::{Lane, Mask, V3};
+use crate::kernel::triangle::passing;
+use crate::lane::{Lane, Mask};
 use core::ops::Mul;
 
 /// Up to so many active tiles test a box ray by ray: that is as quick as the tiles' bounds, and exact.
@@ -73,7 +74,7 @@ impl<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize> Packet<'_, L, O, G> 
     /// No less than the largest coordinate, in magnitude, of a corner of the box relative to the origin of a ray
     /// in the active tiles.
     #[inline(always)]
-    pub(crate) fn reach(&self, low: &[f32; 3], high: &[f32; 3], active: u32) -> f32 {
+    fn reach(&self, low: &[f32; 3], high: &[f32; 3], active: u32) -> f32 {
         if G == 1 || O::WIDTH < L::WIDTH {
             RelativeBox::new(self.first_active(active).origin, low, high).reach().largest()
         } else {
@@ -81,22 +82,27 @@ impl<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize> Packet<'_, L, O, G> 
         }
     }
 
-    /// The tiles of `active` that may hit a box before their limits: all that do, and few more. The box is
-    /// widened by so much on each side.
+    /// How much wider the boxes within this one have to be for the packet (see
+    /// [`passing`](crate::kernel::triangle::passing)).
+    #[inline(always)]
+    pub(crate) fn passing(&self, low: &[f32; 3], high: &[f32; 3], active: u32) -> f32 {
+        passing(self.reach(low, high, active), low, high)
+    }
+
+    /// The tiles of `active` that may hit a box before their limits: all that do, and few more.
     #[inline(always)]
     pub(crate) fn hit_mask(
         &self,
         low: &[f32; 3],
         high: &[f32; 3],
-        by: f32,
         active: u32,
         hits: &PacketHits<L, G>,
     ) -> u32 {
         let few = RAY_TEST_MAX_TILES[(O::WIDTH == L::WIDTH) as usize];
         if G == 1 || active.count_ones() <= few {
-            ray_hit_mask(self.rays, low, high, by, active, &hits.closest)
+            ray_hit_mask(self.rays, low, high, active, &hits.closest)
         } else {
-            self.tile_hit_mask(low, high, by, active, hits)
+            self.tile_hit_mask(low, high, active, hits)
         }
     }
 
@@ -106,14 +112,13 @@ impl<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize> Packet<'_, L, O, G> 
         &self,
         low: &[f32; 3],
         high: &[f32; 3],
-        by: f32,
         active: u32,
         hits: &PacketHits<L, G>,
     ) -> u32 {
         if G == 1 {
-            ray_hit_mask(self.rays, low, high, by, active, &hits.closest)
+            ray_hit_mask(self.rays, low, high, active, &hits.closest)
         } else {
-            self.tiles.hit_mask::<O>(low, high, by, &hits.limits, active)
+            self.tiles.hit_mask::<O>(low, high, &hits.limits, active)
         }
     }
 
@@ -142,23 +147,16 @@ fn first_active_group<L: Lane, const G: usize>(active: u32) -> usize {
     groups_of_tile::<L, G>(first_tile::<G>(active)).0
 }
 
-/// The box, widened by so much on each side, relative to `origin`.
-#[inline(always)]
-fn widened_box<O: Lane>(low: &[f32; 3], high: &[f32; 3], by: f32, origin: V3<O>) -> RelativeBox<O> {
-    RelativeBox::new(origin, low, high).widened(O::splat(origin.x.token(), by))
-}
-
-/// The tiles of `active` in which a ray hits the box, widened by so much on each side.
+/// The tiles of `active` in which a ray hits the box.
 #[inline(always)]
 pub fn ray_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
     rays: &[Ray<L, O>; G],
     low: &[f32; 3],
     high: &[f32; 3],
-    by: f32,
     active: u32,
     closest: &[ClosestHit<L>; G],
 ) -> u32 {
-    let shared = widened_box(low, high, by, rays[first_active_group::<L, G>(active)].origin);
+    let shared = RelativeBox::new(rays[first_active_group::<L, G>(active)].origin, low, high);
     if G == 1 {
         return intersects(&rays[0], &shared, closest[0].t).any() as u32;
     }
@@ -170,7 +168,7 @@ pub fn ray_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize>(
         let (mut g, end) = Tiles::<L, G>::groups(tile as usize);
         while g < end {
             let ray = &rays[g];
-            let relative = if O::WIDTH < L::WIDTH { shared } else { widened_box(low, high, by, ray.origin) };
+            let relative = if O::WIDTH < L::WIDTH { shared } else { RelativeBox::new(ray.origin, low, high) };
             hit_mask |= (intersects(ray, &relative, closest[g].t).any() as u32) << tile;
             g += 1;
         }
@@ -223,8 +221,7 @@ mod tests {
         let hits = PacketHits::new([ClosestHit::none(Plain([9.0; 8])); 32]);
         let tiles = Tiles::of(&rays, &hits.closest, 0xffff);
         let packet = Packet { rays: &rays, tiles: &tiles };
-        let mask =
-            |z: f32, active| packet.hit_mask(&[2.5, -1.0, z], &[6.5, 1.0, z + 1.0], 0.0, active, &hits);
+        let mask = |z: f32, active| packet.hit_mask(&[2.5, -1.0, z], &[6.5, 1.0, z + 1.0], active, &hits);
         assert_eq!([mask(3.0, 0xffff), mask(3.0, 0b1_1001)], [0b111_1000, 0b1_1000]);
         assert_eq!([mask(9.5, 0xffff), mask(-3.0, 0xffff)], [0; 2]);
     }

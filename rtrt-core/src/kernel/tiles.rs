@@ -132,14 +132,13 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
         reach
     }
 
-    /// The tiles of `active` in which a ray may hit the box, widened by so much on each side, at some `0 ≤ t ≤` the tile's
+    /// The tiles of `active` in which a ray may hit the box at some `0 ≤ t ≤` the tile's
     /// limit: every tile in which one does, and few more. `O` is the type of the rays' origin. NaN misses.
     #[inline(always)]
     pub fn hit_mask<O: Lane>(
         &self,
         low: &[f32; 3],
         high: &[f32; 3],
-        by: f32,
         limits: &[f32; TILES],
         active: u32,
     ) -> u32 {
@@ -153,16 +152,15 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
                 let (i, j) = (&inverse.low, &inverse.high);
                 let ((x0, x1), (y0, y1), (z0, z1)) = if O::WIDTH < L::WIDTH {
                     let start = &self.start;
-                    let to = |axis: usize| [low[axis] - start[axis] - by, high[axis] - start[axis] + by];
+                    let to = |axis: usize| [low[axis] - start[axis], high[axis] - start[axis]];
                     (
                         common_origin(self.signs[0], to(0), i.x, j.x),
                         common_origin(self.signs[1], to(1), i.y, j.y),
                         common_origin(self.signs[2], to(2), i.z, j.z),
                     )
                 } else {
-                    let by = V3::splat(token, [by; 3]);
-                    let a = V3::splat(token, *low) - origin.high - by;
-                    let b = V3::splat(token, *high) - origin.low + by;
+                    let a = V3::splat(token, *low) - origin.high;
+                    let b = V3::splat(token, *high) - origin.low;
                     (
                         separate_origins(self.signs[0], [a.x, b.x], i.x, j.x),
                         separate_origins(self.signs[1], [a.y, b.y], i.y, j.y),
@@ -376,9 +374,8 @@ mod tests {
         for _ in 0..2000 {
             let low = [0; 3].map(|_| random(&mut seed) * 3.0);
             let high = low.map(|c| c + random(&mut seed).abs());
-            let by = random(&mut seed).abs() * 1e-3;
-            let hit = ray_hit_mask(rays, &low, &high, by, active, &closest);
-            let passed = tiles.hit_mask::<O>(&low, &high, by, &limits, active);
+            let hit = ray_hit_mask(rays, &low, &high, active, &closest);
+            let passed = tiles.hit_mask::<O>(&low, &high, &limits, active);
             assert_eq!(hit & !passed, 0, "{low:?} {high:?}");
             for (count, more) in counts.iter_mut().zip([active, hit, passed]) {
                 *count += more.count_ones();

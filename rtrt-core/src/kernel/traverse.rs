@@ -4,7 +4,7 @@ use crate::kernel::geometry::Geometry;
 use crate::kernel::hit_filter::{Bounded, Faces, HitFilter};
 use crate::kernel::packet::{Packet, PacketHits, first_tile, groups_of_tile};
 use crate::kernel::sphere::{Chord, ENTRY, EXIT};
-use crate::kernel::triangle::{PASSING, RelativeTriangle, intersect};
+use crate::kernel::triangle::{RelativeTriangle, intersect};
 use crate::lane::{Lane, Mask};
 use crate::layout::{Instance, Node};
 use core::ops::Mul;
@@ -33,7 +33,7 @@ pub fn traverse<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G:
     // The sign of the first ray's direction decides for all of them which child is nearer.
     let direction = packet.first_active(active).direction.lane(0);
     let root = &geometry.nodes[mesh.instance.start as usize];
-    let passing = packet.reach(&root.low, &root.high, active) * PASSING;
+    let passing = packet.passing(&root.low, &root.high, active);
     let mut stack = [0_u32; STACK];
     let mut stack_active = [0_u32; STACK];
     let mut waiting = 0_usize;
@@ -101,7 +101,8 @@ fn node_hit_mask<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G
 ) -> u32 {
     filters[0].test_box(Bounded::Node);
     let node = geometry.nodes[node as usize];
-    packet.hit_mask(&node.low, &node.high, passing, active, hits)
+    let (low, high) = node.widened(passing);
+    packet.hit_mask(&low, &high, active, hits)
 }
 
 /// Tests the active tiles of a packet against a sphere, as [`traverse`] does against a mesh. The rays are

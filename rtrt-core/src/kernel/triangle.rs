@@ -17,7 +17,18 @@ const NOISE: f32 = f32::from_bits((127 - 64) << 23);
 ///
 /// A place in the plane is off by at most 6 · 2⁻²⁴ of it: a rounded subtraction from the origin, the rounded lean
 /// (a reciprocal and a product) and its product, a rounded subtraction.
-pub(crate) const PASSING: f32 = f32::from_bits((127 - 20) << 23);
+const PASSING: f32 = f32::from_bits((127 - 20) << 23);
+
+/// How much wider boxes within this one have to be, so that none that a hit lies in is culled. `reach` is the
+/// largest coordinate of the box's corners relative to the origins of rays, in magnitude.
+///
+/// Twice [`PASSING`]: the other half is for the rounding of wider planes relative to the origin. That of the
+/// planes themselves, or of origins moved as much, is 2⁻²⁴ of their coordinates, which the second term covers.
+#[inline(always)]
+pub(crate) fn passing(reach: f32, low: &[f32; 3], high: &[f32; 3]) -> f32 {
+    let most = |c: &[f32; 3]| Lane::max(Lane::max(Lane::abs(c[0]), Lane::abs(c[1])), Lane::abs(c[2]));
+    reach * (2.0 * PASSING) + Lane::max(most(low), most(high)) * (0.25 * PASSING)
+}
 
 /// A triangle, ready to be tested.
 #[derive(Clone, Copy)]
@@ -164,9 +175,9 @@ pub(crate) fn may_meet<L: Lane>([a, b, c]: &[[L; 2]; 3]) -> L::Mask {
 /// weights are clamped into their range.
 ///
 /// Two additions make the result independent of how the triangle was found: `t` is clamped into the interval of
-/// the triangle's own box, and then into that of the box widened by [`PASSING`], which must not be empty. A test
-/// on an almost edge-on triangle can return a `t` far from the triangle; clamped, it is inside every box
-/// around the triangle that is widened as much, so no culling by such boxes can lose it.
+/// the triangle's own box, and where that is empty, into that of the box widened by [`PASSING`], which must not
+/// be empty. A test on an almost edge-on triangle can return a `t` far from the triangle; clamped, it is inside
+/// every box around the triangle that is widened by [`passing`], so no culling by such boxes can lose it.
 #[inline(always)]
 pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
     ray: &Ray<L, O>,
@@ -179,7 +190,7 @@ pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
     let (mut t, mut u, mut v) = (limit, limit, limit);
     if mask.any() {
         let (zero, one) = (limit.broadcast(0.0), limit.broadcast(1.0));
-        let [is_clockwise, is_counterclockwise] = windings(&places);
+        let [is_clockwise, is_counterclockwise] = windings(&places, mask);
         let d = &ray.direction;
         let along = ray.shear.along(*d);
         let sign = is_counterclockwise.select(-along, along).sign_bit();
@@ -189,16 +200,18 @@ pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
         let (of_u, of_v) = (seen.u(), seen.v());
         let distance = seen.distance(&of_v);
         let own = RelativeBox::around(&seen.corners);
-        let widened = own.widened(own.reach() * PASSING);
-        let ((near, far), (first, last)) = (slab(ray, &own), slab(ray, &widened));
-        t = (inverse * distance).min(far).max(near).min(last).max(first);
+        let (near, far) = slab(ray, &own);
+        t = (inverse * distance).min(far).max(near);
         mask = mask
             & ((is_clockwise & !is_counterclockwise) | (is_counterclockwise & !is_clockwise))
-            & along.abs().ge(zero.broadcast(TINY))
-            & first.le(last)
-            & (one.flip_sign(sign) * distance).gt(zero)
-            & t.gt(zero.broadcast(TINY))
-            & t.le(limit);
+            & along.abs().ge(zero.broadcast(TINY));
+        let is_beside = mask & near.gt(far);
+        if is_beside.any() {
+            let (near, far) = slab(ray, &own.widened(own.reach() * PASSING));
+            t = is_beside.select(t.min(far).max(near), t);
+            mask = mask & near.le(far);
+        }
+        mask = mask & (one.flip_sign(sign) * distance).gt(zero) & t.gt(zero.broadcast(TINY)) & t.le(limit);
         u = flush(flush(d.x * of_u.x + d.y * of_u.y + d.z * of_u.z) * inverse).max(zero).min(one);
         v = flush(flush(d.x * of_v.x + d.y * of_v.y + d.z * of_v.z) * inverse).max(zero).min(one - u);
     }
@@ -206,9 +219,16 @@ pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
 }
 
 /// Whether the corners at these places go around the origin clockwise, and whether they do counterclockwise; both
-/// if they are in a line with it.
+/// if they are in a line with it. `mask` has the lanes that matter.
 #[inline(always)]
-fn windings<L: Lane>([a, b, c]: &[[L; 2]; 3]) -> [L::Mask; 2] {
+fn windings<L: Lane>([a, b, c]: &[[L; 2]; 3], mask: L::Mask) -> [L::Mask; 2] {
+    let [[p, q], [r, s], [x, y]] = [products(b, c), products(c, a), products(a, b)];
+    let (u, v, w) = (p - q, r - s, x - y);
+    let (zero, noise) = (u.broadcast(0.0), u.broadcast(NOISE));
+    // Beyond noise no flushed number can turn a sign.
+    if !(mask & !u.abs().min(v.abs()).min(w.abs()).gt(noise)).any() {
+        return [u.lt(zero), u.gt(zero)];
+    }
     let (a, b, c) = (flushed(a), flushed(b), flushed(c));
     let [p, q, r] = [products(&b, &c), products(&c, &a), products(&a, &b)];
     let (p, q, r) = (flushed(&p), flushed(&q), flushed(&r));

@@ -22,6 +22,13 @@ pub struct Node {
 const _: () = assert!(size_of::<Node>() == 32 && offset_of!(Node, high) == 16);
 
 impl Node {
+    /// Lower and upper corner of its box, wider by so much on each side.
+    #[inline(always)]
+    pub(crate) fn widened(&self, by: f32) -> ([f32; 3], [f32; 3]) {
+        let (low, high) = (&self.low, &self.high);
+        ([low[0] - by, low[1] - by, low[2] - by], [high[0] + by, high[1] + by, high[2] + by])
+    }
+
     /// Whether the node holds triangles.
     #[inline(always)]
     pub(crate) fn is_leaf(&self) -> bool {

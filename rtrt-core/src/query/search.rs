@@ -8,7 +8,7 @@ use super::wide::{Asked, Range, Visitor, traverse};
 use crate::kernel::ray::Ray as WorldRay;
 use crate::kernel::slab::RelativeBox;
 use crate::kernel::sphere::{Chord, ENTRY, EXIT};
-use crate::kernel::triangle::{Intersection, PASSING, Triangle, intersect};
+use crate::kernel::triangle::{Intersection, Triangle, intersect, passing};
 use crate::lane::Lane;
 use crate::scene::Bounds;
 
@@ -99,7 +99,8 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
         } else {
             let range = Range { from: scaled.from, limit: triangles.collect.limit() };
             let Bounds { low, high } = &tree.bounds;
-            let passing = RelativeBox::new(ray.origin, low, high).reach() * PASSING;
+            let reach = RelativeBox::new(ray.origin, low, high).reach();
+            let passing = passing(reach, low, high);
             let asked = Asked::<L>::new(self.token, &ray, 0.0, passing);
             traverse(&tree.tree, None, &asked, range, &mut triangles);
         }

@@ -106,15 +106,14 @@ pub(crate) struct Range {
 
 /// A ray, ready to ask the eight children of a node, as many at a time as there are lanes.
 pub(crate) struct Asked<L> {
-    origin: [L; 3],
+    /// The origin, moved by as much as boxes are wider: what lower planes are measured from, and upper ones.
+    origins: [[L; 3]; 2],
     inverse: [L; 3],
     /// For each axis, the planes where the ray enters and leaves.
     entry: [usize; 3],
     exit: [usize; 3],
     /// How much wider boxes are than in the nodes, per unit of their slack.
     magnitude: L,
-    /// How much wider they are besides.
-    passing: L,
 }
 
 /// The children that a ray may hit, and where it enters each.
@@ -129,15 +128,14 @@ impl<L: Lane> Asked<L> {
     #[inline(always)]
     pub fn new(token: L::Token, ray: &Ray<f32>, magnitude: f32, passing: f32) -> Self {
         let each = |v: [f32; 3]| v.map(|c| L::splat(token, c));
-        let inverse = ray.inverse.lane(0);
+        let (origin, inverse) = (ray.origin.lane(0), ray.inverse.lane(0));
         let is_up = inverse.map(|c| c > 0.0);
         Self {
-            origin: each(ray.origin.lane(0)),
+            origins: [each(origin.map(|c| c + passing)), each(origin.map(|c| c - passing))],
             inverse: each(inverse),
             entry: [0, 1, 2].map(|axis| if is_up[axis] { axis } else { 3 + axis }),
             exit: [0, 1, 2].map(|axis| if is_up[axis] { 3 + axis } else { axis }),
             magnitude: L::splat(token, magnitude),
-            passing: L::splat(token, passing),
         }
     }
 
@@ -185,9 +183,8 @@ impl<L: Lane> Asked<L> {
             let pad = self.load(slack, first) * self.magnitude;
             bound = if plane < 3 { bound - pad } else { bound + pad };
         }
-        let to = bound - self.origin[axis];
-        let to = if plane < 3 { to - self.passing } else { to + self.passing };
-        to * self.inverse[axis]
+        let origin = if plane < 3 { self.origins[0][axis] } else { self.origins[1][axis] };
+        (bound - origin) * self.inverse[axis]
     }
 
     /// The numbers of the children from `first` on.

@@ -155,7 +155,7 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
         let instance = &geometry.instances[entry.instance as usize];
         let (low, high) = instance.padded_aabb(geometry.magnitude);
         filters[0].test_box(Bounded::Instance);
-        let hit_mask = packet.tile_hit_mask(&low, &high, 0.0, active, hits);
+        let hit_mask = packet.tile_hit_mask(&low, &high, active, hits);
         if hit_mask == 0 {
             continue;
         }
