@@ -175,9 +175,9 @@ pub(crate) fn may_meet<L: Lane>([a, b, c]: &[[L; 2]; 3]) -> L::Mask {
 /// weights are clamped into their range.
 ///
 /// Two additions make the result independent of how the triangle was found: `t` is clamped into the interval of
-/// the triangle's own box, and where that is empty, into that of the box widened by [`PASSING`], which must not
+/// the triangle's own box, and where that is empty, into that of the box widened by `PASSING`, which must not
 /// be empty. A test on an almost edge-on triangle can return a `t` far from the triangle; clamped, it is inside
-/// every box around the triangle that is widened by [`passing`], so no culling by such boxes can lose it.
+/// every box around the triangle that is widened by `passing`, so no culling by such boxes can lose it.
 #[inline(always)]
 pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
     ray: &Ray<L, O>,
