@@ -5,8 +5,7 @@ use crate::import::origin::Bounds;
 use glam::{DMat4, DVec3};
 use gltf_json::mesh::Semantic;
 use gltf_json::validation::Checked;
-use gltf_json::{Accessor, Node, Root};
-use serde_json::Value;
+use gltf_json::{Accessor, Node, Root, Value};
 
 /// What to subtract from the world of this file: see [`Bounds::origin`].
 ///
