@@ -18,7 +18,8 @@ pub struct Differences {
     pub other: usize,
     /// Of these, those that meet two triangles at nearly the same distance.
     pub near: usize,
-    /// Of the rest, those that are not beside a ray that meets something else when all is traced.
+    /// Of the rest, those that are not beside a ray that meets something else when all is traced, nor at the
+    /// border of the picture: an edge may pass between a ray there and one that would be the next.
     pub strange: usize,
     /// Those that meet the same triangle, but not with the same bits.
     pub uneven: usize,
@@ -65,7 +66,9 @@ impl Differences {
                         .flat_map(|y| (x.max(1) - 1..(x + 2).min(width)).map(move |x| [x, y]));
                     let is_near = (a.t - b.t).abs() <= a.t * NEAR;
                     found.near += usize::from(is_near);
-                    found.strange += usize::from(!is_near && around.all(|place| is_same(a, at(place))));
+                    let is_within = x > 0 && y > 0 && x + 1 < width && y + 1 < height;
+                    let is_no_edge = is_within && around.all(|place| is_same(a, at(place)));
+                    found.strange += usize::from(!is_near && is_no_edge);
                 } else if a != b {
                     found.uneven += 1;
                 }
