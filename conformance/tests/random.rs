@@ -201,7 +201,8 @@ fn every_variant_equals_the_oracles_on_random_scenes() {
         let mut scene = if is_swarm { swarm(&mut random) } else { scene(&mut random) };
         let camera = camera(&mut random);
         let size = if is_swarm { [61, 45] } else { [1 + random.below(40), 1 + random.below(30)] };
-        let (near, far) = (random.within(-2.0, 2.0).max(0.0), random.within(2.0, 12.0));
+        let away = camera.eye.length();
+        let (near, far) = (away * random.within(-3.0, 1.0).max(0.0), away * random.within(1.0, 3.0));
         let far = if random.below(4) == 0 { far } else { f32::INFINITY };
         let reach = if random.below(3) == 0 { random.within(0.1, 4.0) } else { 0.0 };
         scene.ambient = Vec3::splat(if reach > 0.0 { 0.5 } else { 0.0 });

@@ -290,6 +290,11 @@ pub struct GivenLight {
 }
 
 impl GivenLight {
+    /// Where it is, in the file's coordinates.
+    pub fn position(&self) -> DVec3 {
+        self.position
+    }
+
     /// The light in a scene whose coordinates are relative to this origin.
     pub fn relative_to(&self, origin: DVec3) -> Light {
         let mut light = self.light;

@@ -169,9 +169,14 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     if let (None, Some(radius)) = (shot.lights, common.light_radius) {
         option(format_args!("--light-radius {radius}"));
     }
-    let given: Vec<Light> = common.lights.iter().map(|light| light.relative_to(shot.origin)).collect();
-    for light in shot.lights.unwrap_or(&given) {
-        option(format_args!("--light {}", light_option(light, shot.origin)));
+    if shot.lights.is_none() {
+        for given in &common.lights {
+            let position = given.position().to_array().map(|c| c.to_string()).join(",");
+            option(format_args!("--light {}", light_option(&given.relative_to(shot.origin), &position)));
+        }
+    }
+    for light in shot.lights.unwrap_or_default() {
+        option(format_args!("--light {}", light_option(light, &in_file(light.position, shot.origin))));
     }
     if let Some(environment) = &shot.environment {
         // Lights of their own would put a scene out of the studio.
@@ -253,14 +258,14 @@ fn in_file(point: Vec3, origin: DVec3) -> String {
     format!("{x},{y},{z}")
 }
 
-/// The value of `--light` for a light.
-fn light_option(light: &Light, origin: DVec3) -> String {
+/// The value of `--light` for a light that is there, in the file's coordinates.
+fn light_option(light: &Light, position: &str) -> String {
     let degrees = |radians: f32| f64::from(radians).to_degrees();
-    let Light { kind, position, direction, color, reach, inverse_square, inner, outer, radius, .. } = *light;
+    let Light { kind, direction, color, reach, inverse_square, inner, outer, radius, .. } = *light;
     let mut text = match kind {
-        LightKind::Point => format!("point:{}:{radius}", in_file(position, origin)),
+        LightKind::Point => format!("point:{position}:{radius}"),
         LightKind::Spot => {
-            format!("spot:{}:{}:{}:{radius}", in_file(position, origin), vector(direction), degrees(outer))
+            format!("spot:{position}:{}:{}:{radius}", vector(direction), degrees(outer))
         }
         LightKind::Sun => format!("sun:{}:{}", vector(-direction), degrees(radius)),
     };
@@ -388,7 +393,7 @@ mod tests {
                     .radius(radius),
                 Light::sun(along).color(color).radius(number * 0.78),
             ] {
-                let text = light_option(&light, DVec3::ZERO);
+                let text = light_option(&light, &in_file(light.position, DVec3::ZERO));
                 assert_eq!(crate::command::parse::light(&text), Ok(light), "{text}");
             }
         }
