@@ -6,6 +6,8 @@ use rtrt_core::layout::{Hit, NONE};
 
 /// How far apart two surfaces are, as a share of their distance, of which a rasterizer may take either.
 const NEAR: f32 = 1.0 / 65_536.0;
+/// The least barycentric coordinate of a hit on an edge: some roundings.
+const EDGE: f32 = 1e-6;
 
 /// What is different in a frame that is drawn.
 #[derive(Debug, Default)]
@@ -18,8 +20,8 @@ pub struct Differences {
     pub other: usize,
     /// Of these, those that meet two triangles at nearly the same distance.
     pub near: usize,
-    /// Of the rest, those that are not beside a ray that meets something else when all is traced, nor at the
-    /// border of the picture: an edge may pass between a ray there and one that would be the next.
+    /// Of the rest, those that are not beside a ray that meets something else when all is traced. At the border of
+    /// the picture, where rays lack neighbors, an edge of the triangle that is met counts as well.
     pub strange: usize,
     /// Those that meet the same triangle, but not with the same bits.
     pub uneven: usize,
@@ -66,9 +68,10 @@ impl Differences {
                         .flat_map(|y| (x.max(1) - 1..(x + 2).min(width)).map(move |x| [x, y]));
                     let is_near = (a.t - b.t).abs() <= a.t * NEAR;
                     found.near += usize::from(is_near);
-                    let is_within = x > 0 && y > 0 && x + 1 < width && y + 1 < height;
-                    let is_no_edge = is_within && around.all(|place| is_same(a, at(place)));
-                    found.strange += usize::from(!is_near && is_no_edge);
+                    let is_border = x == 0 || y == 0 || x + 1 == width || y + 1 == height;
+                    let is_edge = is_border && (is_on_edge(a) || is_on_edge(b));
+                    let is_alike = around.all(|place| is_same(a, at(place)));
+                    found.strange += usize::from(!is_near && !is_edge && is_alike);
                 } else if a != b {
                     found.uneven += 1;
                 }
@@ -76,6 +79,11 @@ impl Differences {
         }
         found
     }
+}
+
+/// Whether an edge of the triangle that is met is a few roundings away.
+fn is_on_edge(hit: &Hit) -> bool {
+    hit.instance != NONE && hit.u.min(hit.v).min(1.0 - hit.u - hit.v) <= EDGE
 }
 
 fn is_same(a: &Hit, b: &Hit) -> bool {

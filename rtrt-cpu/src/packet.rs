@@ -364,15 +364,11 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
             || {
                 let found = ambient::ambient::<L, G>(context, self.ray, surfaces);
                 for g in 0..G {
-                    let ([open, total], Surfaces { origin, normal, .. }) = (found[g], surfaces[g]);
-                    let rows = [open.row(), total.row()];
-                    let places = [origin.x.row(), origin.y.row(), origin.z.row()];
-                    let facing = [normal.x.row(), normal.y.row(), normal.z.row()];
+                    let [open, total] = [found[g][0].row(), found[g][1].row()];
                     for lane in 0..L::WIDTH {
-                        let [open, total] = [rows[0].at(lane), rows[1].at(lane)];
-                        let [x, y, z] = [places[0].at(lane), places[1].at(lane), places[2].at(lane)];
-                        let [i, j, k] = [facing[0].at(lane), facing[1].at(lane), facing[2].at(lane)];
-                        records[first + g * L::WIDTH + lane] = [open, total, x, y, z, i, j, k];
+                        let found = [open.at(lane), total.at(lane)];
+                        records[first + g * L::WIDTH + lane] =
+                            ambient::record(found, &surfaces[g].lane(lane));
                     }
                 }
             },

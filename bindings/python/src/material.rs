@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rtrt_core::scene::{AlphaMode, Material, Texture};
 
-/// What a material may be told, in the order of the stub.
+/// The properties of a material, in the order of the stub.
 const NAMES: [&str; 23] = [
     "base_color",
     "base_color_map",

@@ -11,7 +11,7 @@ use rtrt_core::layout::NONE;
 use rtrt_core::query::{Hit, QueryError, Ray, Sides, Tree, World};
 use std::sync::{MutexGuard, PoisonError};
 
-/// What is asked of all rays of a call.
+/// The options of all rays of a call.
 pub struct Question<'a, 'py> {
     pub origins: &'a Bound<'py, PyAny>,
     pub directions: &'a Bound<'py, PyAny>,

@@ -78,7 +78,7 @@ fn cameras(scene: &Scene, camera: Option<&Bound<'_, PyAny>>, size: [u32; 2]) -> 
     Ok((all, true))
 }
 
-/// The names of the arrays that are asked for.
+/// The names of the requested arrays.
 fn aovs(aov: Option<&Bound<'_, PyAny>>, out: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<Aov>> {
     let names: Vec<String> = match (aov, out) {
         (Some(aov), _) => match aov.extract::<String>() {

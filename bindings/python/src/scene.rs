@@ -29,7 +29,7 @@ use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-/// What is drawn: meshes and spheres with their places and materials, lights, what surrounds them.
+/// A scene: meshes and spheres with their places and materials, lights, surroundings.
 ///
 /// Things are named by numbers: `add_mesh`, `add_material`, `add_texture`, `add_instance` and `add_sphere` return them, from 0
 /// on. Those of objects and materials are the ids in the aovs "object" and "material".

@@ -133,17 +133,24 @@ pub struct Intersection<L: Lane> {
     pub v: L,
 }
 
-/// The area of the parallelogram between two places and the origin, as a difference.
+/// Two products; their difference is the area of the parallelogram between two places and the origin.
 #[inline(always)]
 fn products<L: Lane>(p: &[L; 2], q: &[L; 2]) -> [L; 2] {
     [p[0] * q[1], p[1] * q[0]]
 }
 
+/// On which side of the edges that are across from each corner the origin is, and how far; numbers below
+/// [`NOISE`] may have the wrong sign on devices that flush denormals.
+#[inline(always)]
+fn sides<L: Lane>([a, b, c]: &[[L; 2]; 3]) -> [L; 3] {
+    let [[p, q], [r, s], [x, y]] = [products(b, c), products(c, a), products(a, b)];
+    [p - q, r - s, x - y]
+}
+
 /// The lanes whose ray may meet the triangle with its corners at these places of the plane: all that do.
 #[inline(always)]
-pub(crate) fn may_meet<L: Lane>([a, b, c]: &[[L; 2]; 3]) -> L::Mask {
-    let [[p, q], [r, s], [x, y]] = [products(b, c), products(c, a), products(a, b)];
-    let (u, v, w) = (p - q, r - s, x - y);
+pub(crate) fn may_meet<L: Lane>(places: &[[L; 2]; 3]) -> L::Mask {
+    let [u, v, w] = sides(places);
     let noise = u.broadcast(NOISE);
     u.min(v).min(w).gt(-noise) | u.max(v).max(w).lt(noise)
 }
@@ -221,15 +228,14 @@ pub fn intersect<L: Lane + Mul<O, Output = L>, O: Lane>(
 /// Whether the corners at these places go around the origin clockwise, and whether they do counterclockwise; both
 /// if they are in a line with it. `mask` has the lanes that matter.
 #[inline(always)]
-fn windings<L: Lane>([a, b, c]: &[[L; 2]; 3], mask: L::Mask) -> [L::Mask; 2] {
-    let [[p, q], [r, s], [x, y]] = [products(b, c), products(c, a), products(a, b)];
-    let (u, v, w) = (p - q, r - s, x - y);
+fn windings<L: Lane>(places: &[[L; 2]; 3], mask: L::Mask) -> [L::Mask; 2] {
+    let [u, v, w] = sides(places);
     let (zero, noise) = (u.broadcast(0.0), u.broadcast(NOISE));
     // Beyond noise no flushed number can turn a sign.
     if !(mask & !u.abs().min(v.abs()).min(w.abs()).gt(noise)).any() {
         return [u.lt(zero), u.gt(zero)];
     }
-    let (a, b, c) = (flushed(a), flushed(b), flushed(c));
+    let (a, b, c) = (flushed(&places[0]), flushed(&places[1]), flushed(&places[2]));
     let [p, q, r] = [products(&b, &c), products(&c, &a), products(&a, &b)];
     let (p, q, r) = (flushed(&p), flushed(&q), flushed(&r));
     [p[0].le(p[1]) & q[0].le(q[1]) & r[0].le(r[1]), p[0].ge(p[1]) & q[0].ge(q[1]) & r[0].ge(r[1])]
