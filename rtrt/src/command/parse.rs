@@ -291,6 +291,7 @@ pub struct GivenLight {
 
 impl GivenLight {
     /// Where it is, in the file's coordinates.
+    #[cfg(feature = "viewer")]
     pub fn position(&self) -> DVec3 {
         self.position
     }
