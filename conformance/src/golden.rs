@@ -7,8 +7,7 @@
 //! cargo run --release -p conformance -- --regenerate
 //! ```
 
-use crate::case::Case;
-use crate::cases;
+use conformance_cases::{Case, cases};
 use rtrt_core::backend::Picture;
 use rtrt_core::scene::Sequential;
 use std::collections::BTreeMap;

@@ -48,6 +48,6 @@ pub(crate) fn png(picture: &Picture) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = vec![];
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgba);
-    encoder.write_header()?.write_image_data(picture.bytes())?;
+    encoder.write_header()?.write_image_data(&picture.bytes())?;
     Ok(Some(bytes))
 }

@@ -27,18 +27,16 @@
 //! Limits: the suite says whether backends agree, not whether shading looks right. What a
 //! missing device means is decided in [`variants`].
 
-mod case;
-pub mod cases;
 pub mod golden;
 pub mod hybrid;
 mod image;
 pub mod oracle;
+pub mod proof;
 pub mod report;
-pub mod shape;
 mod suite;
 pub mod variants;
 
-pub use case::{Agree, Case, Known};
+pub use conformance_cases::{Agree, Case, Known, cases, shape};
 pub use image::leave_images;
 pub use rtrt_core::compare::{Difference, Place, compare};
 pub use suite::{Failed, Failure, Itself, Outcome, Suite, check, reference};

@@ -7,9 +7,9 @@
 use conformance::golden::{self, Golden};
 use conformance::report::{Report, Verdict};
 use conformance::variants::{all, requires_gpu};
-use conformance::{Suite, cases};
+use conformance::{Suite, cases, proof};
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const USAGE: &str = "\
@@ -19,6 +19,7 @@ Options:
   --report DIR     write DIR/report.html and DIR/report.json
   --case TEXT      only cases whose names contain this
   --golden FILE    compare with these hashes instead of conformance/golden.txt
+  --accept FILE    add the machine that saved FILE on the page (bindings/web) to NUMERICS.md, and run nothing else
   --regenerate     write conformance/golden.txt and run nothing else
 
 Exit codes: 0 all equal, 1 a file cannot be read or written, 2 wrong usage, 5 something differs";
@@ -29,6 +30,7 @@ struct Options {
     report: Option<PathBuf>,
     case: Option<String>,
     golden: Option<PathBuf>,
+    accept: Option<PathBuf>,
     regenerate: bool,
 }
 
@@ -55,6 +57,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Option<Options> {
             "--report" => options.report = Some(arguments.next()?.into()),
             "--case" => options.case = Some(arguments.next()?),
             "--golden" => options.golden = Some(arguments.next()?.into()),
+            "--accept" => options.accept = Some(arguments.next()?.into()),
             "--regenerate" => options.regenerate = true,
             _ => return None,
         }
@@ -63,8 +66,22 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Option<Options> {
     (!options.regenerate || options.case.is_none()).then_some(options)
 }
 
+/// Adds the machine of a saved file to the repository's table of devices.
+fn accept(file: &Path) -> Result<(), Box<dyn Error>> {
+    let read =
+        |path: &Path| std::fs::read_to_string(path).map_err(|why| format!("{}: {why}", path.display()));
+    let numerics = golden::path().with_file_name("../NUMERICS.md");
+    let text = proof::accepted(&read(file)?, &read(&numerics)?);
+    std::fs::write(&numerics, text.map_err(|why| format!("{}: {why}", file.display()))?)?;
+    println!("NUMERICS.md has the devices of {}", file.display());
+    Ok(())
+}
+
 /// Whether nothing differs.
 fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
+    if let Some(file) = &options.accept {
+        return accept(file).map(|()| true);
+    }
     let golden = match &options.golden {
         Some(path) => std::fs::read_to_string(path).map_err(|why| format!("{}: {why}", path.display()))?,
         None => Golden::committed().into(),

@@ -1,6 +1,6 @@
 //! Runs cases on a backend and compares it with the reference.
 
-use crate::case::{Agree, Case, Known};
+use conformance_cases::{Agree, Case, Known};
 use rtrt_core::backend::{Backend, Description, Picture, RenderError};
 use rtrt_core::compare::{Difference, compare};
 use rtrt_core::scene::Scene;

@@ -67,7 +67,7 @@ pub fn requires_gpu() -> bool {
 const MANY: usize = 5;
 
 /// The CPU's variants. Sixteen lanes may be missing on any machine: they are only promised
-/// where the processor has AVX-512.
+/// where the processor has AVX-512. Threads and eight lanes are missing where they are not compiled in.
 ///
 /// # Panics
 /// One of the others is missing.
@@ -75,6 +75,9 @@ pub fn cpu() -> Vec<Variant> {
     let variant = |name, lanes, threads| {
         let backend = match Cpu::new(rtrt_cpu::Options { lanes: Some(lanes), threads: Some(threads) }) {
             Ok(cpu) => Ok(Box::new(cpu) as Box<dyn Backend>),
+            Err(error @ (rtrt_cpu::Error::NoThreads { .. } | rtrt_cpu::Error::NoSimd { .. })) => {
+                Err(Missing { reason: error.to_string(), is_required: false })
+            }
             Err(error) if lanes == 16 => Err(Missing { reason: error.to_string(), is_required: false }),
             Err(error) => panic!("{name}: {error}"),
         };

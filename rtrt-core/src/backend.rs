@@ -4,10 +4,11 @@ use crate::exposure;
 use crate::layout::{Frame, ShadowKind};
 use crate::scene::{Scene, SetupError};
 use crate::schedule::Stage;
+use alloc::borrow::Cow;
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
-use bytemuck::Zeroable;
+use bytemuck::{Pod, Zeroable};
 
 pub use crate::layout::{Hit, Lit, NONE, Surface, ToneMap};
 pub use crate::request::{LAYERS, Request, Shadows};
@@ -49,6 +50,22 @@ pub struct Deferred {
 }
 
 impl Deferred {
+    /// Each buffer with its name, as [`little_endian`] bytes, in the order of the stages that write them.
+    pub fn buffers(&self) -> [(&'static str, Cow<'_, [u8]>); 10] {
+        [
+            ("lists", little_endian(&self.lists)),
+            ("hits", little_endian(&self.hits)),
+            ("surfaces", little_endian(&self.surfaces)),
+            ("left", little_endian(&self.raw_transmittance)),
+            ("penumbras", little_endian(&self.penumbra_radii)),
+            ("masks", little_endian(&self.masks)),
+            ("tints", little_endian(&self.transmittance)),
+            ("lit", little_endian(&self.lit)),
+            ("layers", little_endian(&self.layers)),
+            ("colors", little_endian(&self.colors)),
+        ]
+    }
+
     /// Makes room for a frame. No layer behind the first has hit anything; what else is there is of no use.
     pub fn resize(&mut self, frame: &Frame) {
         self.mask_words = frame.mask_words;
@@ -88,10 +105,21 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The pixels as bytes: red, green, blue, alpha.
-    pub fn bytes(&self) -> &[u8] {
-        bytemuck::cast_slice(&self.pixels)
+    /// The pixels as bytes: red, green, blue, alpha, on every host.
+    pub fn bytes(&self) -> Cow<'_, [u8]> {
+        little_endian(&self.pixels)
     }
+}
+
+/// The words of these values as bytes, the lowest of each word first, on every host. Nothing is copied where
+/// memory is so already.
+pub fn little_endian<T: Pod>(values: &[T]) -> Cow<'_, [u8]> {
+    const { assert!(size_of::<T>().is_multiple_of(4), "all that a frame holds is made of words of 32 bits") }
+    let bytes = bytemuck::cast_slice::<T, u8>(values);
+    if cfg!(target_endian = "little") {
+        return Cow::Borrowed(bytes);
+    }
+    Cow::Owned(bytes.as_chunks().0.iter().flat_map(|&[a, b, c, d]| [d, c, b, a]).collect())
 }
 
 /// Which machine a backend runs on.

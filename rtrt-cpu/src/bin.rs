@@ -1,12 +1,13 @@
 //! Bin: count, add up, scatter, sort. Lists of lights are reused while they would stay the same.
 
-use rayon::prelude::*;
+use crate::parallel;
+use alloc::vec::Vec;
+use core::ops::Range;
 use rtrt_core::kernel::lists::{BlockLists, ListEntry, scan_starts, sort, store};
 use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::layout::{Frame, Instance, View};
 use rtrt_core::scene::{ListCacheKey, ReusableLists, Scene, Setup};
 use rtrt_core::stage::bin::each_block;
-use std::ops::Range;
 
 /// ScreenBounds that a worker takes at a time.
 const SHARE: usize = 8;
@@ -34,7 +35,7 @@ impl Bins {
         let Binning { frame, views, screen_bounds, .. } = context;
         let blocks = views[Frame::CAMERA as usize].first_block;
         let seen = screen_bounds.len().min(frame.seen as usize);
-        rayon::join(
+        parallel::join(
             || camera.fill(context, 0..seen, blocks..frame.blocks),
             || {
                 if !keeps_lights {
@@ -75,7 +76,7 @@ impl BinShare {
         let Self { lists, counts, found } = self;
         let Binning { frame, views, instances, screen_bounds: all } = context;
         found.resize_with(screen_bounds.len().div_ceil(SHARE), Vec::new);
-        found.par_iter_mut().enumerate().for_each(|(share, found)| {
+        parallel::each(found, 1, |share, found| {
             found.clear();
             let first = screen_bounds.start + share * SHARE;
             for index in first..screen_bounds.end.min(first + SHARE) {

@@ -4,11 +4,13 @@
 use crate::cells::{self, RAYS};
 use crate::clock::Clock;
 use crate::context::FrameContext;
+use crate::instant::Instant;
 use crate::instruction_set::LaneTask;
 use crate::packet::{HIT, PacketState, Rays};
 use crate::planes::{Planes, Rows};
 use crate::records::Records;
 use crate::wide::Wide;
+use alloc::vec::Vec;
 use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, number};
 use rtrt_core::lane::{Bits, Row};
 use rtrt_core::layout::{Frame, ShadowKind};
@@ -17,7 +19,6 @@ use rtrt_core::stage::context::Context;
 use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, common, edges_at};
 use rtrt_core::stage::penumbra_filter::filter_penumbra;
 use rtrt_core::stage::resolve::resolve;
-use std::time::Instant;
 
 /// What a block leaves from one barrier to the next. Words of rays are plane after plane: the first word
 /// of all of its rays, then the second.

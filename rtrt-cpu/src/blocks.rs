@@ -3,16 +3,16 @@
 use crate::block::{Block, PenumbraFilter, RunBlock};
 use crate::clock::Clock;
 use crate::context::FrameContext;
+use crate::instant::Instant;
 use crate::instruction_set::InstructionSet;
+use crate::parallel;
 use crate::planes::Planes;
 use crate::records::Records;
-use rayon::iter::repeat_n;
-use rayon::prelude::*;
+use alloc::vec::Vec;
 use rtrt_core::grid::{BlockIndex, Grid};
 use rtrt_core::layout::Frame;
 use rtrt_core::schedule::{Pass, Step};
 use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, are_soft, edges_at, span};
-use std::time::Instant;
 
 /// What blocks are rendered in.
 #[derive(Debug, Default)]
@@ -41,10 +41,7 @@ impl Blocks {
         if self.blocks.len() < count {
             self.blocks.resize_with(count, Block::default);
         }
-        self.blocks[..count]
-            .par_iter_mut()
-            .with_min_len(64)
-            .for_each(|block| block.begin(context.trace.frame));
+        parallel::each(&mut self.blocks[..count], 64, |_, block| block.begin(context.trace.frame));
         let mut clock = Clock::default();
         for steps in steps.chunk_by(|_, next| !next.has_barrier()) {
             let is_last = steps.iter().any(|step| step.pass == Pass::Resolve);
@@ -53,31 +50,28 @@ impl Blocks {
             }
             clock = clock.plus(if steps[0].pass == Pass::SelectFilterBlocks {
                 self.select_filter_blocks(context.trace.frame, steps[0])
-            } else if records.is_empty() {
-                let none = repeat_n((), count).map(|()| None);
-                self.each(level, context, steps, none)
             } else {
-                self.each(level, context, steps, records.par_iter_mut().map(Some))
+                self.each(level, context, steps, records)
             });
         }
         clock
     }
 
     /// Runs steps on all blocks.
-    fn each<'a, 'b: 'a>(
+    fn each(
         &mut self,
         level: InstructionSet,
         context: &FrameContext<'_>,
         steps: &[Step],
-        records: impl IndexedParallelIterator<Item = Option<&'a mut Records<'b>>>,
+        records: &mut [Records<'_>],
     ) -> Clock {
         let Self { blocks, planes, filters, .. } = self;
         let filter = PenumbraFilter { planes, blocks: filters };
-        let run = |(index, (block, records)): (usize, (&mut Block, _))| {
-            let index = index as u32;
-            level.run(RunBlock { context, steps, index, block, records, filter })
+        let run = |index, block: &mut Block, records: Option<&mut Records<'_>>| {
+            level.run(RunBlock { context, steps, index: index as u32, block, records, filter })
         };
-        blocks.par_iter_mut().zip(records).enumerate().map(run).reduce(Clock::default, Clock::plus)
+        let count = context.trace.frame.grid().blocks() as usize;
+        parallel::sum(&mut blocks[..count], records, run, Clock::plus)
     }
 
     /// Finds the blocks whose shadows the penumbra filter may change, and lays out what it reads there.
@@ -92,7 +86,7 @@ impl Blocks {
         self.is_read.clear();
         self.is_read.resize(count as usize, false);
         let summaries = &self.summaries[..];
-        self.filters.par_iter_mut().with_min_len(256).enumerate().for_each(|(at, filters)| {
+        parallel::each(&mut self.filters, 256, |at, filters| {
             *filters = are_soft(frame, summaries, at as u32 / lights, at as u32 % lights);
         });
         for block in 0..count {
@@ -115,7 +109,7 @@ impl Blocks {
         let side = grid.block_pixels() as usize;
         let width = grid.width as usize;
         pixels.resize(width * grid.height as usize, 0);
-        pixels.par_chunks_mut(width).with_min_len(16).enumerate().for_each(|(y, row)| {
+        parallel::each_part(pixels, width, 16, |y, row| {
             for (column, part) in row.chunks_mut(side).enumerate() {
                 let block = BlockIndex((y / side) as u32 * grid.blocks_x() + column as u32);
                 let at = y % side * side;

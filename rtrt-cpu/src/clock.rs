@@ -1,7 +1,8 @@
 //! How long each stage takes.
 
+use crate::instant::Instant;
+use core::time::Duration;
 use rtrt_core::schedule::Stage;
-use std::time::{Duration, Instant};
 
 /// Time spent in each stage.
 #[derive(Clone, Copy, Default)]
@@ -20,7 +21,7 @@ impl Clock {
     }
     /// The sum of both.
     pub fn plus(self, other: Self) -> Self {
-        Self(std::array::from_fn(|stage| self.0[stage] + other.0[stage]))
+        Self(core::array::from_fn(|stage| self.0[stage] + other.0[stage]))
     }
     /// Adds `passed`, divided like `busy`.
     pub fn spread(&mut self, passed: Duration, busy: &Self) {

@@ -18,7 +18,20 @@ pub enum Error {
         /// The instruction set.
         needed: &'static str,
     },
+    /// Lanes side by side are not compiled in.
+    #[error("{lanes} lanes need the feature `simd`, which is not compiled in")]
+    NoSimd {
+        /// The requested value.
+        lanes: u32,
+    },
+    /// Threads are not compiled in.
+    #[error("{threads} threads need the feature `threads`, which is not compiled in")]
+    NoThreads {
+        /// The requested value.
+        threads: usize,
+    },
     /// Threads could not be started.
+    #[cfg(feature = "threads")]
     #[error("{threads} threads could not be started")]
     Threads {
         /// The requested value.

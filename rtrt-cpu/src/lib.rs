@@ -20,7 +20,16 @@
 //! assert_eq!(picture.pixels.len(), 32 * 20);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! | feature | without it |
+//! |---|---|
+//! | `threads` | all runs on the caller's thread: for targets without threads, as WebAssembly |
+//! | `simd` | one lane |
+//! | `std` | `no_std` with `alloc`, and stages take no time; the other two need it |
+#![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
+
+extern crate alloc;
 
 mod bin;
 mod block;
@@ -29,8 +38,10 @@ mod cells;
 mod clock;
 mod context;
 mod error;
+mod instant;
 mod instruction_set;
 mod packet;
+mod parallel;
 mod planes;
 mod prepare;
 mod rays;
@@ -46,28 +57,30 @@ use crate::bin::Binning;
 use crate::blocks::Blocks;
 use crate::clock::Clock;
 use crate::context::FrameContext;
+use crate::instant::Instant;
+use crate::parallel::Pool;
 use crate::records::block_records;
+use alloc::vec::Vec;
 use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request};
 use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::scene::{Join, Scene, Setup};
 use rtrt_core::schedule::{Pass, Stage, Step, steps};
 use rtrt_core::stage::context::Context;
-use std::time::Instant;
 
 /// How the backend runs. The picture does not depend on it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Options {
     /// Numbers side by side: 1, 8 or 16; `None` for the widest that is fast here.
     pub lanes: Option<u32>,
-    /// Threads; `None` for as many as the machine runs at once.
+    /// Threads; `None` for as many as the machine runs at once, or the one of the caller without the feature `threads`.
     pub threads: Option<usize>,
 }
 
 /// The CPU backend. Keeps its memory from frame to frame.
 #[derive(Debug)]
 pub struct Cpu {
-    pool: rayon::ThreadPool,
+    pool: Pool,
     level: InstructionSet,
     memory: Memory,
 }
@@ -89,12 +102,7 @@ impl Cpu {
     /// The processor or the system cannot; see [`Error`].
     pub fn new(options: Options) -> Result<Self, Error> {
         let level = InstructionSet::new(options.lanes)?;
-        let threads = options.threads.unwrap_or(0);
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|source| Error::Threads { threads, source })?;
-        Ok(Self { pool, level, memory: Memory::default() })
+        Ok(Self { pool: Pool::new(options.threads)?, level, memory: Memory::default() })
     }
 
     /// Runs `work` on the backend's threads.
@@ -152,7 +160,7 @@ impl Backend for Cpu {
             kind: "cpu".into(),
             adapter: self.level.name().into(),
             lanes: self.level.lanes(),
-            threads: self.pool.current_num_threads() as u32,
+            threads: self.pool.threads(),
         }
     }
 
@@ -180,12 +188,12 @@ impl Backend for Cpu {
     }
 }
 
-/// Builds both halves at once on the current rayon threads.
+/// Builds both halves at once on the current rayon threads, where there are any.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Parallel;
 
 impl Join for Parallel {
     fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
-        rayon::join(a, b)
+        parallel::join(a, b)
     }
 }

@@ -3,9 +3,12 @@
 
 use crate::cells::{self, RAYS};
 use crate::clock::Clock;
+
 use crate::context::FrameContext;
+use crate::instant::Instant;
 use crate::records::Records;
 use crate::wide::Wide;
+use alloc::vec::Vec;
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
 use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
@@ -19,7 +22,6 @@ use rtrt_core::stage::shade::shade;
 use rtrt_core::stage::surface::Surfaces;
 use rtrt_core::stage::visibility::{directions, hit, visibility};
 use rtrt_core::stage::{ambient, detail, light, occlusion, surface};
-use std::time::Instant;
 
 /// Words of a hit.
 pub const HIT: usize = 5;

@@ -2,8 +2,9 @@
 //! their neighbors side by side.
 
 use crate::cells;
+use crate::parallel;
 use crate::wide::Wide;
-use rayon::prelude::*;
+use alloc::vec::Vec;
 use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, place};
 use rtrt_core::lane::{Lane, V3};
 use rtrt_core::layout::Frame;
@@ -36,9 +37,10 @@ impl Planes {
         self.reshape(frame);
         let (margin, row, pitch) = (self.margin, self.row, self.pitch);
         let columns = grid.blocks_x() as usize;
-        let rows = self.words[margin * pitch..].par_chunks_mut(SIDE * pitch);
-        let rows = rows.zip(is_needed.par_chunks(columns)).enumerate();
-        rows.for_each(|(y, (rows, is_needed))| {
+        let above = &mut self.words[margin * pitch..];
+        parallel::each_part(above, SIDE * pitch, 1, |y, rows| {
+            // None below the frame.
+            let is_needed = is_needed.chunks(columns).nth(y).unwrap_or_default();
             let below = (grid.height * grid.side) as usize - y * SIDE;
             for (x, _) in is_needed.iter().enumerate().filter(|(_, is_needed)| **is_needed) {
                 let right = (grid.width * grid.side) as usize - x * SIDE;

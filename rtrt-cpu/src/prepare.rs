@@ -1,6 +1,7 @@
 //! Prepare: bounds on the screen, in parallel.
 
-use rayon::prelude::*;
+use crate::parallel;
+use alloc::vec::Vec;
 use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::layout::{Frame, Instance, View};
 use rtrt_core::stage::prepare;
@@ -15,9 +16,7 @@ pub fn prepare(
 ) {
     screen_bounds.resize(prepare::count(frame) as usize, ScreenBounds::NONE);
     let wanted = if keeps_lights { frame.seen as usize } else { screen_bounds.len() };
-    screen_bounds[..wanted]
-        .par_iter_mut()
-        .with_min_len(256)
-        .enumerate()
-        .for_each(|(index, cover)| *cover = prepare::prepare(frame, views, instances, index as u32));
+    parallel::each(&mut screen_bounds[..wanted], 256, |index, cover| {
+        *cover = prepare::prepare(frame, views, instances, index as u32);
+    });
 }

@@ -2,7 +2,7 @@
 
 use crate::Cpu;
 use crate::instruction_set::{EightTask, InstructionSet};
-use rayon::prelude::*;
+use crate::parallel;
 use rtrt_core::lane::Lane;
 use rtrt_core::query::{Hit, QueryError, Ray, Source, World};
 
@@ -90,7 +90,8 @@ impl Cpu {
 
     fn each<T: Send>(&self, rays: &[Ray], answers: &mut [T], ask: impl Fn(&Ray) -> T + Sync) {
         self.install(|| {
-            rays.par_chunks(RAYS).zip(answers.par_chunks_mut(RAYS)).for_each(|(rays, answers)| {
+            parallel::each_part(answers, RAYS, 1, |part, answers| {
+                let rays = rays.chunks(RAYS).nth(part).unwrap_or_default();
                 for (ray, answer) in rays.iter().zip(answers) {
                     *answer = ask(ray);
                 }

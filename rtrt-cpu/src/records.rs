@@ -1,6 +1,7 @@
 //! The deferred buffers, block by block.
 
 use crate::cells::{self, RAYS};
+use alloc::vec::Vec;
 use rtrt_core::backend::Deferred;
 use rtrt_core::layout::{Frame, Hit, Lit, Surface};
 
@@ -64,7 +65,7 @@ pub fn block_records<'a>(deferred: &'a mut Deferred, frame: &Frame) -> Vec<Recor
 
 /// Takes so many elements from the front of a slice.
 fn first<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    let (first, others) = std::mem::take(rest).split_at_mut(count);
+    let (first, others) = core::mem::take(rest).split_at_mut(count);
     *rest = others;
     first
 }

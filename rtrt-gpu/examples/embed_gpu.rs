@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // read back.
     let mut picture = Picture::default();
     rtrt_cpu::Cpu::new(rtrt_cpu::Options::default())?.render(&scene, &request, &mut picture)?;
-    assert_eq!(read(&device, &queue, &texture)?, picture.bytes());
+    assert_eq!(read(&device, &queue, &texture)?, *picture.bytes());
     let [width, height] = SIZE;
     println!("{width}x{height} pixels in the application's own texture, all equal to the CPU's");
     Ok(())

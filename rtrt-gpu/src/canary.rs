@@ -9,9 +9,9 @@ use rtrt_core::layout::{
 };
 
 /// Compares the device's answers with the CPU's.
-pub(crate) fn check(device: &Device) -> Result<(), Error> {
+pub(crate) async fn check(device: &Device) -> Result<(), Error> {
     let words = words();
-    let answers = watched(&device.device, || kernels(device, &words))?;
+    let answers = watched(&device.device, kernels(device, &words)).await?;
     let Some((case, output)) = first_difference(&words, &answers) else { return Ok(()) };
     Err(Error::Canary {
         adapter: device.name.clone(),
@@ -23,7 +23,7 @@ pub(crate) fn check(device: &Device) -> Result<(), Error> {
 }
 
 /// The kernels' answers to every run of words.
-pub(crate) fn kernels(device: &Device, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
+pub(crate) async fn kernels(device: &Device, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
     let bytes = (words.len() * size_of::<[u32; OUTPUTS]>()) as u64;
     let fixture = Fixture::default();
     let given = fixture.given();
@@ -35,13 +35,13 @@ pub(crate) fn kernels(device: &Device, words: &[u32]) -> Result<Vec<[u32; OUTPUT
         bytemuck::cast_slice(given.maps.materials),
         bytemuck::cast_slice(given.maps.texels),
     ];
-    let answers = run(device, KERNELS, &inputs, bytes, groups([words.len() as u32, 1]))?;
+    let answers = run(device, KERNELS, &inputs, bytes, groups([words.len() as u32, 1])).await?;
     Ok(bytemuck::pod_collect_to_vec(&answers))
 }
 
 /// Where the device finds fields: [`rtrt_core::layout::probe`] of elements that are filled
 /// with [`pattern`].
-pub(crate) fn layout(device: &Device) -> Result<[u32; PROBES], Error> {
+pub(crate) async fn layout(device: &Device) -> Result<[u32; PROBES], Error> {
     fn pair<T: bytemuck::Pod>() -> Vec<u8> {
         bytemuck::bytes_of(&pattern::<[T; 2]>()).to_vec()
     }
@@ -57,7 +57,7 @@ pub(crate) fn layout(device: &Device) -> Result<[u32; PROBES], Error> {
         pair::<Hit>(),
     ];
     let inputs: Vec<&[u8]> = buffers.iter().map(Vec::as_slice).collect();
-    let found = run(device, PROBE, &inputs, 4 * PROBES as u64, [1, 1, 1])?;
+    let found = run(device, PROBE, &inputs, 4 * PROBES as u64, [1, 1, 1]).await?;
     let mut words = [0; PROBES];
     words.copy_from_slice(&bytemuck::pod_collect_to_vec::<u8, u32>(&found));
     Ok(words)
@@ -85,7 +85,7 @@ fn pattern<T: bytemuck::Pod>() -> T {
 
 /// Runs an entry point once: `inputs` are bound from 0 on, then the output, which is read
 /// back.
-fn run(
+async fn run(
     device: &Device,
     (entry, accesses): (&str, &[Access]),
     inputs: &[&[u8]],
@@ -112,7 +112,7 @@ fn run(
         pipeline.dispatch(&mut pass, &pipeline.group(&device.device, buffers.iter()), groups);
     }
     device.queue.submit([commands.finish()]);
-    device.fetch(&buffers[inputs.len()], output_bytes)
+    device.fetch(&buffers[inputs.len()], output_bytes).await
 }
 
 /// Edge values, then numbers of everyday size: some thousand cases.

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::info::{Kind, Route, has_passthrough, label};
 use crate::pipeline::{Pipeline, Zero};
 use crate::spirv::entry_point;
+use crate::wait::{Signal, Waiting, until};
 use rtrt_core::layout::{MaterialRecord, View};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,6 +22,8 @@ pub(crate) struct Device {
     pub route: Route,
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
+    /// Who moves its work along while something waits for it.
+    pub waiting: Waiting,
     /// The most bytes a storage buffer may have.
     pub limit: u64,
     /// What barriers in modules read, if they have any.
@@ -36,26 +39,32 @@ const _: () =
 
 impl Device {
     /// Opens the adapter with all it allows.
-    pub fn open(adapter: &wgpu::Adapter, route: Route) -> Result<Self, Error> {
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+    pub async fn open(adapter: &wgpu::Adapter, route: Route, waiting: Waiting) -> Result<Self, Error> {
+        let opened = adapter.request_device(&wgpu::DeviceDescriptor {
             label: None,
             required_features: adapter.features() & FEATURES,
             required_limits: adapter.limits(),
             experimental_features: wgpu::ExperimentalFeatures::disabled(),
             memory_hints: wgpu::MemoryHints::Performance,
             trace: wgpu::Trace::Off,
-        }))
-        .map_err(|source| Error::Open { adapter: label(&adapter.get_info()), source })?;
+        });
+        let failed = |source| Error::Open { adapter: label(&adapter.get_info()), source };
+        let (device, queue) = opened.await.map_err(failed)?;
         let lost = Arc::new(Mutex::new(None));
         let kept = Arc::clone(&lost);
         device.set_device_lost_callback(move |_, reason| {
             *kept.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason);
         });
-        Ok(Self { lost, ..Self::new(device, queue, route)? })
+        Ok(Self { lost, ..Self::new(device, queue, route, waiting).await? })
     }
 
     /// Takes over a device that is open.
-    pub fn new(device: wgpu::Device, queue: wgpu::Queue, route: Route) -> Result<Self, Error> {
+    pub async fn new(
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        route: Route,
+        waiting: Waiting,
+    ) -> Result<Self, Error> {
         let info = device.adapter_info();
         let name = label(&info);
         let passthrough = has_passthrough(&info, device.features());
@@ -73,8 +82,9 @@ impl Device {
         }
         let kind = Kind::new(info.device_type);
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let zero = watched(&device, || Ok((route == Route::Naga).then(|| Zero::new(&device))))?;
-        Ok(Self { name, kind, route, device, queue, limit, zero, lost: Arc::default() })
+        let zero = async { Ok((route == Route::Naga).then(|| Zero::new(&device))) };
+        let zero = watched(&device, zero).await?;
+        Ok(Self { name, kind, route, device, queue, waiting, limit, zero, lost: Arc::default() })
     }
 
     /// Whether the device is still there.
@@ -135,28 +145,44 @@ impl Device {
         Ok(buffer)
     }
 
+    /// Waits until the device has finished its work.
+    pub async fn finished(&self) -> Result<(), Error> {
+        let begin = |signal: Signal| {
+            self.queue.on_submitted_work_done(move || signal.give(Ok::<(), std::convert::Infallible>(())));
+        };
+        let waited = until(&self.device, self.waiting, begin).await;
+        self.check()?;
+        waited
+    }
+
     /// Waits until the device has finished its work, and calls `read` with the first bytes
     /// of `buffer`.
-    pub fn read(&self, buffer: &wgpu::Buffer, bytes: u64, read: impl FnOnce(&[u8])) -> Result<(), Error> {
-        // What fails here has no range either.
-        buffer.map_async(wgpu::MapMode::Read, ..bytes, |_| ());
-        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+    pub async fn read(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        read: impl FnOnce(&[u8]),
+    ) -> Result<(), Error> {
+        let begin = |signal: Signal| {
+            buffer.map_async(wgpu::MapMode::Read, ..bytes, move |mapped| signal.give(mapped));
+        };
+        let mapped = until(&self.device, self.waiting, begin).await;
         self.check()?;
-        polled.map_err(Error::read_back)?;
+        mapped?;
         read(&buffer.get_mapped_range(..bytes).map_err(Error::read_back)?);
         buffer.unmap();
         Ok(())
     }
 
     /// The first `bytes` of a buffer.
-    pub fn fetch(&self, buffer: &wgpu::Buffer, bytes: u64) -> Result<Vec<u8>, Error> {
+    pub async fn fetch(&self, buffer: &wgpu::Buffer, bytes: u64) -> Result<Vec<u8>, Error> {
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let copy = self.buffer("read back", bytes, usage)?;
         let mut commands = self.device.create_command_encoder(&Default::default());
         commands.copy_buffer_to_buffer(buffer, 0, &copy, 0, bytes);
         let mut fetched = Vec::new();
         self.queue.submit([commands.finish()]);
-        self.read(&copy, bytes, |mapped| fetched.extend_from_slice(mapped))?;
+        self.read(&copy, bytes, |mapped| fetched.extend_from_slice(mapped)).await?;
         Ok(fetched)
     }
 }
@@ -164,16 +190,21 @@ impl Device {
 /// Does some work, and gives the first thing that the device had against it.
 ///
 /// What nobody catches goes to the handler of the device, which may be an application's own, or
-/// panics. The work is on this thread, and so are scopes.
-pub(crate) fn watched<T>(device: &wgpu::Device, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+/// panics. Scopes are of a thread, so the future stays on the one that polls it first.
+pub(crate) async fn watched<T>(
+    device: &wgpu::Device,
+    work: impl Future<Output = Result<T, Error>>,
+) -> Result<T, Error> {
     let filters =
         [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
-    let scopes = filters.map(|filter| device.push_error_scope(filter));
-    let result = work();
+    let mut scopes = filters.map(|filter| device.push_error_scope(filter));
+    let result = work.await;
+    // All are popped before any is asked, so that no other work gets in between.
+    scopes.reverse();
     let mut caught = None;
-    for scope in scopes.into_iter().rev() {
+    for scope in scopes.map(wgpu::ErrorScopeGuard::pop) {
         // Without memory, buffers are not there, and their use is an error as well.
-        caught = pollster::block_on(scope.pop()).or(caught);
+        caught = scope.await.or(caught);
     }
     caught.map_or(result, |error| Err(Error::Device(error)))
 }

@@ -4,7 +4,7 @@
 use crate::slot::Slot;
 use rtrt_core::layout::Frame;
 use rtrt_core::schedule::{Pass, Step, Unit};
-use rtrt_shaders::{GROUP, ROW, SHARES};
+use rtrt_shaders::{GROUP, ROW, SCANNERS, SHARES};
 
 /// How an entry point uses a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,8 +35,8 @@ enum Work {
     Units,
     /// [`SHARES`] for the bounds of each instance in each view.
     Shares,
-    /// One workgroup.
-    Group,
+    /// [`SCANNERS`].
+    Scanners,
     /// One for each entry that the lists have room for: only the device knows how many there are, and those
     /// beyond do nothing.
     ListEntries,
@@ -68,7 +68,8 @@ pub(crate) const ENTRIES: &[Entry] = {
     &[
         entry(Pass::Prepare, "prepare", &[Frame, Views, Instances], &[ScreenBounds]),
         entry(Pass::Bin, "count", &[Frame, Views, Instances, ScreenBounds], &[Counts]).work(Work::Shares).zero_if(|_| true),
-        entry(Pass::Bin, "scan", &[Frame], &[Counts, BlockLists]).work(Work::Group),
+        entry(Pass::Bin, "scan_totals", &[Frame], &[Counts]).work(Work::Scanners),
+        entry(Pass::Bin, "scan", &[Frame], &[Counts, BlockLists]).work(Work::Scanners),
         entry(Pass::Bin, "scatter", &[Frame, Views, Instances, ScreenBounds, BlockLists], &[Counts, Placed]).work(Work::Shares),
         entry(Pass::Bin, "rank", &[Frame, Placed], &[BlockLists]).work(Work::ListEntries),
         entry(Pass::Pick, "pick", &[Frame, Views, Instances, MeshData, Positions, Drawn], &[Hits]),
@@ -121,7 +122,7 @@ impl Entry {
         let groups = groups(match self.work {
             Work::Units => step.unit().count(frame),
             Work::Shares => [SHARES * bounds, 1],
-            Work::Group => [1, 1],
+            Work::Scanners => [SCANNERS, 1],
             Work::ListEntries => [frame.capacity, 1],
         });
         (!groups.contains(&0)).then_some(groups)
@@ -201,7 +202,6 @@ mod tests {
         for (name, accesses) in expected {
             let entry = found.iter().find(|entry| entry.name == name).unwrap();
             let group = match name {
-                "scan" => Some(256),
                 "probe_layout" => Some(1),
                 VERTEX | FRAGMENT => None,
                 _ => Some(GROUP),

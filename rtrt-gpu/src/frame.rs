@@ -47,8 +47,8 @@ pub(crate) struct Renderer {
 
 impl Renderer {
     /// A renderer that has compiled nothing yet.
-    pub fn new(device: Device, band_bytes: Option<u64>) -> Result<Self, Error> {
-        let timer = watched(&device.device, || Timer::new(&device))?;
+    pub async fn new(device: Device, band_bytes: Option<u64>) -> Result<Self, Error> {
+        let timer = watched(&device.device, async { Timer::new(&device) }).await?;
         Ok(Self {
             band_bytes: band_bytes.unwrap_or(u64::MAX).min(device.limit),
             device,
@@ -64,11 +64,12 @@ impl Renderer {
     }
 
     /// Has the closest surfaces drawn instead of traced, or traced again.
-    pub fn set_hybrid(&mut self, is_hybrid: bool) -> Result<(), Error> {
+    pub async fn set_hybrid(&mut self, is_hybrid: bool) -> Result<(), Error> {
         if is_hybrid != self.raster.is_some() {
             self.raster = None;
             if is_hybrid {
-                self.raster = Some(watched(&self.device.device, || Ok(Raster::new(&self.device)))?);
+                self.raster =
+                    Some(watched(&self.device.device, async { Ok(Raster::new(&self.device)) }).await?);
             }
         }
         Ok(())
@@ -76,7 +77,7 @@ impl Renderer {
 
     /// Renders the frame that was set up into the picture, or into a texture: the picture then holds
     /// times, and no pixels.
-    pub fn render(
+    pub async fn render(
         &mut self,
         scene: &Scene,
         setup: &Setup,
@@ -86,7 +87,7 @@ impl Renderer {
         picture: &mut Picture,
     ) -> Result<(), Error> {
         let device = self.device.device.clone();
-        let result = watched(&device, || self.frame(scene, setup, deferred, &mut clock, texture, picture));
+        let result = watched(&device, self.frame(scene, setup, deferred, &mut clock, texture, picture)).await;
         picture.host_ms = Some(clock.ms);
         if result.is_err() {
             // Whatever is there now is not to be relied on.
@@ -97,7 +98,7 @@ impl Renderer {
         result
     }
 
-    fn frame(
+    async fn frame(
         &mut self,
         scene: &Scene,
         setup: &Setup,
@@ -147,10 +148,10 @@ impl Renderer {
             let frame = Frame { capacity: self.capacity, ..frame };
             let mut bands = bands(&frame, self.band_bytes, deferred);
             let Some(first) = bands.next() else { return Ok(()) };
-            let entries = self.band(first, first_stage, clock, texture, picture)?;
+            let entries = self.band(first, first_stage, clock, texture, picture).await?;
             if entries <= self.capacity {
                 for band in bands {
-                    self.band(band, FIRST_OF_BAND, clock, texture, picture)?;
+                    self.band(band, FIRST_OF_BAND, clock, texture, picture).await?;
                 }
                 break entries;
             }
@@ -162,14 +163,14 @@ impl Renderer {
         self.listed = Some([frame.blocks, self.capacity]);
         if let Some(deferred) = &mut picture.deferred {
             let words = list_words(&frame, entries) as usize;
-            self.results().read(Slot::BlockLists, 0..words, &mut deferred.lists)?;
+            self.results().read(Slot::BlockLists, 0..words, &mut deferred.lists).await?;
         }
         Ok(())
     }
 
     /// Runs the stages from `first_stage` on for a band of rays, and reads its times back, and its
     /// pixels if they do not go into a texture. Gives the number of entries in the lists.
-    fn band(
+    async fn band(
         &mut self,
         band: Band,
         first_stage: Stage,
@@ -187,10 +188,11 @@ impl Renderer {
             raster.reserve(device, frame)?;
         }
         let bytes = PIXELS + if texture.is_some() { 0 } else { 4 * u64::from(pixel_count) };
-        if self.read_back.as_ref().is_none_or(|buffer| buffer.size() < bytes) {
-            let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-            self.read_back = Some(device.buffer("read back", bytes, usage)?);
-        }
+        // It is put back when it is no longer mapped: a frame may be dropped half done.
+        let read_back = match self.read_back.take().filter(|buffer| buffer.size() >= bytes) {
+            Some(buffer) => buffer,
+            None => device.buffer("read back", bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?,
+        };
 
         self.pipelines.make(device, frame, &mut self.buffers);
         let results = Results { device, buffers: &self.buffers };
@@ -209,29 +211,28 @@ impl Renderer {
                 // The layers behind the first take its buffers.
                 let next = device.device.create_command_encoder(&Default::default());
                 device.queue.submit([std::mem::replace(&mut commands, next).finish()]);
-                results.first_layer(&band, deferred)?;
+                results.first_layer(&band, deferred).await?;
             }
             encoder.stage(&mut commands, stage);
-            self.timer.end_stage(device, &mut commands, clock, stage, &mut picture.stages_ms)?;
+            self.timer.end_stage(device, &mut commands, clock, stage, &mut picture.stages_ms).await?;
         }
-        let (Some(read_back), Some(lists), Some(made)) =
-            (&self.read_back, self.buffers.get(Slot::BlockLists), self.buffers.get(Slot::Pixels))
+        let (Some(lists), Some(made)) = (self.buffers.get(Slot::BlockLists), self.buffers.get(Slot::Pixels))
         else {
             return Ok(0);
         };
-        commands.copy_buffer_to_buffer(lists, 4 * u64::from(frame.blocks), read_back, 0, 4);
+        commands.copy_buffer_to_buffer(lists, 4 * u64::from(frame.blocks), &read_back, 0, 4);
         match texture {
             Some(texture) => {
                 copy(&mut commands, made, skipped, frame.width, [first_pixel, kept_pixels], texture);
             }
-            None => commands.copy_buffer_to_buffer(made, 0, read_back, PIXELS, 4 * u64::from(pixel_count)),
+            None => commands.copy_buffer_to_buffer(made, 0, &read_back, PIXELS, 4 * u64::from(pixel_count)),
         }
-        self.timer.copy(&mut commands, read_back, TIMES);
+        self.timer.copy(&mut commands, &read_back, TIMES);
         let mut entries = 0;
         let timer = &self.timer;
         device.queue.submit([commands.finish()]);
         clock.pause();
-        device.read(read_back, bytes, |mapped| {
+        let read = |mapped: &[u8]| {
             entries = bytemuck::pod_read_unaligned(&mapped[..4]);
             timer.add(&mapped[TIMES as usize..PIXELS as usize], first_stage, &mut picture.stages_ms);
             if texture.is_none() {
@@ -240,10 +241,12 @@ impl Renderer {
                 let kept = &mapped[from..from + 4 * kept_pixels as usize];
                 bytemuck::cast_slice_mut(&mut picture.pixels[range]).copy_from_slice(kept);
             }
-        })?;
+        };
+        device.read(&read_back, bytes, read).await?;
         if let Some(deferred) = &mut picture.deferred {
-            results.colors(&band, deferred)?;
+            results.colors(&band, deferred).await?;
         }
+        self.read_back = Some(read_back);
         clock.resume();
         Ok(entries)
     }
@@ -318,7 +321,8 @@ mod tests {
         drop(pass);
         device.queue.submit([commands.finish()]);
         let mut hits = Vec::new();
-        gpu.renderer.results().read(Slot::Hits, 0..frame.rays as usize, &mut hits).unwrap();
+        let read = gpu.renderer.results().read(Slot::Hits, 0..frame.rays as usize, &mut hits);
+        pollster::block_on(read).unwrap();
         hits
     }
 

@@ -13,6 +13,9 @@
 //! trusted, it is asked what the kernels make of some thousand numbers; a device that answers otherwise than the
 //! CPU is refused ([`Error::Canary`]). Scenes stay on the device, and only what changed is uploaded. A frame
 //! whose buffers would be too large for the device is rendered in bands, which no pixel depends on.
+//!
+//! Functions whose names end in `_async` give futures that leave their thread free while the device works; a browser
+//! has no others. They are not `Send`: errors of devices are caught on the thread that a future is first polled on.
 
 mod adapter;
 mod band;
@@ -33,8 +36,11 @@ mod slot;
 mod spirv;
 mod texture;
 mod timer;
+mod wait;
 
-pub use adapter::{Adapter, Options, adapters, left_out};
+pub use adapter::{Adapter, Options, adapters_async};
+#[cfg(not(target_arch = "wasm32"))]
+pub use adapter::{adapters, left_out};
 pub use error::Error;
 pub use info::{Kind, Route};
 pub use wgpu;
@@ -47,12 +53,15 @@ pub const SHADERS: &[u8] = rtrt_shaders::SPIRV;
 
 use device::watched;
 use frame::Renderer;
-use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request};
+#[cfg(not(target_arch = "wasm32"))]
+use rtrt_core::backend::Backend;
+use rtrt_core::backend::{Description, Picture, RenderError, Request};
 use rtrt_core::kernel::canary::OUTPUTS;
 use rtrt_core::layout::PROBES;
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::schedule::Stage;
 use timer::HostClock;
+use wait::Waiting;
 
 /// An opened GPU.
 pub struct Gpu {
@@ -65,12 +74,25 @@ impl Gpu {
     ///
     /// # Errors
     /// No adapter is there or can be used, or the one that was asked for cannot; see [`Error`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn new(options: Options) -> Result<Self, Error> {
-        Self::of(adapter::choose(&options)?, options.band_bytes)
+        pollster::block_on(Self::open(options, Waiting::Blocks))
     }
 
-    fn of(device: device::Device, band_bytes: Option<u64>) -> Result<Self, Error> {
-        Ok(Self { renderer: Renderer::new(device, band_bytes)?, setup: Setup::default() })
+    /// [`Gpu::new`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn new_async(options: Options) -> Result<Self, Error> {
+        Self::open(options, Waiting::Free).await
+    }
+
+    async fn open(options: Options, waiting: Waiting) -> Result<Self, Error> {
+        Self::of(adapter::choose(&options, waiting).await?, options.band_bytes).await
+    }
+
+    async fn of(device: device::Device, band_bytes: Option<u64>) -> Result<Self, Error> {
+        Ok(Self { renderer: Renderer::new(device, band_bytes).await?, setup: Setup::default() })
     }
 
     /// Renders on a device that an application has opened for itself, with the same wgpu ([`wgpu`]). It is asked
@@ -85,10 +107,32 @@ impl Gpu {
     ///
     /// # Errors
     /// The device lacks what is needed, fails, or computes other numbers than the CPU ([`Error::Canary`]).
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn with_device(device: wgpu::Device, queue: wgpu::Queue, route: Route) -> Result<Self, Error> {
-        let device = device::Device::new(device, queue, route)?;
-        canary::check(&device)?;
-        Self::of(device, None)
+        pollster::block_on(Self::take_over(device, queue, route, Waiting::Blocks))
+    }
+
+    /// [`Gpu::with_device`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn with_device_async(
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        route: Route,
+    ) -> Result<Self, Error> {
+        Self::take_over(device, queue, route, Waiting::Free).await
+    }
+
+    async fn take_over(
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        route: Route,
+        waiting: Waiting,
+    ) -> Result<Self, Error> {
+        let device = device::Device::new(device, queue, route, waiting).await?;
+        canary::check(&device).await?;
+        Self::of(device, None).await
     }
 
     /// Renders a frame into a texture of the same device. No pixel passes through the host, which only waits for
@@ -101,28 +145,69 @@ impl Gpu {
     ///
     /// # Errors
     /// The request makes no picture, the texture is another one ([`Error::Texture`]), or the device failed.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn render_into(
         &mut self,
         texture: &wgpu::Texture,
         scene: &Scene,
         request: &Request<'_>,
     ) -> Result<[f64; Stage::COUNT], RenderError> {
+        pollster::block_on(self.fill_texture(texture, scene, request, Waiting::Blocks))
+    }
+
+    /// [`Gpu::render_into`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn render_into_async(
+        &mut self,
+        texture: &wgpu::Texture,
+        scene: &Scene,
+        request: &Request<'_>,
+    ) -> Result<[f64; Stage::COUNT], RenderError> {
+        self.fill_texture(texture, scene, request, Waiting::Free).await
+    }
+
+    async fn fill_texture(
+        &mut self,
+        texture: &wgpu::Texture,
+        scene: &Scene,
+        request: &Request<'_>,
+        waiting: Waiting,
+    ) -> Result<[f64; Stage::COUNT], RenderError> {
         let mut picture = Picture::default();
-        self.frame(scene, &request.deferred(false), Some(texture), &mut picture)?;
+        self.frame(scene, &request.deferred(false), Some(texture), &mut picture, waiting).await?;
         Ok(picture.stages_ms)
     }
 
-    fn frame(
+    /// [`Backend::render`](rtrt_core::backend::Backend::render) without blocking. A future that is dropped before
+    /// its end leaves nothing of use in the picture, and the GPU as if there had been no such frame.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn render_async(
+        &mut self,
+        scene: &Scene,
+        request: &Request<'_>,
+        picture: &mut Picture,
+    ) -> Result<(), RenderError> {
+        self.frame(scene, request, None, picture, Waiting::Free).await
+    }
+
+    async fn frame(
         &mut self,
         scene: &Scene,
         request: &Request<'_>,
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
+        waiting: Waiting,
     ) -> Result<(), RenderError> {
         let clock = HostClock::start();
         self.setup.prepare(scene, request)?;
+        self.renderer.device.waiting = waiting;
         self.renderer
             .render(scene, &self.setup, request.deferred, clock, texture, picture)
+            .await
             .map_err(|source| RenderError::Backend { backend: "gpu", source: Box::new(source) })
     }
 
@@ -138,10 +223,19 @@ impl Gpu {
     ///
     /// # Errors
     /// The device cannot draw.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn set_hybrid(&mut self, is_hybrid: bool) -> Result<(), Error> {
+        pollster::block_on(self.set_hybrid_async(is_hybrid))
+    }
+
+    /// [`Gpu::set_hybrid`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn set_hybrid_async(&mut self, is_hybrid: bool) -> Result<(), Error> {
         // What is drawn are instances, not their parts.
         self.setup.keep_instances_closed(is_hybrid);
-        self.renderer.set_hybrid(is_hybrid)
+        self.renderer.set_hybrid(is_hybrid).await
     }
 
     /// What the adapter is.
@@ -158,9 +252,18 @@ impl Gpu {
     ///
     /// # Errors
     /// The device failed.
-    pub fn kernels(&self, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
+    pub async fn kernels_async(&self, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
         let device = &self.renderer.device;
-        watched(&device.device, || canary::kernels(device, words))
+        watched(&device.device, canary::kernels(device, words)).await
+    }
+
+    /// [`Gpu::kernels_async`], blocking.
+    ///
+    /// # Errors
+    /// As there.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn kernels(&self, words: &[u32]) -> Result<Vec<[u32; OUTPUTS]>, Error> {
+        pollster::block_on(self.kernels_async(words))
     }
 
     /// The device's answer to [`rtrt_core::layout::probe`], where every word of every value tells its place:
@@ -168,12 +271,33 @@ impl Gpu {
     ///
     /// # Errors
     /// The device failed.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn layout(&self) -> Result<[u32; PROBES], Error> {
-        let device = &self.renderer.device;
-        watched(&device.device, || canary::layout(device))
+        pollster::block_on(self.layout_async())
     }
 
-    /// The CPU's answer to the same.
+    /// [`Gpu::layout`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn layout_async(&self) -> Result<[u32; PROBES], Error> {
+        let device = &self.renderer.device;
+        watched(&device.device, canary::layout(device)).await
+    }
+
+    /// Where it runs.
+    pub fn description(&self) -> Description {
+        let adapter = self.renderer.device.name.clone();
+        Description { kind: "gpu".into(), adapter, lanes: 1, threads: 0 }
+    }
+
+    /// The driver and its version, as far as the interface tells.
+    pub fn driver(&self) -> String {
+        let info = self.renderer.device.device.adapter_info();
+        format!("{} {}", info.driver, info.driver_info).trim().to_owned()
+    }
+
+    /// The CPU's answer to the same as [`Gpu::layout`].
     pub fn expected_layout() -> [u32; PROBES] {
         canary::expected_layout()
     }
@@ -184,15 +308,25 @@ impl Adapter {
     ///
     /// # Errors
     /// It cannot be opened, or computes other numbers than the CPU.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn open(&self) -> Result<Gpu, Error> {
-        Gpu::of(self.device()?, None)
+        pollster::block_on(async { Gpu::of(self.device(Waiting::Blocks).await?, None).await })
+    }
+
+    /// [`Adapter::open`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn open_async(&self) -> Result<Gpu, Error> {
+        Gpu::of(self.device(Waiting::Free).await?, None).await
     }
 }
 
+/// A browser forbids to wait: there is only [`Gpu::render_async`].
+#[cfg(not(target_arch = "wasm32"))]
 impl Backend for Gpu {
     fn describe(&self) -> Description {
-        let adapter = self.renderer.device.name.clone();
-        Description { kind: "gpu".into(), adapter, lanes: 1, threads: 0 }
+        self.description()
     }
 
     fn render(
@@ -201,6 +335,6 @@ impl Backend for Gpu {
         request: &Request<'_>,
         picture: &mut Picture,
     ) -> Result<(), RenderError> {
-        self.frame(scene, request, None, picture)
+        pollster::block_on(self.frame(scene, request, None, picture, Waiting::Blocks))
     }
 }

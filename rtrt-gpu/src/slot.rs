@@ -9,6 +9,7 @@ use rtrt_core::layout::{
 use rtrt_core::schedule::Unit;
 use rtrt_core::stage::penumbra_blocks::PenumbraSummary;
 use rtrt_core::stage::raster::{Drawn, pitch};
+use rtrt_shaders::SCANNERS;
 
 /// What a buffer holds: a row of [`TABLE`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,7 +93,8 @@ pub(crate) const TABLE: [Row; Slot::COUNT] = {
             "screen bounds",
             Count::Frame(|frame| all(Unit::Bounds, frame)),
         ),
-        row::<u32>(Slot::Counts, "counts", Count::Frame(|frame| frame.blocks.into())),
+        // Behind the counts of blocks are those of their shares.
+        row::<u32>(Slot::Counts, "counts", Count::Frame(|frame| u64::from(frame.blocks + SCANNERS))),
         row::<ListEntry>(Slot::Placed, "placed", Count::Frame(|frame| frame.capacity.into())),
         row::<u32>(Slot::BlockLists, "block lists", Count::Frame(|frame| list_words(frame, frame.capacity))),
         row::<Drawn>(Slot::Drawn, "drawn", Count::Frame(drawn)),

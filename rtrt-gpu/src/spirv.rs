@@ -12,6 +12,7 @@ pub(crate) mod op {
     pub const UNDEF: u32 = 1;
     pub const NAME: u32 = 5;
     pub const MEMBER_NAME: u32 = 6;
+    pub const EXT_INST: u32 = 12;
     pub const ENTRY_POINT: u32 = 15;
     pub const EXECUTION_MODE: u32 = 16;
     pub const TYPE_VOID: u32 = 19;
@@ -22,22 +23,33 @@ pub(crate) mod op {
     pub const TYPE_FUNCTION: u32 = 33;
     pub const CONSTANT_TRUE: u32 = 41;
     pub const CONSTANT: u32 = 43;
+    pub const CONSTANT_COMPOSITE: u32 = 44;
     pub const CONSTANT_NULL: u32 = 46;
     pub const FUNCTION: u32 = 54;
     pub const FUNCTION_END: u32 = 56;
     pub const FUNCTION_CALL: u32 = 57;
     pub const VARIABLE: u32 = 59;
     pub const LOAD: u32 = 61;
+    pub const STORE: u32 = 62;
     pub const ACCESS_CHAIN: u32 = 65;
     pub const DECORATE: u32 = 71;
     pub const MEMBER_DECORATE: u32 = 72;
+    pub const VECTOR_SHUFFLE: u32 = 79;
+    pub const COMPOSITE_CONSTRUCT: u32 = 80;
+    pub const COMPOSITE_EXTRACT: u32 = 81;
+    pub const COMPOSITE_INSERT: u32 = 82;
     pub const BITCAST: u32 = 124;
     pub const F_NEGATE: u32 = 127;
     pub const F_ADD: u32 = 129;
     pub const F_SUB: u32 = 131;
     pub const F_MUL: u32 = 133;
     pub const BITWISE_OR: u32 = 197;
+    pub const CONTROL_BARRIER: u32 = 224;
+    pub const ATOMIC_STORE: u32 = 228;
+    pub const LOOP_MERGE: u32 = 246;
     pub const LABEL: u32 = 248;
+    pub const RETURN_VALUE: u32 = 254;
+    pub const UNREACHABLE: u32 = 255;
 }
 
 /// The instructions of a module, each with its first word.
@@ -51,8 +63,24 @@ pub(crate) fn instructions(spirv: &[u32]) -> impl Iterator<Item = &[u32]> {
     })
 }
 
-fn opcode(instruction: &[u32]) -> u32 {
+pub(crate) fn opcode(instruction: &[u32]) -> u32 {
     instruction[0] & 0xffff
+}
+
+/// Which words of an instruction of a function are ids of values that it reads, among them constants that are
+/// numbers or made of numbers.
+pub(crate) fn values(instruction: &[u32]) -> std::ops::Range<usize> {
+    let length = instruction.len();
+    match opcode(instruction) {
+        op::STORE => 1..3,
+        op::RETURN_VALUE => 1..2,
+        op::LOAD | op::COMPOSITE_EXTRACT => 3..4,
+        op::COMPOSITE_INSERT | op::VECTOR_SHUFFLE => 3..5,
+        op::EXT_INST => 5..length,
+        op::FUNCTION..=op::FUNCTION_END | op::VARIABLE => 0..0,
+        op::CONTROL_BARRIER..=op::ATOMIC_STORE | op::LOOP_MERGE..=op::UNREACHABLE => 0..0,
+        _ => 3.min(length)..length,
+    }
 }
 
 /// The module `spirv` with one entry point, and what that one needs; `None` if it has no such entry point.

@@ -68,12 +68,11 @@ mod tests {
         commands.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
         let mut rows = vec![];
         device.queue.submit([commands.finish()]);
-        device
-            .read(&buffer, bytes, |mapped| {
-                let row = 4 * texture.width() as usize;
-                mapped.chunks(padded as usize).for_each(|padded| rows.extend_from_slice(&padded[..row]));
-            })
-            .unwrap();
+        let read = device.read(&buffer, bytes, |mapped| {
+            let row = 4 * texture.width() as usize;
+            mapped.chunks(padded as usize).for_each(|padded| rows.extend_from_slice(&padded[..row]));
+        });
+        pollster::block_on(read).unwrap();
         rows
     }
 
@@ -116,7 +115,7 @@ mod tests {
             });
             let times = gpu.render_into(&texture, &scene, &request).unwrap();
             assert!(times.iter().sum::<f64>() > 0.0);
-            assert_eq!(texels(&gpu, &texture), picture.bytes());
+            assert_eq!(texels(&gpu, &texture), *picture.bytes());
             assert!(picture.pixels.iter().any(|pixel| *pixel != picture.pixels[0]));
         }
     }

@@ -3,7 +3,7 @@
 use crate::device::Device;
 use crate::error::Error;
 use rtrt_core::schedule::Stage;
-use std::time::Instant;
+use web_time::Instant;
 use wgpu::{BufferUsages, Features};
 
 /// Two times a stage: before and after.
@@ -75,7 +75,7 @@ impl Timer {
     }
 
     /// Ends a stage: without a clock on the device, hands it the commands and waits.
-    pub fn end_stage(
+    pub async fn end_stage(
         &self,
         device: &Device,
         commands: &mut wgpu::CommandEncoder,
@@ -88,7 +88,7 @@ impl Timer {
             let start = Instant::now();
             device.queue.submit([std::mem::replace(commands, next).finish()]);
             clock.pause();
-            device.device.poll(wgpu::PollType::wait_indefinitely()).map_err(Error::read_back)?;
+            device.finished().await?;
             clock.resume();
             stages_ms[stage as usize] += start.elapsed().as_secs_f64() * 1e3;
         }

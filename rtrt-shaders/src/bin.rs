@@ -1,11 +1,11 @@
 //! Bin: count, add up, place, rank.
 
-use crate::{SHARES, index};
+use crate::{SCANNERS, SHARES, index};
 use rtrt_core::kernel::lists::{rank as rank_entry, scan_share, scan_starts, scan_total, store};
 use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::layout::{Frame, Instance, View};
 use rtrt_core::stage;
-use spirv_std::arch::{atomic_i_add, workgroup_memory_barrier_with_group_sync};
+use spirv_std::arch::atomic_i_add;
 use spirv_std::glam::UVec3;
 use spirv_std::memory::{Scope, Semantics};
 use spirv_std::spirv;
@@ -48,32 +48,54 @@ pub fn count(
     }
 }
 
-/// Where each block's entries start: one workgroup, whose invocations share the blocks. BlockLists that
+/// The number of entries of each share of the blocks, behind the counts of blocks: [`SCANNERS`] invocations.
+#[spirv(compute(threads(64), entry_point_name = "scan_totals"))]
+pub fn scan_totals(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] counts: &mut [u32],
+) {
+    let share = index(id);
+    if share < SCANNERS {
+        let [first, last] = blocks_of(frame, share);
+        counts[(frame.blocks + share) as usize] = scan_total(counts, first, last);
+    }
+}
+
+/// Where each block's entries start: [`SCANNERS`] invocations, which share the blocks. BlockLists that
 /// are kept stay where they are, before those that are made.
-#[spirv(compute(threads(256), entry_point_name = "scan"))]
+///
+/// The totals were added up by a dispatch before: a barrier between both would have to be passed by all invocations
+/// alike, and checks of indices are branches that WebGPU cannot see to be so.
+#[spirv(compute(threads(64), entry_point_name = "scan"))]
 pub fn scan(
-    #[spirv(local_invocation_id)] id: UVec3,
-    #[spirv(workgroup)] totals: &mut [u32; 256],
+    #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] counts: &mut [u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] lists: &mut [u32],
 ) {
-    let kept = frame.first_block;
-    let share = scan_share(frame.blocks - kept, 256);
-    let first = (kept + id.x * share).min(frame.blocks);
-    let last = (first + share).min(frame.blocks);
-    let mut start = 0;
-    if kept > 0 {
-        start = lists[kept as usize];
+    let share = index(id);
+    if share < SCANNERS {
+        let mut start = 0;
+        if frame.first_block > 0 {
+            start = lists[frame.first_block as usize];
+        }
+        let mut before = 0;
+        while before < share {
+            start += counts[(frame.blocks + before) as usize];
+            before += 1;
+        }
+        let [first, last] = blocks_of(frame, share);
+        scan_starts(counts, lists, first, last, start);
     }
-    totals[id.x as usize] = scan_total(counts, first, last);
-    workgroup_memory_barrier_with_group_sync();
-    let mut before = 0;
-    while before < id.x {
-        start += totals[before as usize];
-        before += 1;
-    }
-    scan_starts(counts, lists, first, last, start);
+}
+
+/// The first of the blocks that an invocation of the scan adds up, and the first behind them.
+#[inline(always)]
+fn blocks_of(frame: &Frame, share: u32) -> [u32; 2] {
+    let length = scan_share(frame.blocks - frame.first_block, SCANNERS);
+    let first = (frame.first_block + share * length).min(frame.blocks);
+    [first, (first + length).min(frame.blocks)]
 }
 
 /// Puts every entry among those of its block, where there is room: [`SHARES`] invocations a

@@ -41,7 +41,7 @@ use spirv_std::glam::UVec3;
 #[cfg(not(target_arch = "spirv"))]
 pub const SPIRV: &[u8] = include_bytes!("../rtrt.spv");
 
-/// Invocations of a workgroup, in every entry point but `scan` and `layout`, which run one workgroup.
+/// Invocations of a workgroup, in every entry point but `probe_layout`, which runs one.
 pub const GROUP: u32 = 64;
 
 /// Invocations in a row of workgroups. A row has as many workgroups as WebGPU allows (65 535); more work takes
@@ -50,6 +50,9 @@ pub const ROW: u32 = 65_535 * GROUP;
 
 /// Invocations that share the work of one cover in `count` and `scatter`.
 pub const SHARES: u32 = 8;
+
+/// Invocations that share the blocks in `scan_totals` and `scan`.
+pub const SCANNERS: u32 = 256;
 
 /// The number of an invocation.
 fn index(id: UVec3) -> u32 {

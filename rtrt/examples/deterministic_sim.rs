@@ -69,7 +69,7 @@ fn simulate(backend: &mut dyn Backend) -> Result<String, Box<dyn Error>> {
         let moved = balls.iter().map(|ball| (ball.object, placed(ball.at)));
         scene.set_transforms(moved)?;
         backend.render(&scene, &request, &mut picture)?;
-        frames.extend_from_slice(picture.bytes());
+        frames.extend_from_slice(&picture.bytes());
     }
     Ok(hash::of(&frames))
 }

@@ -171,7 +171,8 @@ pub fn check(folder: &Path, picture: &Picture, name: &str, bless: &str) -> Resul
     }
     let files = Files { folder, name };
     let size = [picture.width, picture.height];
-    let is = picture.bytes().as_chunks::<4>().0;
+    let bytes = picture.bytes();
+    let is = bytes.as_chunks::<4>().0;
     let stored = files.read()?;
     let (has, expected) = stored.as_ref().map_or(([0; 2], &[][..]), |stored| (stored.size, &stored.pixels));
     if has == size && is == expected {

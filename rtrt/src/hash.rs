@@ -7,7 +7,6 @@
 //! assert_eq!(rtrt::hash::pixels(&picture), rtrt::hash::of(&[0, 0, 0, 255]));
 //! ```
 
-use bytemuck::cast_slice;
 use rtrt_core::backend::Picture;
 use sha2::{Digest, Sha256};
 
@@ -18,23 +17,11 @@ pub fn of(bytes: &[u8]) -> String {
 
 /// The hash of the pixels: red, green, blue, alpha, row by row.
 pub fn pixels(picture: &Picture) -> String {
-    of(picture.bytes())
+    of(&picture.bytes())
 }
 
 /// The hash of each deferred buffer, in the order of the stages that write them; none without them.
 pub fn buffers(picture: &Picture) -> Option<[(&'static str, String); 10]> {
-    let deferred = picture.deferred.as_ref()?;
-    let buffers: [(_, &[u8]); 10] = [
-        ("lists", cast_slice(&deferred.lists)),
-        ("hits", cast_slice(&deferred.hits)),
-        ("surfaces", cast_slice(&deferred.surfaces)),
-        ("left", cast_slice(&deferred.raw_transmittance)),
-        ("penumbras", cast_slice(&deferred.penumbra_radii)),
-        ("masks", cast_slice(&deferred.masks)),
-        ("tints", cast_slice(&deferred.transmittance)),
-        ("lit", cast_slice(&deferred.lit)),
-        ("layers", cast_slice(&deferred.layers)),
-        ("colors", cast_slice(&deferred.colors)),
-    ];
-    Some(buffers.map(|(name, bytes)| (name, of(bytes))))
+    let buffers = picture.deferred.as_ref()?.buffers();
+    Some(buffers.map(|(name, bytes)| (name, of(&bytes))))
 }

@@ -2,14 +2,16 @@
 //!
 //! All backends give the same bits. `choose` opens a backend, `import` reads glTF and OBJ, `demo` has
 //! scenes without files, `layers` and `debug` show the buffers of a frame, `objects` and `motion` what is
-//! seen of each object and how it moves, `pose` has cameras as matrices and lenses, `batch` renders many views at
+//! seen of each object and how it moves, `pose` has cameras as matrices and lenses, `moves` moves a camera by hand, `batch` renders many views at
 //! once. `hash` compares frames
 //! of two machines, `difference` two pictures; `golden` compares pictures with stored ones in tests.
 //!
 //! | feature | adds |
 //! |---|---|
 //! | `gpu` | the GPUs of [`choose`](mod@choose), by `rtrt-gpu` |
-//! | `import` | the modules `import`, `demo`, `golden`, `motion` and `pose` |
+//! | `threads` | all threads of the machine for the CPU; without it one |
+//! | `simd` | many numbers at a time on the CPU; without it one |
+//! | `import` | the modules `import`, `demo`, `golden`, `motion`, `moves` and `pose` |
 //! | `command` | the `rtrt` command; includes the other two |
 //! | `viewer` | `rtrt view`, which opens a window; includes `command` |
 //!
@@ -41,6 +43,8 @@ pub mod import;
 pub mod layers;
 #[cfg(feature = "import")]
 pub mod motion;
+#[cfg(feature = "import")]
+pub mod moves;
 pub mod objects;
 #[cfg(feature = "import")]
 pub mod pose;

@@ -147,7 +147,7 @@ impl Part<'_> {
     /// Fills it with what the picture gives.
     pub fn fill(&mut self, scene: &Scene, request: &Request<'_>, picture: &Picture) {
         if let Part::Bytes(part) = self {
-            part.copy_from_slice(picture.bytes());
+            part.copy_from_slice(&picture.bytes());
             return;
         }
         // What needs them has asked for the deferred buffers.

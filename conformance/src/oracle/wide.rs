@@ -536,7 +536,7 @@ fn is_lit(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cases;
+    use conformance_cases::cases;
 
     /// Bounds that are too narrow lose hits; bounds that are far too wide cost time, which no picture shows.
     #[test]

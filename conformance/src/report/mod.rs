@@ -7,7 +7,7 @@ use crate::suite::{Failed, Failure, Suite};
 use crate::variants::{Missing, Variant, driver, shaders};
 use rtrt_core::backend::Description;
 use rtrt_core::compare::Place;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::Path;
 
@@ -75,7 +75,7 @@ pub struct CaseRan {
 }
 
 /// How a case ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Every buffer has the same bits.

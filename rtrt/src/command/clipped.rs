@@ -13,7 +13,8 @@ const LIMITS: [usize; 2] = [33, 75];
 /// color do not count, nor do transparent ones.
 pub fn clipped(scene: &Scene, picture: &Picture) -> Option<String> {
     let background = scene.background.to_array().map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
-    let pixels = picture.bytes().as_chunks::<4>().0;
+    let bytes = picture.bytes();
+    let pixels = bytes.as_chunks::<4>().0;
     let counted = || pixels.iter().filter(|&&[r, g, b, a]| a > 0 && [r, g, b] != background);
     let all = counted().count();
     let share = |is: fn(u8) -> bool| {

@@ -23,7 +23,7 @@ use image::ExtendedColorType::{Rgba8, Rgba16};
 use rtrt::hash;
 use rtrt::layers::Layers;
 use rtrt::motion::{Before, motion};
-use rtrt_core::backend::{Backend, Picture};
+use rtrt_core::backend::{Backend, Picture, little_endian};
 use rtrt_core::layout::Backdrop;
 use rtrt_core::schedule::Stage;
 use std::borrow::Cow;
@@ -242,7 +242,7 @@ impl Run<'_> {
         }
         if let Some(reference) = options.compare.as_ref().map(name) {
             let (pixels, tolerance) = (picture.bytes(), options.tolerance);
-            compare(&reference, output.as_deref(), pixels, job.size, tolerance, console)?;
+            compare(&reference, output.as_deref(), &pixels, job.size, tolerance, console)?;
             console.say(format_args!("equal to {}", reference.display()));
         }
         if let Some(report) = report {
@@ -294,9 +294,9 @@ impl Run<'_> {
         if let Some(legend) = shown.as_ref().and_then(|shown| shown.legend.as_ref()) {
             self.console.say(legend);
         }
-        let pixels = shown.as_ref().map_or(picture.bytes(), |shown| cast_slice(&shown.pixels));
+        let pixels = shown.as_ref().map_or_else(|| picture.bytes(), |shown| little_endian(&shown.pixels));
         let bytes = if self.sinks.takes_pixels(path) {
-            Cow::Borrowed(pixels)
+            Cow::Borrowed(&pixels[..])
         } else if ends_in(path, "exr") {
             exr::color(layers, shot).map_err(encode(path))?.into()
         } else if ends_in(path, "npy") {
@@ -305,7 +305,7 @@ impl Run<'_> {
             let encoded = layers.encoded16(&job.request(true));
             png(cast_slice(&encoded), job.size, Rgba16).map_err(encode(path))?.into()
         } else {
-            png(pixels, job.size, Rgba8).map_err(encode(path))?.into()
+            png(&pixels, job.size, Rgba8).map_err(encode(path))?.into()
         };
         self.sinks.write(path, &bytes, job.size)
     }

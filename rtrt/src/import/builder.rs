@@ -13,7 +13,7 @@ use rtrt_core::scene::{
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use web_time::Instant;
 
 /// The limit of stored triangles: 67 million.
 const TRIANGLES: u64 = 1 << 26;

@@ -27,7 +27,7 @@
 //! - **Errors of the window are errors of the command.** winit panics where a library or an extension of
 //!   the display is missing; [`run`] catches that.
 
-mod camera;
+use rtrt::moves as camera;
 mod controls;
 mod engine;
 mod failure;

@@ -210,7 +210,7 @@ impl App {
         let viewer = self.viewer.insert(viewer);
         let Some(screen) = &mut self.screen else { return };
         if let Some(size) = new {
-            screen.upload(viewer.pixels(), size);
+            screen.upload(&viewer.pixels(), size);
         }
         let delay = over.viewport_output.values().map(|output| output.repaint_delay).min();
         self.wake = delay.and_then(|delay| Instant::now().checked_add(delay));

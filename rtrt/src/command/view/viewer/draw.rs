@@ -4,9 +4,9 @@ use super::{Timing, Viewer, Wanted};
 use crate::command::Error;
 use crate::command::job::rays;
 use crate::command::view::pace::Detail;
-use bytemuck::cast_slice;
-use rtrt_core::backend::RenderError;
+use rtrt_core::backend::{RenderError, little_endian};
 use rtrt_core::schedule::Stage;
+use std::borrow::Cow;
 use std::time::Instant;
 
 impl Viewer {
@@ -107,9 +107,9 @@ impl Viewer {
     }
 
     /// The pixels of the last picture, row by row: red, green, blue, alpha.
-    pub fn pixels(&self) -> &[u8] {
+    pub fn pixels(&self) -> Cow<'_, [u8]> {
         match &self.shown {
-            Some(shown) => cast_slice(&shown.pixels),
+            Some(shown) => little_endian(&shown.pixels),
             None => self.picture.bytes(),
         }
     }
@@ -183,7 +183,7 @@ mod tests {
         viewer.switch().unwrap();
         let wanted = viewer.next().unwrap();
         viewer.render(wanted, None);
-        assert!(pixels == viewer.pixels(), "the picture is another one");
+        assert!(*pixels == *viewer.pixels(), "the picture is another one");
     }
 
     #[test]

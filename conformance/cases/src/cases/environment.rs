@@ -2,6 +2,7 @@
 
 use crate::case::{Case, look, parallel};
 use crate::shape::{Build, Random, Shape};
+use alloc::vec;
 use glam::Vec3;
 use rtrt_core::layout::Wrap;
 use rtrt_core::scene::{Cube, Image, Light, Material, Panorama, Scene};

@@ -6,7 +6,6 @@ use rtrt_core::scene::{Camera, Projection, Scene};
 
 /// How exactly a backend must agree with the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum Agree {
     /// In every bit of every buffer.
     Bits,
@@ -60,7 +59,7 @@ pub struct Known {
 impl Case {
     /// What most cases have in common: a size that is not a multiple of a block, a camera
     /// 4 units in front of the origin.
-    pub(crate) const USUAL: Self = Self {
+    pub const USUAL: Self = Self {
         name: "",
         claim: "",
         scene: Scene::new,

@@ -1,5 +1,7 @@
 //! Meshes and scenes built in code.
 
+use alloc::vec;
+use alloc::vec::Vec;
 use glam::{Mat4, Vec3};
 use rtrt_core::layout::{Attribute, Wrap};
 use rtrt_core::scene::{

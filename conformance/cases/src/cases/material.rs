@@ -3,6 +3,7 @@
 
 use crate::case::{Case, look};
 use crate::shape::{Build, Random, Shape};
+use alloc::vec;
 use glam::{Mat4, Vec3};
 use rtrt_core::layout::{Texture, Wrap};
 use rtrt_core::scene::{Content, Image, Light, Material, MaterialIndex, Mesh, Scene};

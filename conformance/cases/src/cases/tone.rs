@@ -2,11 +2,11 @@
 
 use crate::case::{Case, look};
 use crate::shape::{Build, Shape};
+use core::f32::consts::PI;
 use glam::Vec3;
 use rtrt_core::backend::{Shadows, ToneMap};
 use rtrt_core::layout::Backdrop;
 use rtrt_core::scene::{Light, Material, Scene};
-use std::f32::consts::PI;
 
 pub(super) const CASES: &[Case] = &[
     Case {

@@ -2,11 +2,11 @@
 
 use crate::case::{Case, look};
 use crate::shape::{Build, Random, Shape};
+use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{COLOR_LIMIT, LIGHT_LIMIT};
 use rtrt_core::scene::{Light, Material, Scene};
-use std::f32::consts::PI;
 
 const FROM_ABOVE: Case = Case { camera: look([0.5, 2.5, 4.0], [0.0, -0.5, 0.0]), ..Case::USUAL };
 

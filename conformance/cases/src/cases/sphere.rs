@@ -2,6 +2,7 @@
 
 use crate::case::{Case, look, parallel, zoom};
 use crate::shape::{Build, Random, Shape};
+use alloc::vec::Vec;
 use glam::{Mat4, Quat, Vec3};
 use rtrt_core::backend::Shadows;
 use rtrt_core::layout::Wrap;

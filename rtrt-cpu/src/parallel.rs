@@ -1,0 +1,154 @@
+//! Where work runs: on rayon's threads, or, without the feature `threads`, one part after another on the caller's.
+
+pub use imp::{Pool, join};
+
+use crate::error::Error;
+
+/// Calls `work` for each item with its index; a task takes at least so many items.
+pub fn each<T: Send>(items: &mut [T], least: usize, work: impl Fn(usize, &mut T) + Sync) {
+    imp::each(items, least, work);
+}
+
+/// Calls `work` for each part of so many items, the last of which may have fewer, with the part's index; a task
+/// takes at least `least` parts.
+pub fn each_part<T: Send>(
+    items: &mut [T],
+    length: usize,
+    least: usize,
+    work: impl Fn(usize, &mut [T]) + Sync,
+) {
+    imp::each_part(items, length, least, work);
+}
+
+/// The sum of what `work` gives for each item with its index, and with the item at the same place of `others`, which
+/// has as many or none.
+pub fn sum<T: Send, U: Send, S: Default + Send>(
+    items: &mut [T],
+    others: &mut [U],
+    work: impl Fn(usize, &mut T, Option<&mut U>) -> S + Sync,
+    plus: impl Fn(S, S) -> S + Send + Sync,
+) -> S {
+    imp::sum(items, others, work, plus)
+}
+
+#[cfg(feature = "threads")]
+mod imp {
+    use super::Error;
+    use rayon::prelude::*;
+
+    /// Threads of one's own.
+    #[derive(Debug)]
+    pub struct Pool(rayon::ThreadPool);
+
+    impl Pool {
+        /// So many threads; `None` for as many as the machine runs at once.
+        pub fn new(threads: Option<usize>) -> Result<Self, Error> {
+            let threads = threads.unwrap_or(0);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.map(Self).map_err(|source| Error::Threads { threads, source })
+        }
+
+        /// Runs `work` on the threads.
+        pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+            self.0.install(work)
+        }
+
+        /// How many there are.
+        pub fn threads(&self) -> u32 {
+            self.0.current_num_threads() as u32
+        }
+    }
+
+    /// Runs both at once.
+    pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        rayon::join(a, b)
+    }
+
+    pub fn each<T: Send>(items: &mut [T], least: usize, work: impl Fn(usize, &mut T) + Sync) {
+        items.par_iter_mut().with_min_len(least).enumerate().for_each(|(index, item)| work(index, item));
+    }
+
+    pub fn each_part<T: Send>(
+        items: &mut [T],
+        length: usize,
+        least: usize,
+        work: impl Fn(usize, &mut [T]) + Sync,
+    ) {
+        let parts = items.par_chunks_mut(length).with_min_len(least).enumerate();
+        parts.for_each(|(index, part)| work(index, part));
+    }
+
+    pub fn sum<T: Send, U: Send, S: Default + Send>(
+        items: &mut [T],
+        others: &mut [U],
+        work: impl Fn(usize, &mut T, Option<&mut U>) -> S + Sync,
+        plus: impl Fn(S, S) -> S + Send + Sync,
+    ) -> S {
+        let items = items.par_iter_mut().enumerate();
+        if others.is_empty() {
+            return items.map(|(index, item)| work(index, item, None)).reduce(S::default, plus);
+        }
+        let pairs = items.zip(others.par_iter_mut());
+        pairs.map(|((index, item), other)| work(index, item, Some(other))).reduce(S::default, plus)
+    }
+}
+
+#[cfg(not(feature = "threads"))]
+mod imp {
+    use super::Error;
+
+    /// The caller's thread.
+    #[derive(Debug)]
+    pub struct Pool;
+
+    impl Pool {
+        /// The thread; another number than 1 is refused.
+        pub fn new(threads: Option<usize>) -> Result<Self, Error> {
+            match threads {
+                None | Some(0 | 1) => Ok(Self),
+                Some(threads) => Err(Error::NoThreads { threads }),
+            }
+        }
+
+        /// Runs `work`.
+        pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+            work()
+        }
+
+        /// One.
+        pub fn threads(&self) -> u32 {
+            1
+        }
+    }
+
+    /// Runs one, then the other.
+    pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        (a(), b())
+    }
+
+    pub fn each<T: Send>(items: &mut [T], _: usize, work: impl Fn(usize, &mut T) + Sync) {
+        items.iter_mut().enumerate().for_each(|(index, item)| work(index, item));
+    }
+
+    pub fn each_part<T: Send>(
+        items: &mut [T],
+        length: usize,
+        _: usize,
+        work: impl Fn(usize, &mut [T]) + Sync,
+    ) {
+        items.chunks_mut(length).enumerate().for_each(|(index, part)| work(index, part));
+    }
+
+    pub fn sum<T: Send, U: Send, S: Default + Send>(
+        items: &mut [T],
+        others: &mut [U],
+        work: impl Fn(usize, &mut T, Option<&mut U>) -> S + Sync,
+        plus: impl Fn(S, S) -> S + Send + Sync,
+    ) -> S {
+        let mut others = others.iter_mut();
+        items
+            .iter_mut()
+            .enumerate()
+            .fold(S::default(), |sum, (index, item)| plus(sum, work(index, item, others.next())))
+    }
+}
