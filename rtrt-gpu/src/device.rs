@@ -195,16 +195,15 @@ pub(crate) async fn watched<T>(
     device: &wgpu::Device,
     work: impl Future<Output = Result<T, Error>>,
 ) -> Result<T, Error> {
-    let filters =
-        [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
-    let mut scopes = filters.map(|filter| device.push_error_scope(filter));
+    // Three variables: those of a future that is dropped are dropped from the last to the first, as scopes must be.
+    let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
     let result = work.await;
     // All are popped before any is asked, so that no other work gets in between.
-    scopes.reverse();
-    let mut caught = None;
-    for scope in scopes.map(wgpu::ErrorScopeGuard::pop) {
-        // Without memory, buffers are not there, and their use is an error as well.
-        caught = scope.await.or(caught);
-    }
+    let (internal, validation, memory) = (internal.pop(), validation.pop(), memory.pop());
+    // Without memory, buffers are not there, and their use is an error as well.
+    let (internal, validation, memory) = (internal.await, validation.await, memory.await);
+    let caught = memory.or(validation).or(internal);
     caught.map_or(result, |error| Err(Error::Device(error)))
 }

@@ -1,15 +1,11 @@
 // The ray tracer, away from the page: one message after another, each answered with its number.
-import init, { Page } from "./rtrt_web.js";
+import init, { Page, openGpu } from "./rtrt_web.js";
 
 const page = init().then(() => new Page());
 
 const calls = {
-  async start() {
-    await page;
-  },
-  async gpu() {
-    if (!navigator.gpu) throw new Error("this browser has no WebGPU");
-    return (await page).openGpu();
+  async take({ gpu }) {
+    return (await page).takeGpu(gpu);
   },
   async show({ name, file, width, height }) {
     return (await page).show(name, new Uint8Array(file ?? 0), width, height);
@@ -40,12 +36,23 @@ const calls = {
 };
 
 let last = Promise.resolve();
-onmessage = ({ data: { id, call, args } }) => {
-  last = last.then(async () => {
-    try {
-      postMessage({ id, result: await calls[call](args) });
-    } catch (error) {
-      postMessage({ id, error: error.message ?? String(error) });
-    }
-  });
+const next = (call, args) => {
+  const result = last.then(() => calls[call](args));
+  last = result.catch(() => {});
+  return result;
+};
+
+// Frames go on while the GPU opens.
+async function gpu() {
+  if (!navigator.gpu) throw new Error("this browser has no WebGPU");
+  await page;
+  return next("take", { gpu: await openGpu() });
+}
+
+onmessage = async ({ data: { id, call, args } }) => {
+  try {
+    postMessage({ id, result: await (call === "gpu" ? gpu() : next(call, args)) });
+  } catch (error) {
+    postMessage({ id, error: error.message ?? String(error) });
+  }
 };

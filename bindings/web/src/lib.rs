@@ -33,14 +33,23 @@ impl Page {
         Ok(Self { cpu, gpu: None, shown: None, picture: Picture::default(), runs: [None, None] })
     }
 
-    /// Opens the browser's GPU, and asks it the canary. Gives what it is.
-    #[wasm_bindgen(js_name = openGpu)]
-    pub async fn open_gpu(&mut self) -> Result<String, JsError> {
-        let gpu = Gpu::new_async(rtrt_gpu::Options::default()).await?;
+    /// Takes an opened GPU. Gives what it is.
+    #[wasm_bindgen(js_name = takeGpu)]
+    pub fn take_gpu(&mut self, OpenedGpu(gpu): OpenedGpu) -> String {
         let name = gpu.description().adapter;
         self.gpu = Some(gpu);
-        Ok(name)
+        name
     }
+}
+
+/// A GPU that has passed the canary.
+#[wasm_bindgen]
+pub struct OpenedGpu(Gpu);
+
+/// Opens the browser's GPU, and asks it the canary, while the page goes on.
+#[wasm_bindgen(js_name = openGpu)]
+pub async fn open_gpu() -> Result<OpenedGpu, JsError> {
+    Ok(OpenedGpu(Gpu::new_async(rtrt_gpu::Options::default()).await?))
 }
 
 /// A value as a text in JSON.

@@ -42,7 +42,9 @@ fn main() -> ! {
     let mut scenes = 0;
     let mut different = 0;
     let mut last = "";
-    for scene in GOLDEN.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split(' ').next()) {
+    for scene in
+        GOLDEN.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split(' ').next())
+    {
         if core::mem::replace(&mut last, scene) == scene {
             continue;
         }
@@ -65,7 +67,10 @@ fn main() -> ! {
             }
             is_equal
         };
-        let count = hashes.chain([("pixels", pixels.clone())]).filter_map(|found| is_equal(found).then_some(())).count();
+        let count = hashes
+            .chain([("pixels", pixels.clone())])
+            .filter_map(|found| is_equal(found).then_some(()))
+            .count();
         hprintln!("{}: {} of 11 buffers equal, pixels {}", scene, count, pixels);
         scenes += 1;
         different += usize::from(count != 11);

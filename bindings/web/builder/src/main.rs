@@ -29,7 +29,10 @@ fn main() -> Result<()> {
     ensure!(built.success(), "cargo could not build rtrt-web");
     fs::create_dir_all(&out)?;
     let module = target.join(TARGET).join("release/rtrt_web.wasm");
-    Bindgen::new().input_path(module).web(true)?.typescript(false).generate(&out)?;
+    let mut bindgen = Bindgen::new();
+    // Names of functions are half of the file.
+    bindgen.remove_name_section(true).remove_producers_section(true);
+    bindgen.input_path(module).web(true)?.typescript(false).generate(&out)?;
     for file in fs::read_dir(root.join("bindings/web/page"))? {
         let file = file?;
         fs::copy(file.path(), out.join(file.file_name()))?;
