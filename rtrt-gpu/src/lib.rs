@@ -180,7 +180,7 @@ impl Gpu {
         Ok(picture.stages_ms)
     }
 
-    /// [`Backend::render`](rtrt_core::backend::Backend::render) without blocking. A future that is dropped before
+    /// What `Backend::render` does, without blocking. A future that is dropped before
     /// its end leaves nothing of use in the picture, and the GPU as if there had been no such frame.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 // The ray tracer, away from the page: one message after another, each answered with its number.
 import init, { Page, openGpu } from "./rtrt_web.js";
 
-const page = init().then(() => new Page());
+const page = init({ module_or_path: new URL("rtrt_web_bg.wasm", import.meta.url) }).then(() => new Page());
 
 const calls = {
   async take({ gpu }) {
