@@ -5,11 +5,13 @@ use conformance::shape::{Build, Random, Shape};
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{compare, reference};
 use glam::{Mat4, Vec3};
-use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+use rtrt_core::backend::{Backend, Picture, RenderError, Request, Shadows};
 use rtrt_core::layout::Attribute;
 use rtrt_core::scene::{
     Bvh, Camera, Light, Mesh, MeshIndex, Motion, Occluders, Projection, Scene, Sequential, Structure,
 };
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 4.0, 9.0),
@@ -142,6 +144,40 @@ fn a_frame_does_not_depend_on_the_one_before() {
     // "The same again" is; all others differ.
     let differ = |a: usize, b: usize| seen[a] != seen[b];
     assert!(!differ(1, 2) && differ(0, 1) && differ(0, 7) && (3..7).all(|step| differ(step, step - 1)));
+}
+
+/// A frame that was stopped, at once or at any time, and that of a changed scene after it.
+#[test]
+fn a_stopped_frame_leaves_no_trace() {
+    let (mut scene, _) = scene(0.0);
+    let mut variants = present(all(), requires_gpu());
+    assert_eq!(variants.failed, 0);
+    for step in 0..6_u64 {
+        let request = Request::new(&CAMERA, [97, 55]).samples(4).deferred(step % 2 == 0);
+        for (variant, backend) in &mut variants.backends {
+            let (stop, mut picture) = (AtomicBool::new(step == 0), Picture::default());
+            let stopped = std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    std::thread::sleep(Duration::from_millis(3 * step));
+                    stop.store(true, Ordering::Relaxed);
+                });
+                backend.render(&scene, &request.until(&stop), &mut picture)
+            });
+            match stopped {
+                Err(RenderError::Stopped) => {}
+                Ok(()) => assert!(step > 0, "{variant}"),
+                Err(error) => panic!("{variant}: {error}"),
+            }
+        }
+        scene.set_transform(scene.instance_index(3).unwrap(), places(step as f64)[4]).unwrap();
+        let (mut expected, mut actual) = (Picture::default(), Picture::default());
+        reference().render(&scene, &request, &mut expected).unwrap();
+        for (variant, backend) in &mut variants.backends {
+            backend.render(&scene, &request, &mut actual).unwrap();
+            let agrees = compare(&request, &expected, &actual);
+            agrees.unwrap_or_else(|difference| panic!("{variant}, {step}: {difference}"));
+        }
+    }
 }
 
 /// What lists depend on changes, one thing after another.

@@ -9,6 +9,7 @@ use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
+use core::sync::atomic::AtomicBool;
 
 pub use crate::layout::{Hit, Lit, NONE, Surface, ToneMap};
 pub use crate::request::{LAYERS, Request, Shadows};
@@ -142,6 +143,9 @@ pub enum RenderError {
     /// The request makes no picture.
     #[error(transparent)]
     Setup(#[from] SetupError),
+    /// The flag of [`Request::until`] was set before the frame was done.
+    #[error("the frame was stopped")]
+    Stopped,
     /// The backend failed.
     #[error("{backend}: {source}")]
     Backend {
@@ -195,6 +199,16 @@ pub trait Backend: Send {
         request: &Request<'_>,
         picture: &mut Picture,
     ) -> Result<(), RenderError>;
+
+    /// Does in advance what the first frame of a kind would have to do once, such as to compile shaders: nothing on
+    /// the CPU. `frame` is the [`Setup::frame`](crate::scene::Setup) of such a request, so that the scene is not
+    /// needed. Setting `stop` ends it early.
+    ///
+    /// # Errors
+    /// The backend failed, or was stopped.
+    fn warm_up(&mut self, _frame: &Frame, _stop: &AtomicBool) -> Result<(), RenderError> {
+        Ok(())
+    }
 
     /// The exposure that suits the request's picture, in stops, whatever the request says of it; 0 for a
     /// black one. It comes from the linear colors of a picture of at most 160 pixels along its longer

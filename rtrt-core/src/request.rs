@@ -1,6 +1,7 @@
 //! What is asked of a backend: plain data, read by scenes and by backends.
 
 use crate::layout::ToneMap;
+use core::sync::atomic::{AtomicBool, Ordering};
 use glam::Vec3;
 
 /// How the camera projects.
@@ -117,6 +118,8 @@ pub struct Request<'a> {
     pub ambient_occlusion: f32,
     /// Whether the picture comes with the deferred buffers. It does not unless set.
     pub deferred: bool,
+    /// Ends the frame once it is true. Nothing unless set.
+    pub stop: Option<&'a AtomicBool>,
 }
 
 impl<'a> Request<'a> {
@@ -133,6 +136,7 @@ impl<'a> Request<'a> {
             clip: [0.0, f32::INFINITY],
             ambient_occlusion: 0.0,
             deferred: false,
+            stop: None,
         }
     }
 
@@ -195,5 +199,17 @@ impl<'a> Request<'a> {
     #[must_use]
     pub const fn deferred(self, deferred: bool) -> Self {
         Self { deferred, ..self }
+    }
+
+    /// The request whose frame ends with [`RenderError::Stopped`](crate::backend::RenderError::Stopped) soon after
+    /// another thread has set `stop`. A frame that is not stopped has the same bits.
+    #[must_use]
+    pub const fn until(self, stop: &'a AtomicBool) -> Self {
+        Self { stop: Some(stop), ..self }
+    }
+
+    /// Whether the frame is to end.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 }

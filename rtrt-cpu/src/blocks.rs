@@ -13,6 +13,7 @@ use rtrt_core::grid::{BlockIndex, Grid};
 use rtrt_core::layout::Frame;
 use rtrt_core::schedule::{Pass, Step};
 use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, are_soft, edges_at, span};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What blocks are rendered in.
 #[derive(Debug, Default)]
@@ -29,13 +30,15 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Runs all steps behind the lists: fills the tiles, and the records of all blocks if there are any.
+    /// Runs all steps behind the lists: fills the tiles, and the records of all blocks if there are any. Once `stop` is
+    /// true, no further block is looked at, and the tiles hold nothing of use.
     pub fn run(
         &mut self,
         level: InstructionSet,
         context: &FrameContext<'_>,
         steps: &[Step],
         records: &mut [Records<'_>],
+        stop: &AtomicBool,
     ) -> Clock {
         let count = context.trace.frame.grid().blocks() as usize;
         if self.blocks.len() < count {
@@ -51,7 +54,7 @@ impl Blocks {
             clock = clock.plus(if steps[0].pass == Pass::SelectFilterBlocks {
                 self.select_filter_blocks(context.trace.frame, steps[0])
             } else {
-                self.each(level, context, steps, records)
+                self.each(level, context, steps, records, stop)
             });
         }
         clock
@@ -64,10 +67,14 @@ impl Blocks {
         context: &FrameContext<'_>,
         steps: &[Step],
         records: &mut [Records<'_>],
+        stop: &AtomicBool,
     ) -> Clock {
         let Self { blocks, planes, filters, .. } = self;
         let filter = PenumbraFilter { planes, blocks: filters };
         let run = |index, block: &mut Block, records: Option<&mut Records<'_>>| {
+            if stop.load(Ordering::Relaxed) {
+                return Clock::default();
+            }
             level.run(RunBlock { context, steps, index: index as u32, block, records, filter })
         };
         let count = context.trace.frame.grid().blocks() as usize;

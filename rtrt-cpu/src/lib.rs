@@ -67,6 +67,7 @@ use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::scene::{Join, Scene, Setup};
 use rtrt_core::schedule::{Pass, Stage, Step, steps};
 use rtrt_core::stage::context::Context;
+use std::sync::atomic::AtomicBool;
 
 /// How the backend runs. The picture does not depend on it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -84,6 +85,9 @@ pub struct Cpu {
     level: InstructionSet,
     memory: Memory,
 }
+
+/// The flag of frames that nobody stops.
+static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// What a frame is built in.
 #[derive(Debug, Default)]
@@ -112,13 +116,14 @@ impl Cpu {
 }
 
 impl Memory {
-    /// Fills the tiles of blocks, and the deferred buffers if requested.
+    /// Fills the tiles of blocks, and the deferred buffers if requested, until `stop` is true.
     fn frame(
         &mut self,
         level: InstructionSet,
         scene: &Scene,
         deferred: Option<&mut Deferred>,
         clock: &mut Clock,
+        stop: &AtomicBool,
     ) {
         let Self { setup, steps: all, screen_bounds, bins, blocks } = self;
         let (frame, views, instances) = (&setup.frame, &setup.views[..], setup.instances(scene));
@@ -147,7 +152,8 @@ impl Memory {
             deferred.lists.clone_from(&bins.lists);
             block_records(deferred, frame)
         });
-        let busy = blocks.run(level, &context, of_blocks, records.as_deref_mut().unwrap_or_default());
+        let records = records.as_deref_mut().unwrap_or_default();
+        let busy = blocks.run(level, &context, of_blocks, records, stop);
         // The steps of a block follow one another on one thread, so a stage's share of
         // the time that passed is its share of the threads' time.
         clock.spread(start.elapsed(), &busy);
@@ -174,8 +180,9 @@ impl Backend for Cpu {
         memory.setup.prepare(scene, request)?;
         let mut deferred = request.deferred.then(|| picture.deferred.take().unwrap_or_default());
         let mut clock = Clock::default();
+        let stop = request.stop.unwrap_or(&NEVER);
         pool.install(|| {
-            memory.frame(*level, scene, deferred.as_mut(), &mut clock);
+            memory.frame(*level, scene, deferred.as_mut(), &mut clock, stop);
             let start = Instant::now();
             memory.blocks.untile(memory.setup.frame.grid(), &mut picture.pixels);
             clock.add(Stage::Resolve, start);
@@ -184,7 +191,7 @@ impl Backend for Cpu {
         [picture.width, picture.height] = request.size;
         picture.stages_ms = clock.milliseconds();
         picture.host_ms = None;
-        Ok(())
+        if request.is_stopped() { Err(RenderError::Stopped) } else { Ok(()) }
     }
 }
 

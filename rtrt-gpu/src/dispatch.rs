@@ -19,6 +19,20 @@ impl Pipelines {
         Self(vec![None; ENTRIES.len()])
     }
 
+    /// Compiles what the frame dispatches, one entry point after the other, until `is_stopped` says so. Returns whether
+    /// all of it is there.
+    pub fn compile_all(&mut self, device: &Device, frame: &Frame, is_stopped: &impl Fn() -> bool) -> bool {
+        for step in steps(frame) {
+            for (row, entry) in entries(step).filter(|(_, entry)| entry.groups(step, frame).is_some()) {
+                if self.0[row].is_none() && is_stopped() {
+                    return false;
+                }
+                self.compile(device, row, entry);
+            }
+        }
+        true
+    }
+
     /// Compiles what the frame dispatches, and makes what its dispatches bind, where these are not
     /// there yet.
     pub fn make(&mut self, device: &Device, frame: &Frame, buffers: &mut Buffers) {

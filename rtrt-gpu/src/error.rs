@@ -1,5 +1,7 @@
 //! What can go wrong on a GPU.
 
+use rtrt_core::backend::RenderError;
+
 /// Why a GPU could not be opened, or a frame not be rendered on it.
 ///
 /// The CPU is never substituted here; that choice is the caller's.
@@ -85,6 +87,9 @@ pub enum Error {
         /// What the driver says.
         reason: String,
     },
+    /// The flag of [`Request::until`](rtrt_core::backend::Request::until) was set.
+    #[error("the frame was stopped")]
+    Stopped,
     /// Results could not be read back.
     #[error("results cannot be read back: {source}")]
     ReadBack {
@@ -97,6 +102,15 @@ impl Error {
     /// [`Error::ReadBack`] because of `source`.
     pub(crate) fn read_back(source: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::ReadBack { source: Box::new(source) }
+    }
+}
+
+impl From<Error> for RenderError {
+    fn from(source: Error) -> Self {
+        match source {
+            Error::Stopped => Self::Stopped,
+            source => Self::Backend { backend: "gpu", source: Box::new(source) },
+        }
     }
 }
 

@@ -10,11 +10,12 @@ use crate::raster::Raster;
 use crate::slot::{Slot, list_words};
 use crate::texture::{check, copy};
 use crate::timer::{HostClock, Timer};
-use rtrt_core::backend::{Deferred, Picture};
+use rtrt_core::backend::{Deferred, Picture, Request};
 use rtrt_core::grid::RayIndex;
 use rtrt_core::layout::{Frame, View};
 use rtrt_core::scene::{ListCacheKey, ReusableLists, Scene, Setup};
 use rtrt_core::schedule::Stage;
+use std::sync::atomic::{AtomicBool, Ordering};
 use wgpu::BufferUsages;
 
 /// Entries that the lists have room for at first.
@@ -81,15 +82,16 @@ impl Renderer {
         &mut self,
         scene: &Scene,
         setup: &Setup,
-        deferred: bool,
+        request: &Request<'_>,
         mut clock: HostClock,
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
         let device = self.device.device.clone();
-        let result = watched(&device, self.frame(scene, setup, deferred, &mut clock, texture, picture)).await;
+        let result = watched(&device, self.frame(scene, setup, request, &mut clock, texture, picture)).await;
         picture.host_ms = Some(clock.ms);
-        if result.is_err() {
+        // A stopped frame has dispatched nothing that it did not wait for.
+        if result.as_ref().is_err_and(|error| !matches!(error, Error::Stopped)) {
             // Whatever is there now is not to be relied on.
             self.buffers = Buffers::default();
             self.listed = None;
@@ -98,15 +100,27 @@ impl Renderer {
         result
     }
 
+    /// Compiles what frames like this one dispatch.
+    pub async fn compile(&mut self, frame: &Frame, stop: &AtomicBool) -> Result<(), Error> {
+        let frame = Frame { is_drawn: u32::from(self.raster.is_some()), ..*frame };
+        let Self { device, pipelines, .. } = self;
+        watched(&device.device, async {
+            let is_done = pipelines.compile_all(device, &frame, &|| stop.load(Ordering::Relaxed));
+            if is_done { Ok(()) } else { Err(Error::Stopped) }
+        })
+        .await
+    }
+
     async fn frame(
         &mut self,
         scene: &Scene,
         setup: &Setup,
-        deferred: bool,
+        request: &Request<'_>,
         clock: &mut HostClock,
         texture: Option<&wgpu::Texture>,
         picture: &mut Picture,
     ) -> Result<(), Error> {
+        let deferred = request.deferred;
         let frame = Frame { is_drawn: u32::from(self.raster.is_some()), ..setup.frame };
         match texture {
             Some(texture) => check(texture, &frame)?,
@@ -135,6 +149,9 @@ impl Renderer {
         if self.listed.take() != Some([frame.blocks, self.capacity]) {
             kept = ReusableLists::Nothing;
         }
+        if !self.pipelines.compile_all(&self.device, &frame, &|| request.is_stopped()) {
+            return Err(Error::Stopped);
+        }
         let entries = loop {
             picture.deferred = empty();
             let (frame, first_stage) = match kept {
@@ -151,6 +168,9 @@ impl Renderer {
             let entries = self.band(first, first_stage, clock, texture, picture).await?;
             if entries <= self.capacity {
                 for band in bands {
+                    if request.is_stopped() {
+                        return Err(Error::Stopped);
+                    }
                     self.band(band, FIRST_OF_BAND, clock, texture, picture).await?;
                 }
                 break entries;
@@ -262,7 +282,7 @@ mod tests {
     use super::*;
     use crate::{Gpu, Options};
     use glam::{Mat4, Vec3};
-    use rtrt_core::backend::{Backend, Request};
+    use rtrt_core::backend::Backend;
     use rtrt_core::layout::{Attribute, Hit};
     use rtrt_core::scene::{Bvh, Camera, Material, Mesh, Projection, Sequential};
     use rtrt_core::schedule::{Pass, Step};

@@ -57,9 +57,10 @@ use frame::Renderer;
 use rtrt_core::backend::Backend;
 use rtrt_core::backend::{Description, Picture, RenderError, Request};
 use rtrt_core::kernel::canary::OUTPUTS;
-use rtrt_core::layout::PROBES;
+use rtrt_core::layout::{Frame, PROBES};
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::schedule::Stage;
+use std::sync::atomic::AtomicBool;
 use timer::HostClock;
 use wait::Waiting;
 
@@ -205,10 +206,7 @@ impl Gpu {
         let clock = HostClock::start();
         self.setup.prepare(scene, request)?;
         self.renderer.device.waiting = waiting;
-        self.renderer
-            .render(scene, &self.setup, request.deferred, clock, texture, picture)
-            .await
-            .map_err(|source| RenderError::Backend { backend: "gpu", source: Box::new(source) })
+        Ok(self.renderer.render(scene, &self.setup, request, clock, texture, picture).await?)
     }
 
     /// Renders hybrid frames, or, as ever, frames that are traced: the paper's conclusion. The closest surfaces on
@@ -336,5 +334,9 @@ impl Backend for Gpu {
         picture: &mut Picture,
     ) -> Result<(), RenderError> {
         pollster::block_on(self.frame(scene, request, None, picture, Waiting::Blocks))
+    }
+
+    fn warm_up(&mut self, frame: &Frame, stop: &AtomicBool) -> Result<(), RenderError> {
+        Ok(pollster::block_on(self.renderer.compile(frame, stop))?)
     }
 }

@@ -49,6 +49,21 @@ impl DebugView {
         ("heat", Self::Heat),
         ("tests", Self::Tests),
     ];
+
+    /// What the colors mean.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Albedo => "base colors",
+            Self::Normal => "red is x, green y, blue z, from -1 (dark) to 1",
+            Self::Depth => "light is near, dark is far",
+            Self::Ids => "a color for each object, in shades for its triangles",
+            Self::Shadow => "white is lit by all lights, black by none",
+            Self::Uv => "red is u, green is v, without whole numbers",
+            Self::Blocks => "black: empty list; blue: misses all spheres; white: misses all meshes",
+            Self::Heat => "entries in the list of the block",
+            Self::Tests => "boxes and triangles that a ray is tested with",
+        }
+    }
 }
 
 /// A debug view of a frame.

@@ -8,6 +8,7 @@ use crate::layout::NONE;
 use crate::scene::{Bounds, Bvh, Join, Sequential};
 use alloc::vec;
 use alloc::vec::Vec;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 /// A tree with so many times the cost that it had when it was built is built again.
 const WORN: f64 = 2.0;
@@ -148,18 +149,32 @@ impl Tree {
 
     /// Brings the trees up to date; workers of `join` build what must be built.
     pub fn update<S: Source>(&mut self, source: &S, join: &impl Join) {
+        self.update_until(source, join, &AtomicBool::new(false));
+    }
+
+    /// [`Tree::update`] that ends between two meshes once `stop` is true. Returns whether the trees are up to date; if not,
+    /// the next update has less to do.
+    pub fn update_until<S: Source>(&mut self, source: &S, join: &impl Join, stop: &AtomicBool) -> bool {
+        let is_stopped = || stop.load(Ordering::Relaxed);
         if self.source != Some(source.id()) {
             *self = Self { source: Some(source.id()), ..Self::default() };
         }
         for (mesh, tree) in self.meshes.iter_mut().enumerate() {
             if tree.version != source.nodes(mesh).version {
+                if is_stopped() {
+                    return false;
+                }
                 *tree = MeshTree::new(source, mesh);
             }
         }
         for mesh in self.meshes.len()..source.meshes() {
+            if is_stopped() {
+                return false;
+            }
             self.meshes.push(MeshTree::new(source, mesh));
         }
         self.instances.update(source, join);
+        true
     }
 
     /// Bytes of all trees.

@@ -103,6 +103,7 @@ impl Setup {
             clip: [near, far],
             ambient_occlusion,
             deferred: _,
+            stop: _,
         } = *request;
         let side = match samples {
             1 => 1,

@@ -2,8 +2,10 @@
 
 use super::options::Tell;
 use rtrt_core::backend::{Backend, Description, Picture, RenderError, Request};
+use rtrt_core::layout::Frame;
 use rtrt_core::scene::Scene;
 use rtrt_cpu::Cpu;
+use std::sync::atomic::AtomicBool;
 
 /// Renders on a first backend until it fails, then on the CPU. The CPU renders the failed frame again; its bits
 /// are the same.
@@ -42,6 +44,10 @@ impl Backend for Fallback {
         let Some(Ok(cpu)) = self.cpu.take().map(Cpu::new) else { return Err(failed) };
         self.backend = Box::new(cpu);
         self.backend.render(scene, request, picture)
+    }
+
+    fn warm_up(&mut self, frame: &Frame, stop: &AtomicBool) -> Result<(), RenderError> {
+        self.backend.warm_up(frame, stop)
     }
 }
 

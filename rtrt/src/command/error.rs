@@ -35,6 +35,16 @@ pub enum Error {
         /// The names of the scene's cameras.
         names: Vec<String>,
     },
+    /// The scene has no object or material with a number.
+    #[error("unknown {what}: {}: no object is, or has, {what} {asked}", scene.display())]
+    Number {
+        /// The scene.
+        scene: PathBuf,
+        /// `object` or `material`.
+        what: &'static str,
+        /// The number.
+        asked: u32,
+    },
     /// The scene has no such animation.
     #[error("unknown animation: {}: there is no animation {asked:?}, {}", scene.display(), listed(names))]
     Animation {
@@ -230,6 +240,7 @@ impl Error {
             Self::Encode { .. } | Self::Write { .. } | Self::Video { .. } | Self::Print(_) => 1,
             Self::Demo { .. }
             | Self::Camera { .. }
+            | Self::Number { .. }
             | Self::Animation { .. }
             | Self::TooLarge { .. }
             | Self::Line { .. }
@@ -264,6 +275,7 @@ impl Error {
             Self::Camera { .. } => {
                 "--camera takes a name, or a number from 0; --eye and --look-at need no camera"
             }
+            Self::Number { .. } => "`rtrt render --report FILE` has the numbers of objects and materials",
             Self::Animation { .. } => "--animation takes a number, a name, or all",
             Self::Poses { .. } => "README.md, \"Many views\", has the keys of that file",
             Self::Video { .. } => "a film needs ffmpeg; -o - writes frames for another program",
@@ -295,8 +307,8 @@ impl Error {
             }
             #[cfg(feature = "viewer")]
             Self::Window { .. } => {
-                "a window needs a display (on Linux X11, or XWayland, with DISPLAY set) and a Vulkan driver; \
-                 `rtrt render` needs neither"
+                "a window needs a display (on Linux X11, or XWayland, with DISPLAY set); \
+                 `rtrt render` needs none"
             }
             Self::Render { .. } => "try a smaller --size, fewer --samples, or other --light",
             Self::Encode { .. } => "try another format: .png or .exr",

@@ -3,12 +3,15 @@
 use super::Error;
 use super::console::Console;
 use super::options::{BackendOptions, CameraOptions, Common};
+#[cfg(feature = "viewer")]
+use super::parse::Environment;
 use super::parse::{AmbientOcclusion, Exposure};
+use super::repaint::{self, Repaint};
 use super::report::Machine;
 use super::stream;
 use super::surroundings::{Surrounded, surrounded};
 use super::views::{View, Viewpoint};
-use glam::DVec3;
+use glam::{DVec3, Mat4};
 use rtrt::cache::Cache;
 use rtrt::choose::{self, ChooseError, Chosen, choose};
 use rtrt::debug::{DebugImage, DebugView, show};
@@ -18,6 +21,7 @@ use rtrt::layers::MOST_RAYS;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows, ToneMap};
 use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -60,6 +64,8 @@ pub struct RenderJob {
     pub labels: Vec<Label>,
     /// The files of the scene and its environment.
     files: Vec<PathBuf>,
+    /// The objects that are not drawn, with their transforms.
+    pub hidden: BTreeMap<u32, Mat4>,
     common: Common,
 }
 
@@ -148,10 +154,17 @@ impl RenderJob {
             camera_number: Some(camera_number),
             labels,
             files,
+            hidden: BTreeMap::new(),
             common: common.clone(),
         };
+        for repaint in &common.materials {
+            job.repaint(repaint)?;
+        }
         if let Some(time) = time {
             job.play(time)?;
+        }
+        for number in &common.hide {
+            job.hide(*number)?;
         }
         job.load_ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(job)
@@ -166,11 +179,36 @@ impl RenderJob {
             pose.aim(self.scene.lights_mut());
             show_lights(&mut self.scene, &self.common)?;
         }
+        for &number in self.hidden.keys() {
+            hide(&mut self.scene, &self.common, number)?;
+        }
         for (index, camera) in pose.cameras {
             self.cameras[index].camera = camera;
         }
         self.aim();
         Ok(())
+    }
+
+    /// Draws an object no longer.
+    pub fn hide(&mut self, number: u32) -> Result<(), Error> {
+        let transform = self.scene.instances().get(number as usize).map(|instance| {
+            let [x, y, z] = instance.to_world;
+            Mat4::from_cols_array_2d(&[x, y, z, [0.0, 0.0, 0.0, 1.0]]).transpose()
+        });
+        hide(&mut self.scene, &self.common, number)?;
+        // One that is hidden already has lost its transform.
+        self.hidden.entry(number).or_insert(transform.unwrap_or_default());
+        Ok(())
+    }
+
+    /// Changes a material.
+    pub fn repaint(&mut self, repaint: &Repaint) -> Result<(), Error> {
+        let path = &self.common.scene;
+        let unknown = || Error::Number { scene: path.clone(), what: "material", asked: repaint.number };
+        let index = repaint::material(&self.scene, repaint.number).ok_or_else(unknown)?;
+        let material = repaint.applied(self.scene.material(index).ok_or_else(unknown)?);
+        let changed = self.scene.set_material(index, material);
+        Ok(changed.map_err(|source| ImportError::Scene { path: path.clone(), source })?)
     }
 
     /// Takes the chosen camera of the file as it is now.
@@ -310,6 +348,58 @@ impl RenderJob {
         }
     }
 
+    /// Draws an object again.
+    pub fn unhide(&mut self, number: u32) -> Result<(), Error> {
+        let Some(transform) = self.hidden.remove(&number) else { return Ok(()) };
+        let path = &self.common.scene;
+        let unknown = || Error::Number { scene: path.clone(), what: "object", asked: number };
+        let object = self.scene.instance_index(number).ok_or_else(unknown)?;
+        let shown = self.scene.set_transform(object, transform);
+        Ok(shown.map_err(|source| ImportError::Scene { path: path.clone(), source })?)
+    }
+
+    /// Surrounds the scene with another environment, whose sun replaces that of the one before.
+    pub fn surround_with(&mut self, environment: Environment) -> Result<(), Error> {
+        let lights = self.scene.lights().to_vec();
+        if let Some(sun) = self.surrounded.sun.filter(|sun| *sun < lights.len()) {
+            self.scene.lights_mut().remove(sun);
+        }
+        let mut common = self.common.clone();
+        common.surroundings.environment = Some(environment);
+        match surrounded(&mut self.scene, &common) {
+            Ok(surrounded) => (self.surrounded, self.common) = (surrounded, common),
+            Err(error) => {
+                *self.scene.lights_mut() = lights;
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+
+    /// The names of the animations.
+    pub fn animation_names(&self) -> &[String] {
+        self.animation.as_ref().map_or(&[], Animation::names)
+    }
+
+    /// The number of the animation that is played; none for all.
+    pub fn played_animation(&self) -> Option<usize> {
+        self.animation.as_ref().and_then(Animation::played_number)
+    }
+
+    /// Chooses an animation by its number, or all at once.
+    pub fn choose_animation(&mut self, number: Option<usize>) {
+        if let Some(animation) = &mut self.animation {
+            animation.play(number);
+        }
+    }
+
+    /// Looks from a camera of the file.
+    pub fn choose_camera(&mut self, number: usize) {
+        self.camera_number = Some(number);
+        self.common.camera = CameraOptions::default();
+        self.aim();
+    }
+
     /// Whether the file has cameras.
     pub fn has_cameras(&self) -> bool {
         !self.cameras.is_empty()
@@ -382,6 +472,14 @@ fn choose_animation(
         }
     }
     Ok(())
+}
+
+/// Draws an object no longer.
+fn hide(scene: &mut Scene, common: &Common, number: u32) -> Result<(), Error> {
+    let path = &common.scene;
+    let unknown = || Error::Number { scene: path.clone(), what: "object", asked: number };
+    let object = scene.instance_index(number).ok_or_else(unknown)?;
+    Ok(scene.hide(object).map_err(|source| ImportError::Scene { path: path.clone(), source })?)
 }
 
 /// Shows lights with a radius as spheres, with `--show-lights`.

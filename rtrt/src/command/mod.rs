@@ -19,6 +19,7 @@ mod output;
 mod parse;
 mod poses;
 mod render;
+mod repaint;
 mod report;
 mod run_report;
 mod sinks;

@@ -8,6 +8,7 @@ use super::parse::{
     given_light, height, intensity, json, layers, mip, occluders, one_of, part, picture, point_of_file,
     radius, rate, seconds, shadows, size, structure, tone, tone_map, turn, vector, view,
 };
+use super::repaint::Repaint;
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::{DVec3, Vec3};
@@ -145,6 +146,13 @@ pub struct ViewOptions {
     /// which are all at full resolution
     #[arg(long, value_name = "FILE")]
     pub replay: Option<PathBuf>,
+    /// Replay at the recorded speed, with the detail that this machine has time for, as for a person. With --json
+    /// the figures of the loop are printed in the end
+    #[arg(long, requires = "replay")]
+    pub live: bool,
+    /// What draws the window: a GPU, or the CPU; auto takes the CPU where the GPU is software or none is there
+    #[arg(long, value_name = "auto|gpu|cpu", default_value = "auto", value_parser = choice(), allow_negative_numbers = true)]
+    pub window: Choice,
     /// Rasterize the first surfaces on a GPU, and trace shadows, light and transparency; the panel has a
     /// switch for it. Some pixels at edges differ from the exact picture
     #[arg(long)]
@@ -226,6 +234,13 @@ pub struct Common {
     /// content
     #[arg(long, value_name = "SIZE", value_parser = height, allow_negative_numbers = true)]
     pub point_size: Option<f32>,
+    /// Do not draw these objects, by their numbers in --report
+    #[arg(long, value_name = "N,N", value_delimiter = ',')]
+    pub hide: Vec<u32>,
+    /// Change a material, by its number in --report: color=r,g,b and emission=r,g,b (linear), metallic, roughness, alpha and
+    /// transmission (within 0 and 1), with colons between them, as in 3:color=0.8,0.1,0.1:roughness=0.4
+    #[arg(long = "material", value_name = "N:KEY=VALUE")]
+    pub materials: Vec<Repaint>,
     /// Cache the BVHs of large meshes in this folder. A damaged file is built again
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,

@@ -146,6 +146,11 @@ impl Animation {
         self.played = number;
     }
 
+    /// The number of the chosen animation; none for all at once.
+    pub fn played_number(&self) -> Option<usize> {
+        self.played
+    }
+
     /// The tracks of a node in the chosen animation.
     fn played<'a>(&'a self, node: &'a SceneNode) -> impl Iterator<Item = &'a Track> {
         node.tracks.iter().filter(|track| self.played.is_none_or(|number| track.animation == number))

@@ -169,7 +169,14 @@ impl<'a, J: Join> Builder<'a, J> {
         let material = self.scene.instances().get(number).map_or(0, |instance| instance.material as usize);
         let material = self.materials.get(material).cloned().unwrap_or_default();
         self.labels.resize(self.scene.instances().len(), Label::default());
-        self.labels[number] = Label { node, mesh, material };
+        self.labels[number] = Label { node, mesh, material, path: String::new() };
+    }
+
+    /// Says which nodes are above that of a labeled instance.
+    pub fn set_path(&mut self, object: InstanceIndex, path: &str) {
+        if let Some(label) = self.labels.get_mut(object.number() as usize) {
+            label.path = path.into();
+        }
     }
 
     /// The labels of all instances.

@@ -61,6 +61,8 @@ pub struct Label {
     pub mesh: String,
     /// The material.
     pub material: String,
+    /// The names of the nodes above the node, each followed by a slash; those of the nearest 16.
+    pub path: String,
 }
 
 /// A scene from a file.

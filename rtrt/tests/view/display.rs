@@ -165,3 +165,12 @@ pub fn rendered(folder: &Path, printed: &str) -> RgbaImage {
     assert_eq!(done.status.code(), Some(0), "{printed}: {}", stderr(&done));
     pixels(folder, "headless.png")
 }
+
+/// How many of the pixels of a part of the window differ; places are shares of its width and height.
+pub fn changed(a: &RgbaImage, b: &RgbaImage, [left, top, right, bottom]: [f32; 4]) -> usize {
+    let (width, height) = a.dimensions();
+    let [left, right] = [left, right].map(|x| (x * width as f32) as u32);
+    let [top, bottom] = [top, bottom].map(|y| (y * height as f32) as u32);
+    let places = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
+    places.filter(|&(x, y)| a.get_pixel(x, y) != b.get_pixel(x, y)).count()
+}

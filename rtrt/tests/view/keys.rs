@@ -78,15 +78,18 @@ fn keys_move_along_the_cameras_own_axes() {
 }
 
 #[test]
-fn the_mouse_orbits_looks_shifts_and_zooms() {
+fn the_mouse_orbits_looks_shifts_and_goes_nearer() {
     let drag = |button: &str| {
         format!(
             "move 30 20\nbutton {button} down\nmove 40 18\nframe 0\nbutton {button} up\nmove 0 0\nframe 0\n"
         )
     };
     let (left, right, middle) = (drag("left"), drag("right"), drag("middle"));
-    let Some(seen) = after("mouse", &["", &left, &right, &middle, "wheel 1\n", "wheel -1\n"]) else { return };
-    let [start, orbit, look, shift, near, far] = seen[..] else { panic!("too few") };
+    let zoom = |notches| format!("modifiers ctrl\nwheel {notches}\nmodifiers\n");
+    let (longer, shorter) = (zoom(1), zoom(-1));
+    let inputs = ["", &left, &right, &middle, "wheel 1\n", "wheel -1\n", &longer, &shorter];
+    let Some(seen) = after("mouse", &inputs) else { return };
+    let [start, orbit, look, shift, near, far, longer, shorter] = seen[..] else { panic!("too few") };
     // Around a point in front of the camera, which stays as far away.
     let turned = (orbit.forward - start.forward).length();
     let radius = (orbit.eye - start.eye).length() / turned;
@@ -101,7 +104,9 @@ fn the_mouse_orbits_looks_shifts_and_zooms() {
             && (shift.eye - start.eye).dot(start.forward).abs() < 1e-3
     );
     assert!((shift.eye - start.eye).length() > 1e-3);
-    assert!(near.fov < start.fov && far.fov > start.fov && near.eye == start.eye);
+    let nearer = [near, far].map(|seen| (seen.eye - start.eye).dot(start.forward));
+    assert!(nearer[0] > 1e-3 && nearer[1] < -1e-3 && near.fov == start.fov, "{nearer:?}");
+    assert!(longer.fov < start.fov && shorter.fov > start.fov && longer.eye == start.eye);
 }
 
 #[test]

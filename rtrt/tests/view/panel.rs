@@ -1,11 +1,8 @@
 //! What lies over the picture: keys, timing, messages, and the panel, every entry of which has an option.
 
-use crate::display::{
-    Display, SCREEN, Window, command, folder, lines, pixels, present, rendered, stderr, view,
-};
+use crate::display::{Display, SCREEN, Window, changed, command, folder, lines, pixels, rendered, stderr, view};
 use image::RgbaImage;
 use std::fs;
-use std::process::Command;
 
 /// A click, and what follows of it.
 fn click(x: u32, y: u32) -> String {
@@ -92,15 +89,6 @@ fn hybrid_frames_are_switched_in_the_panel() {
     assert!(pixels(&folder, "again.png") == drawn);
 }
 
-/// How many of the pixels of a part of the window differ; places are shares of its width and height.
-fn changed(a: &RgbaImage, b: &RgbaImage, [left, top, right, bottom]: [f32; 4]) -> usize {
-    let (width, height) = a.dimensions();
-    let [left, right] = [left, right].map(|x| (x * width as f32) as u32);
-    let [top, bottom] = [top, bottom].map(|y| (y * height as f32) as u32);
-    let places = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
-    places.filter(|&(x, y)| a.get_pixel(x, y) != b.get_pixel(x, y)).count()
-}
-
 #[test]
 fn keys_timing_messages_and_the_panel_are_seen() {
     let (left, middle, right, low) =
@@ -126,67 +114,6 @@ fn keys_timing_messages_and_the_panel_are_seen() {
             changed(&plain, &seen, place) > 500 && changed(&plain, &seen, elsewhere) == 0
         });
     }
-}
-
-#[test]
-fn a_window_says_that_shaders_are_compiled() {
-    let folder = folder("compiling");
-    let Some(display) = Display::start(&folder) else { return };
-    let line = "view demo:matchbox --size 800x600 --samples 1 --backend gpu";
-    let mut window = Window::open(&display, &folder, line);
-    let is_black = |picture: &RgbaImage| picture.pixels().all(|pixel| pixel.0[..3] == [0; 3]);
-    window.until("something is seen", || !is_black(&display.pixels(SCREEN)));
-    let first = display.pixels(SCREEN);
-    // A GPU may have been faster than we look.
-    let said = fs::read_to_string(folder.join("stderr")).unwrap();
-    if said.contains("the window is drawn by a software adapter") {
-        let is_text = |y: u32| (0..800).any(|x| first.get_pixel(x, y).0[..3] != [0; 3]);
-        assert!((560..600).any(is_text) && !(0..500).any(is_text), "no message is seen");
-    }
-    window.until("the picture is seen", || {
-        display.pixels(SCREEN).pixels().filter(|p| p.0[..3] == [0; 3]).count() < 10_000
-    });
-}
-
-#[test]
-fn fewer_rays_are_traced_while_something_moves() {
-    let folder = folder("coarse");
-    let Some(display) = Display::start(&folder) else { return };
-    let Some(_) = present("xdotool", Command::new("xdotool").arg("version").output()) else { return };
-    let key = |action: &str, key: &str| {
-        let mut xdotool = Command::new("xdotool");
-        xdotool.args([
-            "search",
-            "--sync",
-            "--onlyvisible",
-            "--name",
-            "rtrt",
-            "windowfocus",
-            "--sync",
-            action,
-            key,
-        ]);
-        xdotool.env("DISPLAY", &display.name).status().is_ok_and(|status| status.success())
-    };
-    let line = "view demo:matchbox --size 800x600 --samples 4 --backend cpu --fps 1000 -o still.png";
-    let mut window = Window::open(&display, &folder, line);
-    // Of pixels beside each other, the share that is equal: one ray gives 8 x 8 of them.
-    let equal = || {
-        let seen = display.pixels(SCREEN);
-        let pairs = (0..600).flat_map(|y| (0..799).map(move |x| (x, y)));
-        pairs.filter(|&(x, y)| seen.get_pixel(x, y) == seen.get_pixel(x + 1, y)).count() as f32
-            / (600.0 * 799.0)
-    };
-    window.until("the picture is there and fine", || equal() < 0.6);
-    assert!(key("keydown", "d"));
-    window.until("the picture is coarse", || equal() > 0.85);
-    key("keyup", "d");
-    window.until("the picture is fine again", || equal() < 0.6);
-    assert!(key("key", "F12"));
-    window.until("a screenshot is written", || folder.join("still.png").exists());
-    let still = pixels(&folder, "still.png");
-    window
-        .until("it is what is seen", || changed(&still, &display.pixels(SCREEN), [0.0, 0.0, 1.0, 0.9]) == 0);
 }
 
 #[test]

@@ -49,12 +49,15 @@ fn the_window_shows_the_picture_pixel_for_pixel() {
     // Messages are gone after some seconds; then the window stays open until the test is done.
     let recording =
         "rtrt input 1\nsize 403 217 1\nframe 0.1\npress F12\nframe 0.1\nframes 10 5\nframes 1000000 0.02\n";
-    for (backend, is_here) in [("cpu", false), ("gpu", true)] {
-        let folder = folder(&format!("window_{backend}"));
+    for (window, backend, is_here) in
+        [("cpu", "cpu", false), ("cpu", "gpu", false), ("gpu", "cpu", false), ("gpu", "gpu", true)]
+    {
+        let folder = folder(&format!("window_{window}_{backend}"));
         let Some(display) = Display::start(&folder) else { return };
         fs::write(folder.join("input.txt"), recording).unwrap();
         let line = "view demo:glass --size 403x217 --samples 1 --verbose --replay input.txt -o shot.png";
-        let mut window = Window::open(&display, &folder, &format!("{line} --backend {backend}"));
+        let line = format!("{line} --window {window} --backend {backend}");
+        let mut window = Window::open(&display, &folder, &line);
         window.until("the screenshot is shown", || {
             let shot = folder.join("shot.png");
             shot.exists() && display.pixels([403, 217]) == pixels(&folder, "shot.png")

@@ -5,9 +5,12 @@ use crate::command::console::Console;
 use crate::command::job::open;
 use crate::command::options::BackendOptions;
 use crate::command::report::Machine;
-use rtrt::choose::ChooseError;
-use rtrt_core::backend::Backend;
+use rtrt::choose::{Choice, ChooseError};
+use rtrt_core::backend::{Backend, RenderError};
+use rtrt_core::layout::Frame;
+use rtrt_cpu::Cpu;
 use rtrt_gpu::{Gpu, Route};
+use std::sync::atomic::AtomicBool;
 
 /// An open backend.
 pub struct Engine {
@@ -35,6 +38,22 @@ impl Engine {
         let (backend, machine) = open(options, hybrid, console)?;
         let (renders, options) = (Renders::Separate(backend), options.clone());
         Ok(Self { renders, machine, options, hybrid, is_warm: false })
+    }
+
+    /// The CPU.
+    pub fn cpu(options: &BackendOptions) -> Result<Self, Error> {
+        let cpu = Cpu::new(rtrt_cpu::Options { lanes: options.lanes, threads: options.threads() });
+        let cpu = cpu.map_err(ChooseError::Cpu)?;
+        let (machine, options) = (Machine::from(cpu.describe()), options.clone());
+        let options = BackendOptions { backend: Choice::Cpu, ..options };
+        Ok(Self { renders: Renders::Separate(Box::new(cpu)), machine, options, hybrid: false, is_warm: false })
+    }
+
+    /// Compiles what frames like this one need, until `stop` is true.
+    pub fn warm_up(&mut self, frame: &Frame, stop: &AtomicBool) -> Result<(), RenderError> {
+        self.backend().warm_up(frame, stop)?;
+        self.is_warm = true;
+        Ok(())
     }
 
     /// The backend and its hardware.

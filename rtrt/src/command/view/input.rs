@@ -38,10 +38,26 @@ pub enum Event {
     Button(Button, bool),
     /// Notches of the wheel; up is positive.
     Wheel(f32),
+    /// Two fingers apart by this factor.
+    Pinch(f32),
+    /// Two fingers along by so many pixels.
+    Pan(f32, f32),
     /// The window got or lost the keyboard.
     Focus(bool),
     /// A file was dropped on the window.
     Drop(PathBuf),
+}
+
+impl Event {
+    /// Whether a person waits for an effect, so that a picture that is only refined can wait. A pointer that moves without
+    /// a button may change nothing.
+    pub fn is_urgent(&self, is_held: bool) -> bool {
+        match self {
+            Self::Move(..) => is_held,
+            Self::Leave | Self::Focus(_) | Self::Modifiers(_) => false,
+            _ => true,
+        }
+    }
 }
 
 /// The modifier keys.
@@ -85,6 +101,8 @@ impl fmt::Display for Event {
                 write!(f, "button {} {down}", name.map_or("left", |(name, _)| name))
             }
             Self::Wheel(notches) => write!(f, "wheel {notches}"),
+            Self::Pinch(factor) => write!(f, "pinch {factor}"),
+            Self::Pan(x, y) => write!(f, "pan {x} {y}"),
             Self::Focus(has) => write!(f, "focus {}", if *has { "gained" } else { "lost" }),
             Self::Drop(path) => write!(f, "drop {}", path.to_string_lossy().escape_default()),
         }
@@ -115,9 +133,13 @@ impl FromStr for Event {
                 Self::Modifiers(Modifiers { ctrl: held("ctrl"), shift: held("shift"), alt: held("alt") })
             }
             ("text", _) => Self::Text(unescaped(rest).ok_or("an escape is not complete")?),
-            ("move", [x, y]) => {
+            (what @ ("move" | "pan"), [x, y]) => {
                 let (x, y) = number(x).zip(number(y)).ok_or("not two finite numbers")?;
-                Self::Move(x, y)
+                if what == "move" { Self::Move(x, y) } else { Self::Pan(x, y) }
+            }
+            ("pinch", [factor]) => {
+                let factor = number(factor).filter(|factor| (1e-3..=1e3).contains(factor));
+                Self::Pinch(factor.ok_or("the factor is not within 0.001 and 1000")?)
             }
             ("leave", []) => Self::Leave,
             ("button", [name, state]) => {
@@ -284,6 +306,8 @@ mod tests {
                     Event::Button(Button::Middle, true),
                     Event::Button(Button::Left, false),
                     Event::Wheel(-1.5),
+                    Event::Pinch(1.25),
+                    Event::Pan(-3.0, 0.5),
                     Event::Drop("/a b/c.glb".into()),
                 ],
                 seconds: 0.0,
@@ -323,6 +347,8 @@ mod tests {
             "button left",
             "button left x",
             "wheel",
+            "pinch 0",
+            "pan 1",
             "focus",
             "modifiers super",
             "leave now",

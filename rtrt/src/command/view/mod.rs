@@ -2,13 +2,16 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `input` | events as data, one a line of text |
+//! | `input`, `live` | events as data, one a line of text; recordings at their own speed |
 //! | `controls` | what keys and the mouse do |
-//! | `camera`, `pace` | functions: how a camera moves, how fine a picture can be in the given time |
+//! | `camera`, `motion`, `pace` | functions: how a camera moves, how fine a picture can be in the given time |
 //! | `viewer` | all state but the window; renders by the functions of `rtrt render` |
 //! | `engine` | the backend, or a GPU backend on the window's own device |
-//! | `window`, `screen` | winit; wgpu |
-//! | `overlay`, `panel` | egui |
+//! | `window`, `system` | winit: frames, events |
+//! | `screen` | what draws the window: wgpu, or the CPU |
+//! | `interface`, `overlay`, `guides`, `panel` | egui |
+//! | `recent` | the files that were opened last |
+//! | `figures` | times from events to pictures |
 //! | `reproduce` | the command line that renders the current picture |
 //! | `watch` | files that change |
 //!
@@ -17,13 +20,17 @@
 //!   and it brings a clipboard.
 //! - **The printed command renders the picture.** A test reads it back with the command's own parser.
 //!   Numbers that the panel changed are options of it.
-//! - **Pictures are exact.** egui's shader draws the picture as a texture with nearest texels, and a
-//!   test compares the window's pixels with the file. The GPU that draws the window renders into the
-//!   texture; other pictures are uploaded. Screenshots are rendered once more and read back, with the
-//!   same bits.
-//! - **The viewer renders on a worker thread; input waits in a queue.** Nothing changes during a frame.
-//!   A replay renders on the window's thread. While a GPU compiles its stages, before its first picture,
-//!   the overlay says so.
+//! - **Pictures are exact.** A picture of the window's size is shown pixel by pixel, and a test compares the
+//!   window with the file. The GPU that draws the window renders into its texture; other pictures are
+//!   uploaded. Screenshots are rendered once more and read back, with the same bits.
+//! - **A window without a GPU is drawn by the CPU,** in memory that it shares with the display. A software
+//!   device took 100 ms to present a picture of 1280 × 720 (9.9 frames a second whatever was in it).
+//! - **The whole loop is measured,** from the event to the presented picture. While things move, the detail of
+//!   pictures follows from that; then they are refined: a quarter of the pixels, all, all samples.
+//! - **The viewer renders on a worker thread; input waits in a queue.** Nothing changes during a frame. Input ends
+//!   a frame that refines (`Request::until`), so it waits for the few milliseconds of a block. A replay renders
+//!   on the window's thread; with `--live` it has the recording's times, and is like a person.
+//! - **While a GPU compiles, the CPU draws,** and compiling ends between two shaders.
 //! - **Errors of the window are errors of the command.** winit panics where a library or an extension of
 //!   the display is missing; [`run`] catches that.
 
@@ -31,12 +38,19 @@ use rtrt::moves as camera;
 mod controls;
 mod engine;
 mod failure;
+mod figures;
+mod guides;
 mod input;
+mod interface;
+mod live;
+mod motion;
 mod overlay;
 mod pace;
 mod panel;
+mod recent;
 mod reproduce;
 mod screen;
+mod system;
 mod viewer;
 mod watch;
 mod window;
@@ -49,8 +63,9 @@ use failure::{panics_caught, reason};
 use input::Replay;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 use viewer::Viewer;
-use window::App;
+use window::{App, Woken};
 use winit::event_loop::EventLoop;
 
 /// Opens a window, and shows the scene until it is closed.
@@ -62,8 +77,12 @@ pub fn run(options: &ViewOptions) -> Result<(), Error> {
     }
     let replay = options.replay.as_deref().map(replay).transpose()?;
     // Before the scene is loaded: loading is in vain without a display.
-    let events = panics_caught(|| EventLoop::new().map_err(|error| reason(&error))).map_err(refused)?;
-    let viewer = Viewer::new(options)?;
+    let events = panics_caught(|| EventLoop::with_user_event().build().map_err(|error| reason(&error)));
+    let events = events.map_err(refused)?;
+    let proxy = events.create_proxy();
+    // The window may be closed.
+    let waker = Arc::new(move || _ = proxy.send_event(Woken::Backend));
+    let viewer = Viewer::new(options, waker)?;
     let mut app = App::new(options, viewer, replay, events.create_proxy())?;
     events.run_app(&mut app).map_err(|error| refused(reason(&error)))?;
     app.result

@@ -9,15 +9,17 @@ use rtrt_core::schedule::Stage;
 /// The margin at the sides of the window.
 pub const MARGIN: f32 = 8.0;
 
-/// Shows the overlay. `waits` is a message in place of the viewer's.
-pub fn show(context: &Context, viewer: &Viewer, waits: Option<&str>) {
+/// Shows the overlay.
+pub fn show(context: &Context, viewer: &Viewer) {
     if viewer.settings.timing {
-        boxed(context, "timing", Align2::LEFT_TOP, |ui| timing(ui, viewer));
+        // The list of objects is on the left.
+        let side = if viewer.settings.objects { Align2::CENTER_TOP } else { Align2::LEFT_TOP };
+        boxed(context, "timing", side, |ui| timing(ui, viewer));
     }
     if viewer.settings.help {
         boxed(context, "help", Align2::CENTER_CENTER, help);
     }
-    if let Some(text) = waits.or(viewer.message()) {
+    if let Some(text) = viewer.message() {
         boxed(context, "message", Align2::CENTER_BOTTOM, |ui| ui.label(text));
     }
     if let Some(legend) = viewer.legend() {
@@ -43,26 +45,47 @@ fn boxed<R>(context: &Context, name: &'static str, side: Align2, content: impl F
     });
 }
 
+/// The keys, in as many columns as a small window needs.
 fn help(ui: &mut Ui) {
-    Grid::new("keys").num_columns(2).show(ui, |ui| {
-        for (keys, what) in KEYS {
-            ui.strong(keys);
-            ui.label(what);
-            ui.end_row();
+    ui.style_mut().override_text_style = Some(egui::TextStyle::Small);
+    let line = ui.text_style_height(&egui::TextStyle::Small) + ui.spacing().item_spacing.y;
+    let lines = (((ui.ctx().content_rect().height() - 6.0 * MARGIN) / line) as usize).max(1);
+    let columns = KEYS.len().div_ceil(lines).max(1);
+    ui.horizontal_top(|ui| {
+        for (number, keys) in KEYS.chunks(KEYS.len().div_ceil(columns)).enumerate() {
+            Grid::new(("keys", number)).num_columns(2).min_row_height(0.0).show(ui, |ui| {
+                for (keys, what) in keys {
+                    ui.strong(*keys);
+                    ui.label(*what);
+                    ui.end_row();
+                }
+            });
         }
     });
 }
 
 fn timing(ui: &mut Ui, viewer: &Viewer) {
+    ui.style_mut().override_text_style = Some(egui::TextStyle::Small);
     ui.label(viewer.machine().to_string());
     let Some(Timing { detail, frame_ms, stages_ms }) = viewer.timing else { return };
     let Detail { size: [width, height], samples } = detail;
     ui.label(format!("{width}x{height}, {samples} samples"));
-    ui.label(format!("{frame_ms:.1} ms, {:.1} frames a second", 1e3 / frame_ms));
+    ui.label(format!("{frame_ms:.1} ms to render"));
     ui.label(format!("{:.2} million camera rays a second", detail.rays() / frame_ms * 1e-3));
     if let Some((now, end)) = viewer.time() {
         ui.label(format!("{now:.2} of {end:.2} s"));
     }
+    ui.separator();
+    ui.label(format!("window: {}", viewer.drawn_by));
+    let (answer_ms, sharp_ms, pictures) = viewer.figures.last();
+    ui.label(format!("pictures in the last second: {pictures}"));
+    if let Some(ms) = answer_ms {
+        ui.label(format!("{ms:.0} ms from an event to its picture"));
+    }
+    if let Some(ms) = sharp_ms {
+        ui.label(format!("{ms:.0} ms from the last change to all pixels"));
+    }
+    ui.separator();
     let whole = stages_ms.iter().sum::<f64>().max(1e-9);
     Grid::new("stages").num_columns(3).show(ui, |ui| {
         for (stage, ms) in Stage::ALL.iter().zip(stages_ms) {

@@ -5,6 +5,7 @@ use crate::command::job::RenderJob;
 use crate::command::options::Common;
 use crate::command::parse::{EnvironmentSun, LIGHT_COLOR, SHADOWS};
 use crate::command::render::SAMPLES;
+use crate::command::repaint::Repaint;
 use crate::command::surroundings::{Surrounded, default_blur};
 use clap::CommandFactory;
 use clap::parser::ValueSource;
@@ -35,6 +36,12 @@ pub struct Shot<'a> {
     pub colors: Option<(Vec3, Vec3)>,
     /// The environment, if there is one.
     pub environment: Option<EnvironmentShot>,
+    /// The animation that was chosen, if the scene is not at rest.
+    pub animation: Option<&'a str>,
+    /// The numbers of objects that are not drawn.
+    pub hidden: Vec<u32>,
+    /// The changes of materials.
+    pub materials: Vec<Repaint>,
 }
 
 /// How an environment is shown.
@@ -66,9 +73,14 @@ impl EnvironmentShot {
 
 /// Options of `rtrt view` that are not passed on: they do not affect the picture, or [`command`] gives their
 /// current values.
-const OWN: [&str; 38] = [
+const OWN: [&str; 43] = [
+    "animation",
+    "hide",
+    "materials",
     "output",
     "fps",
+    "live",
+    "window",
     "watch",
     "record",
     "replay",
@@ -209,6 +221,16 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
             option(format_args!("--background {}", vector(background)));
         }
     }
+    for repaint in &shot.materials {
+        option(format_args!("--material {repaint}"));
+    }
+    if !shot.hidden.is_empty() {
+        let numbers: Vec<_> = shot.hidden.iter().map(u32::to_string).collect();
+        option(format_args!("--hide {}", numbers.join(",")));
+    }
+    if let Some(animation) = shot.animation {
+        option(format_args!("--animation {}", quoted(Path::new(animation))));
+    }
     if let Some(time) = shot.time {
         option(format_args!("--time {time}"));
     }
@@ -283,7 +305,7 @@ fn light_option(light: &Light, position: &str) -> String {
 }
 
 /// A path, quoted for a shell if necessary.
-fn quoted(path: &Path) -> String {
+pub fn quoted(path: &Path) -> String {
     let text = path.to_string_lossy();
     let is_plain = |c: char| c.is_alphanumeric() || "/._-:+,=@".contains(c);
     if !text.is_empty() && text.chars().all(is_plain) {
@@ -337,6 +359,9 @@ mod tests {
                 lights: None,
                 colors: None,
                 environment: None,
+                animation: Some("run"),
+                hidden: vec![3, 1],
+                materials: vec!["2:alpha=0.5".parse().unwrap()],
             };
             let read = options(&command(&shot, Path::new("out.png")));
             let planes = if place % 2 == 0 { [Some(0.1), Some(1e30)] } else { [None; 2] };
@@ -360,6 +385,7 @@ mod tests {
             assert_eq!(read.hybrid, place % 3 == 0);
             assert_eq!((read.debug, read.common.time), (debug, Some(0.1 + 0.2)));
             assert_eq!(read.common.lights, common.lights);
+            assert_eq!((read.common.hide, read.common.materials), (vec![3, 1], shot.materials));
         }
     }
 

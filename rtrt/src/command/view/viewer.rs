@@ -1,33 +1,45 @@
 //! The viewer without its window.
 
 mod draw;
+mod engines;
+mod files;
+mod pick;
+mod shot;
+mod time;
 
 use super::controls::{Action, Controls, Free, Rig};
 use super::engine::Engine;
+use super::figures::Figures;
 use super::input::Event;
+use super::motion::Mode;
 use super::pace::{Detail, Pace};
-use super::reproduce::{self, EnvironmentShot, Shot};
+use super::recent::Recent;
+use super::reproduce;
 use crate::command::Error;
 use crate::command::arguments;
 use crate::command::console::Console;
 use crate::command::job::RenderJob;
-use crate::command::names::{filled, is_numbered};
 use crate::command::options::{self, Common};
-use crate::command::output::{self, png};
-use crate::command::parse::Exposure;
-use crate::command::render::{SAMPLES, encode};
+use crate::command::render::SAMPLES;
 use crate::command::report::Machine;
+pub use draw::Rendered;
+use engines::Engines;
+pub use engines::Waker;
+pub use pick::{Selection, textures};
 use glam::DVec3;
-use image::ExtendedColorType::Rgba8;
-use rtrt::choose::Choice;
 use rtrt::debug::{DebugImage, DebugView};
 use rtrt_core::backend::{Picture, Shadows, ToneMap};
-use rtrt_core::scene::Camera;
+use rtrt_core::query::Tree;
+use rtrt_core::scene::{Camera, Material, Projection, Sequential, Setup};
 use rtrt_core::schedule::Stage;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
-/// The time without a change after which a picture has full detail, seconds.
-const SETTLE: f64 = 0.2;
+/// The time without a change after which a picture is refined, seconds.
+const SETTLE: f64 = 0.08;
+/// The longest time between steps while a message is shown, seconds.
+const TICK: f64 = 0.1;
 /// The duration of a message, seconds.
 const MESSAGE: f64 = 6.0;
 
@@ -49,6 +61,13 @@ pub struct Settings {
     pub help: bool,
     pub timing: bool,
     pub panel: bool,
+    /// The list of objects.
+    pub objects: bool,
+    pub axes: bool,
+    pub grid: bool,
+    pub full_screen: bool,
+    /// The speed of the animation; 1 is that of the file.
+    pub speed: f64,
 }
 
 /// The inputs of a picture. The number of changes stands for the scene.
@@ -62,7 +81,7 @@ pub struct Wanted {
     tone_map: ToneMap,
     hybrid: bool,
     debug: Option<DebugView>,
-    backend: usize,
+    is_gpu: bool,
     changes: u64,
 }
 
@@ -75,17 +94,6 @@ pub struct Timing {
     pub stages_ms: [f64; Stage::COUNT],
 }
 
-/// The output of `--json` for a screenshot.
-#[derive(serde::Serialize)]
-struct ScreenshotReport<'a> {
-    #[serde(flatten)]
-    machine: Machine,
-    size: [u32; 2],
-    /// The command that renders the same picture.
-    command: String,
-    output: &'a Path,
-}
-
 /// A viewer.
 pub struct Viewer {
     pub job: RenderJob,
@@ -95,15 +103,24 @@ pub struct Viewer {
     pub has_own_lights: bool,
     /// Whether the panel has changed the ambient light or the background.
     pub has_own_colors: bool,
+    /// What is selected.
+    pub selection: Option<Selection>,
+    /// The trees that rays are asked of.
+    tree: Tree,
+    /// The scene of which there are trees: its [`Scene::id`](rtrt_core::scene::Scene::id).
+    tree_of: Option<u32>,
+    /// Materials that the panel has changed, as they were before.
+    unpainted: BTreeMap<u32, Material>,
+    /// The files that were opened last.
+    recent: Recent,
     options: Common,
     /// The options that the command of a screenshot repeats.
     passed_on: Vec<String>,
     output: PathBuf,
     console: Console,
-    backends: Vec<Engine>,
-    current: usize,
-    /// The window's device.
-    window: Option<(wgpu::Device, wgpu::Queue)>,
+    engines: Engines,
+    /// Wakes the window.
+    waker: Waker,
     controls: Controls,
     start: Camera,
     /// Whether the camera is that of the scene.
@@ -113,8 +130,10 @@ pub struct Viewer {
     is_playing: bool,
     size: [u32; 2],
     pace: Pace,
-    /// Whether every picture has full detail.
+    /// Whether every picture has full detail at once: a replay has no clock.
     is_exact: bool,
+    /// Times of the whole loop.
+    pub figures: Figures,
     changes: u64,
     /// The time since the last change, seconds.
     still: f64,
@@ -127,18 +146,21 @@ pub struct Viewer {
     message: Option<(String, f64)>,
     failure: Option<Error>,
     pub is_closed: bool,
+    /// What draws the window, in words.
+    pub drawn_by: String,
 }
 
 impl Viewer {
     /// Loads the scene and opens the backend.
-    pub fn new(options: &options::ViewOptions) -> Result<Self, Error> {
+    pub fn new(options: &options::ViewOptions, waker: Waker) -> Result<Self, Error> {
+        let is_exact = options.replay.is_some() && !options.live;
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
         let mut job = RenderJob::load(&common, SAMPLES, false, common.start(), &console)?;
-        let mut backend = Engine::open(&common.backend, options.hybrid, &console)?;
-        job.expose(backend.backend(), &console)?;
+        let mut engines = Engines::open(&common.backend, options.hybrid, !is_exact, &console)?;
+        job.expose(engines.drawing_mut().backend(), &console)?;
         console.finish();
-        Ok(Self {
+        let mut viewer = Self {
             settings: Settings {
                 samples: job.samples,
                 shadows: job.shadows,
@@ -151,15 +173,24 @@ impl Viewer {
                 help: false,
                 timing: false,
                 panel: false,
+                objects: false,
+                axes: false,
+                grid: false,
+                full_screen: false,
+                speed: 1.0,
             },
             timing: None,
             has_own_lights: false,
             has_own_colors: false,
+            selection: None,
+            tree: Tree::default(),
+            tree_of: None,
+            unpainted: BTreeMap::new(),
+            recent: Recent::read(),
             output: options.output.clone(),
             console,
-            backends: vec![backend],
-            current: 0,
-            window: None,
+            engines,
+            waker,
             controls: Controls::default(),
             start: job.camera,
             is_at_start: true,
@@ -167,7 +198,8 @@ impl Viewer {
             is_playing: false,
             size: job.size,
             pace: Pace::default(),
-            is_exact: options.replay.is_some(),
+            is_exact,
+            figures: Figures::default(),
             changes: 0,
             still: 0.0,
             before: None,
@@ -178,10 +210,16 @@ impl Viewer {
             message: None,
             failure: None,
             is_closed: false,
+            drawn_by: String::new(),
             options: common,
             passed_on: reproduce::passed_on(arguments::expanded(std::env::args_os())?),
             job,
-        })
+        };
+        if !viewer.is_exact {
+            viewer.say("H: keys".into());
+        }
+        viewer.remember();
+        Ok(viewer)
     }
 
     /// The error that ends the viewer.
@@ -201,21 +239,16 @@ impl Viewer {
 
     /// The backend that renders.
     pub fn machine(&self) -> &Machine {
-        self.engine().machine()
+        self.engines.drawing().machine()
     }
 
     /// Whether a GPU renders.
     pub fn is_gpu(&self) -> bool {
-        self.engine().is_gpu()
+        self.engines.drawing().is_gpu()
     }
 
-    /// Whether the next picture takes longer than later ones, because shaders are compiled.
-    pub fn is_cold(&self) -> bool {
-        self.is_gpu() && !self.engine().is_warm
-    }
-
-    fn engine(&self) -> &Engine {
-        &self.backends[self.current]
+    fn engine(&mut self) -> &mut Engine {
+        self.engines.drawing_mut()
     }
 
     /// The path of the scene.
@@ -225,23 +258,23 @@ impl Viewer {
 
     /// The current message.
     pub fn message(&self) -> Option<&str> {
-        self.message.as_ref().map(|(text, _)| text.as_str())
+        let waits = self.engines.is_getting_ready().then_some("a GPU compiles shaders; the CPU draws meanwhile");
+        self.message.as_ref().map(|(text, _)| text.as_str()).or(waits)
     }
 
-    /// The legend of a debug view.
-    pub fn legend(&self) -> Option<&str> {
-        self.shown.as_ref().and_then(|shown| shown.legend.as_deref())
-    }
-
-    /// The time of the animation, and its end.
-    pub fn time(&self) -> Option<(f64, f64)> {
-        self.time.zip(self.job.end())
+    /// The name of the debug view that is shown, and what its colors mean.
+    pub fn legend(&self) -> Option<String> {
+        let shown = self.shown.as_ref()?;
+        let view = self.drawn?.debug?;
+        let name = DebugView::ALL.iter().find(|(_, known)| *known == view).map_or("", |(name, _)| *name);
+        let meaning = view.meaning();
+        let scale = shown.legend.as_ref().map_or(String::new(), |scale| format!("; {scale}"));
+        Some(format!("{name}: {meaning}{scale}"))
     }
 
     /// Shares the device of the window.
     pub fn share(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) {
-        self.backends.iter_mut().for_each(|backend| backend.share(device, queue, &self.console));
-        self.window = Some((device.clone(), queue.clone()));
+        self.engines.share(device, queue, &self.console);
     }
 
     /// Changes the size of the picture.
@@ -256,84 +289,102 @@ impl Viewer {
 
     /// Handles an event.
     pub fn handle(&mut self, event: &Event, free: Free) {
-        let mut rig = self.rig();
-        let action = self.controls.handle(event, free, &mut rig);
-        self.look(rig.camera);
+        let (camera, action) = self.with_rig(|controls, rig| controls.handle(event, free, rig));
+        self.look(camera);
         if let Some(action) = action {
             let done = self.act(action);
             self.note(done);
         }
     }
 
-    /// Advances the time.
-    pub fn advance(&mut self, seconds: f64) {
-        let mut rig = self.rig();
-        self.controls.advance(seconds, &mut rig);
-        self.look(rig.camera);
+    /// Advances the time. Returns whether the inputs of the picture have changed.
+    pub fn advance(&mut self, seconds: f64) -> bool {
+        let (camera, ()) = self.with_rig(|controls, rig| controls.advance(seconds, rig));
+        self.look(camera);
         if let (true, Some(end)) = (self.is_playing, self.job.end()) {
-            let time = self.time.map_or(0.0, |time| time + seconds);
+            let time = self.time.map_or(0.0, |time| time + seconds * self.settings.speed);
             let played = self.play(if time > end { 0.0 } else { time });
             self.note(played);
         }
+        self.take_ready();
         self.message =
             self.message.take().filter(|(_, rest)| *rest > 0.0).map(|(text, rest)| (text, rest - seconds));
         let now = Some(self.wanted(self.full()));
-        self.still = if now == self.before { self.still + seconds } else { 0.0 };
+        let is_changed = now != self.before;
+        self.still = if is_changed { 0.0 } else { self.still + seconds };
         self.before = now;
+        is_changed
     }
 
-    /// Whether the picture may change without an event.
-    pub fn is_busy(&self) -> bool {
-        self.is_playing || self.controls.is_busy() || self.still < SETTLE || self.message.is_some()
+    /// Switches to a GPU that has compiled its shaders, or has it begin to.
+    fn take_ready(&mut self) {
+        match self.engines.take_ready() {
+            Ok(false) => {}
+            Ok(true) => {
+                self.pace = Pace::default();
+                self.say(format!("backend: {}", self.machine()));
+            }
+            Err(source) => self.note(Err(Error::Render { scene: self.scene().to_owned(), source })),
+        }
+        if self.engines.is_cold() {
+            let begun = self.switch();
+            self.note(begun);
+        }
+    }
+
+    /// The seconds until the picture may change without an event.
+    pub fn due(&self) -> Option<f64> {
+        let settles = (self.still < SETTLE).then_some(SETTLE - self.still);
+        let ticks = self.message.as_ref().map(|_| TICK);
+        let moves = (self.is_playing || self.controls.is_busy()).then_some(0.0);
+        [moves, settles, ticks].into_iter().flatten().reduce(f64::min)
     }
 
     /// The next picture, if it differs from the last requested one.
     pub fn next(&mut self) -> Option<Wanted> {
         let full = self.full();
-        let detail = if self.is_exact || self.still >= SETTLE {
+        let now = self.wanted(full);
+        let shown = self.given.filter(|given| Wanted { detail: full, ..*given } == now);
+        let detail = if self.is_exact {
             full
+        } else if self.still < SETTLE {
+            match shown {
+                Some(shown) => shown.detail,
+                None => self.pace.detail(full, 1e3 / self.settings.fps),
+            }
         } else {
-            self.pace.detail(full, 1e3 / self.settings.fps)
+            self.pace.refined(full, shown.map(|shown| shown.detail))
         };
         let wanted = self.wanted(detail);
         // A failed picture is not tried again.
         (self.given.replace(wanted) != Some(wanted)).then_some(wanted)
     }
 
-    /// Loads the scene again, or another one. On a failure the scene does not change.
-    pub fn load(&mut self, scene: Option<PathBuf>) {
-        let is_other = scene.is_some();
-        let mut options = self.options.clone();
-        if let Some(scene) = scene {
-            options.scene = scene;
-            // These options belong to the previous scene.
-            options.camera = options::CameraOptions::default();
-            (options.time, options.animation) = (None, None);
+    /// Whether there is work for the time in which nothing is to be drawn.
+    pub fn has_spare_work(&self) -> bool {
+        !self.is_exact && self.is_settled() && self.tree_of != Some(self.job.scene.id())
+    }
+
+    /// Does that work until `stop` is true: the trees that rays are asked of.
+    pub fn work(&mut self, stop: &AtomicBool) {
+        if self.tree.update_until(&self.job.scene, &Sequential, stop) {
+            self.tree_of = Some(self.job.scene.id());
         }
-        let engine = &mut self.backends[self.current];
-        let job = RenderJob::load(&options, SAMPLES, false, options.start(), &self.console);
-        let job = job.and_then(|mut job| job.expose(engine.backend(), &self.console).map(|()| job));
-        self.console.finish();
-        match job {
-            Ok(job) => {
-                let camera = self.job.camera;
-                self.start = job.camera;
-                if options.exposure == Exposure::Auto {
-                    self.settings.exposure = job.exposure;
-                }
-                self.job = job;
-                self.options = options;
-                (self.time, self.is_playing) = (self.options.start(), false);
-                (self.has_own_lights, self.has_own_colors) = (false, false);
-                self.is_at_start |= is_other;
-                if !self.is_at_start {
-                    self.job.camera = camera;
-                }
-                self.touch();
-                self.say(format!("loaded {}", self.scene().display()));
-            }
-            Err(error) => self.note(Err(error)),
-        }
+    }
+
+    /// Whether nothing has changed for so long that pictures are refined.
+    pub fn is_settled(&self) -> bool {
+        self.still >= SETTLE
+    }
+
+    /// Whether a picture has all pixels.
+    pub fn is_sharp(&self, wanted: &Wanted) -> bool {
+        wanted.detail.size == self.size
+    }
+
+    /// Records the time of a frame outside of rendering, milliseconds.
+    pub fn presented(&mut self, rest_ms: f64) {
+        self.pace.presented(rest_ms);
     }
 
     fn act(&mut self, action: Action) -> Result<(), Error> {
@@ -343,109 +394,56 @@ impl Viewer {
             Action::Timing => settings.timing = !settings.timing,
             Action::Panel => settings.panel = !settings.panel,
             Action::Debug(view) => settings.debug = view,
-            Action::Play => match self.job.end() {
-                Some(_) => self.is_playing = !self.is_playing,
-                None => self.say("nothing in the scene is animated".into()),
-            },
+            Action::Objects => settings.objects = !settings.objects,
+            Action::Axes => settings.axes = !settings.axes,
+            Action::Grid => settings.grid = !settings.grid,
+            Action::FullScreen => settings.full_screen = !settings.full_screen,
+            Action::Play => self.toggle_play(),
+            Action::Step(seconds) => self.step(seconds)?,
+            Action::Select(place) => self.select_at(place),
+            Action::Frame => self.frame(),
+            Action::Hide => self.hide_selection()?,
+            Action::ShowAll => self.show_all()?,
+            Action::File(places) => self.open_beside(places),
+            Action::Say(text) => self.say(text),
             Action::Reset => {
                 self.is_playing = false;
                 if self.time.is_some() {
                     self.play(self.options.time.unwrap_or(0.0))?;
                 }
                 self.job.camera = self.start;
-                self.is_at_start = true;
+                (self.is_at_start, self.controls.pivot) = (true, None);
             }
             Action::Backend => self.switch()?,
             Action::Screenshot => self.screenshot()?,
-            Action::Open(path) => self.load(Some(path)),
+            Action::Open(path) => self.open(path)?,
             Action::Close => self.is_closed = true,
         }
         Ok(())
     }
 
-    /// Shows the scene at a time of its animation.
-    fn play(&mut self, time: f64) -> Result<(), Error> {
-        let camera = self.job.camera;
-        self.time = Some(time);
-        let played = self.job.play(time);
-        // The animation moves the camera until a person does.
-        let leads = self.is_at_start && self.job.has_cameras();
-        if !leads {
-            self.job.camera = camera;
-        }
-        self.touch();
-        if played.is_err() {
-            self.is_playing = false;
-        }
-        played
-    }
-
-    /// Switches to the other backend, and opens it the first time.
+    /// Switches to the other backend, and opens it the first time. While a GPU compiles, the CPU draws on.
     fn switch(&mut self) -> Result<(), Error> {
-        if self.backends.len() == 1 {
-            let mut options = self.options.backend.clone();
-            options.backend = if self.machine().kind() == "cpu" { Choice::Gpu } else { Choice::Cpu };
-            let hybrid = options.backend == Choice::Gpu && self.settings.hybrid;
-            let mut backend = Engine::open(&options, hybrid, &self.console)?;
-            if let Some((device, queue)) = &self.window {
-                backend.share(device, queue, &self.console);
-            }
-            self.backends.push(backend);
-        }
-        self.current = (self.current + 1) % self.backends.len();
-        self.pace = Pace::default();
-        self.say(format!("backend: {}", self.machine()));
-        Ok(())
-    }
-
-    /// Writes the picture at full detail, and prints the command that renders it.
-    fn screenshot(&mut self) -> Result<(), Error> {
-        let path = self.free_name();
-        output::check(&path)?;
-        let full = self.full();
-        self.draw(self.wanted(full))?;
-        let bytes = png(&self.pixels(), full.size, Rgba8).map_err(encode(&path))?;
-        output::write(&path, &bytes)?;
-        let shot = Shot {
-            common: &self.options,
-            passed_on: &self.passed_on,
-            request: self.job.request(self.settings.debug.is_some()),
-            origin: self.job.origin,
-            time: self.time,
-            hybrid: self.is_hybrid(),
-            debug: self.settings.debug,
-            lights: self.has_own_lights.then(|| self.job.scene.lights()),
-            colors: self.has_own_colors.then_some((self.job.scene.ambient, self.job.scene.background)),
-            environment: self.job.surrounded.has_environment.then(|| EnvironmentShot::new(&self.job)),
-        };
-        let command = reproduce::command(&shot, &path);
-        if self.options.json {
-            let machine = self.machine().clone();
-            self.console.print(output::json(&ScreenshotReport {
-                machine,
-                size: full.size,
-                command,
-                output: &path,
-            })?)?;
+        let hybrid = self.settings.hybrid;
+        let switched = if self.is_exact {
+            self.engines.switch(hybrid, &self.console).map(|()| true)
         } else {
-            self.console.print(command)?;
+            let mut setup = Setup::default();
+            let prepared = setup.prepare(&self.job.scene, &self.job.request(self.settings.debug.is_some()));
+            prepared.map_err(|source| Error::Render { scene: self.scene().to_owned(), source: source.into() })?;
+            let waker = Waker::clone(&self.waker);
+            self.engines.switch_when_ready(hybrid, &setup.frame, &self.console, waker)
+        };
+        if switched? {
+            self.pace = Pace::default();
+            self.say(format!("backend: {}", self.machine()));
         }
-        self.say(format!("written: {}", path.display()));
         Ok(())
-    }
-
-    /// The first unused name for a picture, if the name has a number.
-    fn free_name(&self) -> PathBuf {
-        if !is_numbered(&self.output) {
-            return filled(&self.output, &self.options.scene, "camera", 0);
-        }
-        let mut names = (0..10_000).map(|number| filled(&self.output, &self.options.scene, "camera", number));
-        names.find(|name| !name.exists()).unwrap_or_else(|| self.output.clone())
     }
 
     /// Exposes the picture as the scene wants to be from here.
     pub fn meter(&mut self) {
-        let metered = self.job.meter(self.backends[self.current].backend());
+        let metered = self.job.meter(self.engines.drawing_mut().backend());
         self.settings.exposure = self.job.exposure;
         self.note(metered);
     }
@@ -457,13 +455,61 @@ impl Viewer {
         }
     }
 
-    fn rig(&self) -> Rig {
-        let (low, high) = self.job.scene.extent().unwrap_or_default();
-        let (low, high) = (low.as_dvec3(), high.as_dvec3());
-        let radius = ((high - low) * 0.5).length();
-        let radius = if radius > 0.0 { radius } else { 1.0 };
-        let center: DVec3 = (low + high) * 0.5;
-        Rig { camera: self.job.camera, scene: (center, radius), size: self.size }
+    /// Has controls move the camera. Returns where it then is.
+    fn with_rig<T>(&mut self, act: impl FnOnce(&mut Controls, &mut Rig<'_>) -> T) -> (Camera, T) {
+        let Self { controls, job, tree, size, .. } = self;
+        let (low, high) = job.scene.extent().unwrap_or_default();
+        // A person does not wait for trees; a replay does, since it has no clock.
+        let is_ready = self.is_exact || self.tree_of == Some(job.scene.id());
+        let mut surface = |origin, direction| {
+            if !is_ready {
+                return None;
+            }
+            pick::nearest(tree, &job.scene, origin, direction).map(|hit| f64::from(hit.t))
+        };
+        let mut rig = Rig {
+            camera: job.camera,
+            extent: (low.as_dvec3(), high.as_dvec3()),
+            size: *size,
+            surface: &mut surface,
+        };
+        let done = act(controls, &mut rig);
+        (rig.camera, done)
+    }
+
+    /// Changes how the camera projects.
+    pub fn set_projection(&mut self, projection: Projection) {
+        self.look(Camera { projection, ..self.job.camera });
+    }
+
+    /// The point around which a drag turns the camera.
+    pub fn turns_around(&self) -> Option<DVec3> {
+        self.controls.turns_around()
+    }
+
+    /// What dragging does.
+    pub fn mode(&mut self) -> &mut Mode {
+        &mut self.controls.mode
+    }
+
+    /// The size of the picture, pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The files that were opened last.
+    pub fn recent(&self) -> &[PathBuf] {
+        &self.recent.files
+    }
+
+    /// Remembers the scene's file. A replay leaves no trace.
+    fn remember(&mut self) {
+        if self.is_exact {
+            return;
+        }
+        if let Err(error) = self.recent.add(&self.options.scene) {
+            self.console.detail(format_args!("the list of recent files cannot be written: {error}"));
+        }
     }
 
     fn full(&self) -> Detail {
@@ -481,7 +527,7 @@ impl Viewer {
             tone_map,
             hybrid: self.is_hybrid(),
             debug,
-            backend: self.current,
+            is_gpu: self.is_gpu(),
             changes: self.changes,
         }
     }

@@ -1,35 +1,57 @@
-//! The window: it turns system events into input events, and runs the frames.
+//! The window: it queues input events, and runs the frames.
 
 use super::controls::Free;
 use super::failure::{panics_caught, reason};
-use super::input::{Button, Event, Modifiers, Replay, Step, header};
+use super::figures::{Presented, Report};
+use super::input::{Event, Replay, Step, header};
+use super::interface::Interface;
+use super::live::Live;
 use super::screen::Screen;
-use super::viewer::Viewer;
+use super::system::{Fingers, translated};
+use super::viewer::{Rendered, Viewer, Wanted};
 use super::watch::{self, Watch};
-use super::{overlay, panel};
+use super::{guides, overlay, panel};
 use crate::command::Error;
-use crate::command::options;
-use egui::{Context, FullOutput, PointerButton, Popup, Pos2, RawInput, Rect, pos2, vec2};
+use crate::command::options::ViewOptions;
+use crate::command::output;
+use egui::{Context, FullOutput, Popup};
+use rtrt::choose::Choice;
 use std::fs::File;
 use std::io::Write;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
-use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
-use winit::keyboard::{Key, PhysicalKey};
-use winit::window::{Window, WindowId};
+use winit::window::{Fullscreen, Window, WindowId};
 
 /// The longest time step of a frame, seconds; longer ones would make jumps.
 const LONGEST: f32 = 0.1;
 /// The usual time step of a frame, seconds.
 const FRAME: f32 = 1.0 / 60.0;
-/// Pixels of a touchpad per notch of a wheel.
-const NOTCH: f64 = 40.0;
+
+/// What wakes the window.
+#[derive(Debug, Clone, Copy)]
+pub enum Woken {
+    /// A frame is finished.
+    Frame,
+    /// A backend is ready.
+    Backend,
+}
+
+/// Where input comes from.
+enum Source {
+    Person,
+    /// A recording, frame by frame.
+    Replay(Replay),
+    /// A recording at its own speed.
+    Live(Live),
+}
 
 /// The viewer in its window.
 pub struct App {
@@ -37,16 +59,23 @@ pub struct App {
     viewer: Option<Viewer>,
     in_progress: Option<FrameInProgress>,
     /// Wakes the window when the thread ends.
-    proxy: EventLoopProxy<()>,
+    proxy: EventLoopProxy<Woken>,
     /// The scene of the title and of the watch.
     scene: PathBuf,
     screen: Option<Screen>,
+    /// What is to draw the window.
+    draws: Choice,
     context: Context,
-    /// The events since the last frame.
-    events: Vec<Event>,
-    modifiers: Modifiers,
-    /// The position of the pointer, in units of the user interface.
-    pointer: Pos2,
+    interface: Interface,
+    /// The list of objects.
+    rows: panel::Rows,
+    /// The events since the last frame, with their times.
+    events: Vec<(Instant, Event)>,
+    fingers: Fingers,
+    /// Whether the window fills the screen.
+    is_full: bool,
+    /// Whether a button of the mouse is held.
+    is_held: bool,
     /// The size of the picture in pixels, and the pixels per unit of the user interface.
     size: [u32; 2],
     scale: f32,
@@ -54,39 +83,60 @@ pub struct App {
     last: Instant,
     /// Whether nothing has happened since then.
     is_idle: bool,
-    replay: Option<Replay>,
+    source: Source,
     record: Option<(PathBuf, File)>,
     watch: Option<Watch>,
     /// The time at which the overlay needs the next frame.
     wake: Option<Instant>,
+    /// Whether the figures of the loop are printed in the end.
+    reports: bool,
     /// Why the viewer ended.
     pub result: Result<(), Error>,
 }
 
+/// The figures of a replay, as `--json` prints them.
+#[derive(serde::Serialize)]
+struct LoopReport {
+    #[serde(rename = "loop")]
+    figures: Report,
+}
+
 /// A frame in progress. The viewer renders on a worker thread; input waits in a queue.
 struct FrameInProgress {
-    /// Returns the viewer, and the size of a picture that is not on the screen yet.
-    thread: JoinHandle<(Viewer, Option<[u32; 2]>)>,
+    thread: JoinHandle<(Viewer, Rendered)>,
+    /// None if nothing is to be shown afterwards.
+    frame: Option<Frame>,
+    stop: Arc<AtomicBool>,
+    /// Whether input ends it.
+    yields: bool,
+}
+
+/// What a frame shows, and when it began.
+struct Frame {
     over: FullOutput,
+    began: Instant,
+    /// The picture, if it is a new one.
+    wanted: Option<Wanted>,
+    is_settled: bool,
 }
 
 /// Wakes the window when the thread ends, also by a panic.
-struct Wake(EventLoopProxy<()>);
+struct Wake(EventLoopProxy<Woken>);
 
 impl Drop for Wake {
     fn drop(&mut self) {
         // The window may be closed.
-        _ = self.0.send_event(());
+        _ = self.0.send_event(Woken::Frame);
     }
 }
 
 impl App {
     /// A viewer without its window.
     pub fn new(
-        options: &options::ViewOptions,
+        options: &ViewOptions,
         viewer: Viewer,
         replay: Option<Replay>,
-        proxy: EventLoopProxy<()>,
+        proxy: EventLoopProxy<Woken>,
     ) -> Result<Self, Error> {
         let record = options.record.as_ref().map(|path| -> Result<_, Error> {
             let begin = |mut file: File| file.write_all(header().as_bytes()).map(|()| file);
@@ -97,22 +147,32 @@ impl App {
         let context = Context::default();
         // The viewer uses these keys.
         context.options_mut(|options| options.zoom_with_keyboard = false);
+        let source = match replay {
+            None => Source::Person,
+            Some(replay) if options.live => Source::Live(Live::new(replay)),
+            Some(replay) => Source::Replay(replay),
+        };
         Ok(Self {
             watch: options.watch.then(|| Watch::new(&scene, viewer.job.files())),
             viewer: Some(viewer),
             in_progress: None,
             proxy,
             screen: None,
+            draws: options.window,
             context,
-            events: vec![Event::Size(options.common.size, 1.0)],
-            modifiers: Modifiers::default(),
-            pointer: Pos2::ZERO,
+            interface: Interface::default(),
+            rows: panel::Rows::default(),
+            fingers: Fingers::default(),
+            is_full: false,
+            events: vec![(Instant::now(), Event::Size(options.common.size, 1.0))],
+            is_held: false,
             size: options.common.size,
             scale: 1.0,
             time: 0.0,
             last: Instant::now(),
             is_idle: true,
-            replay,
+            reports: options.common.json && options.replay.is_some(),
+            source,
             record: record.transpose()?,
             wake: None,
             result: Ok(()),
@@ -126,9 +186,9 @@ impl App {
             .with_title(title(&self.scene))
             .with_inner_size(PhysicalSize::new(width, height));
         let window = events.create_window(attributes).map_err(|error| reason(&error))?;
-        let screen = Screen::new(Arc::new(window), events)?;
-        if let Some(viewer) = &mut self.viewer {
-            viewer.share(&screen.device, &screen.queue);
+        let screen = Screen::new(Arc::new(window), events, self.draws)?;
+        if let (Some(viewer), Some((device, queue))) = (&mut self.viewer, screen.device()) {
+            viewer.share(device, queue);
         }
         Ok(screen)
     }
@@ -139,56 +199,76 @@ impl App {
         let scale = screen.window.scale_factor() as f32;
         self.queue(Event::Size(screen.size(), scale));
         let screen = self.screen.insert(screen);
-        match (&screen.software, &self.viewer) {
-            (Some(name), Some(viewer)) => {
-                viewer.warn(format_args!("the window is drawn by a software adapter: {name}"))
-            }
-            _ => Ok(()),
+        let Some(viewer) = &mut self.viewer else { return Ok(()) };
+        viewer.drawn_by.clone_from(&screen.drawn_by);
+        match &screen.software {
+            Some(name) => viewer.warn(format_args!("the window is drawn by a software adapter: {name}")),
+            None => Ok(()),
         }
     }
 
     /// Runs a frame: events, overlay, picture. Events wait while a frame is in progress.
     fn frame(&mut self, events: &ActiveEventLoop) {
         let Some(mut viewer) = self.viewer.take() else { return };
-        let mut over = match self.step(&mut viewer) {
+        let began = Instant::now();
+        let over = match self.step(&mut viewer) {
             Ok(Some(step)) => self.happen(&mut viewer, &step),
-            Ok(None) => return self.end(events, Ok(())),
+            Ok(None) => {
+                let printed = self.report(&viewer);
+                return self.end(events, printed);
+            }
             Err(error) => return self.end(events, Err(error)),
         };
-        let Some(wanted) = viewer.next() else { return self.finish(events, viewer, over, None) };
-        if viewer.is_cold() {
-            over = self.wait(&mut viewer, over);
-        }
+        let wanted = viewer.next();
+        let frame = Frame { over, began, wanted, is_settled: viewer.is_settled() };
+        let Some(wanted) = wanted else {
+            viewer.figures.unanswered();
+            self.finish(events, viewer, frame, Rendered::Nowhere);
+            return self.use_time();
+        };
         let screen = self.screen.as_mut().filter(|_| viewer.is_rendered_in_place(&wanted));
-        let texture = screen.map(|screen| screen.texture(wanted.detail.size));
-        if self.replay.is_some() {
-            let new = viewer.render(wanted, texture);
-            return self.finish(events, viewer, over, new);
+        let texture = screen.and_then(|screen| screen.texture(wanted.detail.size));
+        if matches!(self.source, Source::Replay(_)) {
+            let rendered = viewer.render(wanted, texture, &AtomicBool::new(false));
+            return self.finish(events, viewer, frame, rendered);
         }
-        let wake = Wake(self.proxy.clone());
-        let thread = std::thread::spawn(move || {
-            let _wake = wake;
-            let new = viewer.render(wanted, texture);
-            (viewer, new)
-        });
-        self.in_progress = Some(FrameInProgress { thread, over });
+        let yields = frame.is_settled;
+        self.spawn(viewer, Some(frame), yields, move |viewer, stop| viewer.render(wanted, texture, stop));
     }
 
-    /// Shows a message while shaders are compiled. Returns the overlay of the finished picture.
-    fn wait(&mut self, viewer: &mut Viewer, mut over: FullOutput) -> FullOutput {
-        over.append(self.overlay(viewer, &Step::default(), Some("compiling shaders …")));
-        if let Some(screen) = &mut self.screen {
-            // The finished picture will report the error.
-            _ = screen.show(&self.context, over, self.size);
+    /// Has a thread do what can be done while nothing is to be drawn.
+    fn use_time(&mut self) {
+        if let Some(viewer) = self.viewer.take_if(|viewer| viewer.has_spare_work() && !viewer.is_closed) {
+            self.spawn(viewer, None, true, |viewer, stop| {
+                viewer.work(stop);
+                Rendered::Nowhere
+            });
         }
-        self.overlay(viewer, &Step::default(), None)
+    }
+
+    /// Has a thread work with the viewer. With `yields`, input ends it.
+    fn spawn(
+        &mut self,
+        mut viewer: Viewer,
+        frame: Option<Frame>,
+        yields: bool,
+        work: impl FnOnce(&mut Viewer, &AtomicBool) -> Rendered + Send + 'static,
+    ) {
+        let stop = Arc::new(AtomicBool::new(false));
+        let (wake, flag) = (Wake(self.proxy.clone()), Arc::clone(&stop));
+        let thread = std::thread::spawn(move || {
+            let _wake = wake;
+            let rendered = work(&mut viewer, &flag);
+            (viewer, rendered)
+        });
+        self.in_progress = Some(FrameInProgress { thread, frame, stop, yields });
     }
 
     /// Handles the events of a step. Returns the overlay.
     fn happen(&mut self, viewer: &mut Viewer, step: &Step) -> FullOutput {
         // The overlay has precedence, also for a key that closes a part of it.
         let were_free = self.are_keys_free();
-        let over = self.overlay(viewer, step, None);
+        let over = self.overlay(viewer, step);
         let free = Free {
             keys: were_free && self.are_keys_free(),
             pointer: !self.context.is_pointer_over_egui() && !self.context.egui_is_using_pointer(),
@@ -196,7 +276,9 @@ impl App {
         for event in &step.events {
             viewer.handle(event, free);
         }
-        viewer.advance(f64::from(step.seconds));
+        if viewer.advance(f64::from(step.seconds)) {
+            viewer.figures.changed(self.last);
+        }
         over
     }
 
@@ -205,12 +287,13 @@ impl App {
         !self.context.egui_wants_keyboard_input() && !Popup::is_any_open(&self.context)
     }
 
-    /// Shows a frame. `new` is the size of the viewer's picture if it is not on the screen yet.
-    fn finish(&mut self, events: &ActiveEventLoop, viewer: Viewer, over: FullOutput, new: Option<[u32; 2]>) {
+    /// Shows a frame.
+    fn finish(&mut self, events: &ActiveEventLoop, viewer: Viewer, frame: Frame, rendered: Rendered) {
         let viewer = self.viewer.insert(viewer);
         let Some(screen) = &mut self.screen else { return };
-        if let Some(size) = new {
-            screen.upload(&viewer.pixels(), size);
+        let Frame { over, began, wanted, is_settled } = frame;
+        if let (Some(wanted), Rendered::InMemory) = (wanted, rendered) {
+            screen.upload(&viewer.pixels(), wanted.detail.size);
         }
         let delay = over.viewport_output.values().map(|output| output.repaint_delay).min();
         self.wake = delay.and_then(|delay| Instant::now().checked_add(delay));
@@ -218,10 +301,21 @@ impl App {
             self.scene = viewer.scene().to_owned();
             screen.window.set_title(&title(&self.scene));
         }
+        if self.is_full != viewer.settings.full_screen {
+            self.is_full = viewer.settings.full_screen;
+            screen.window.set_fullscreen(self.is_full.then_some(Fullscreen::Borderless(None)));
+        }
         if let Some(watch) = &mut self.watch {
             watch.follow(&self.scene, viewer.job.files());
         }
         let shown = screen.show(&self.context, over, self.size);
+        if let Some(wanted) = wanted.filter(|_| rendered != Rendered::Nowhere) {
+            let now = Instant::now();
+            let picture = Presented { is_moving: !is_settled, is_sharp: viewer.is_sharp(&wanted) };
+            viewer.figures.presented(now, picture);
+            let render_ms = viewer.timing.map_or(0.0, |timing| timing.frame_ms);
+            viewer.presented(((now - began).as_secs_f64() * 1e3 - render_ms).max(0.0));
+        }
         let shown = shown.map_err(|why| Error::Window { scene: self.scene.clone(), why });
         let result = shown.and_then(|()| viewer.failure().map_or(Ok(()), Err));
         if result.is_err() || viewer.is_closed {
@@ -234,14 +328,29 @@ impl App {
         let now = Instant::now();
         // Motion after a rest begins now.
         let longest = if self.is_idle { FRAME } else { LONGEST };
-        let seconds = (now - self.last).as_secs_f32().min(longest);
+        let mut seconds = (now - self.last).as_secs_f32().min(longest);
         self.last = now;
-        let mut step = Step { events: std::mem::take(&mut self.events), seconds };
-        if let Some(replay) = &mut self.replay {
-            let Some(Step { events, seconds }) = replay.next() else { return Ok(None) };
-            step.events.extend(events);
-            step.seconds = seconds;
+        match &mut self.source {
+            Source::Person => {}
+            Source::Replay(replay) => {
+                let Some(step) = replay.next() else { return Ok(None) };
+                self.events.extend(step.events.into_iter().map(|event| (now, event)));
+                seconds = step.seconds;
+            }
+            Source::Live(live) => {
+                let Some(due) = live.due(now) else { return Ok(None) };
+                self.events.extend(due);
+            }
         }
+        let mut step = Step { events: Vec::new(), seconds };
+        for (at, event) in self.events.drain(..) {
+            // A window gets its size without a person.
+            if !matches!(event, Event::Size(..)) {
+                viewer.figures.event(at);
+            }
+            step.events.push(event);
+        }
+        viewer.figures.step();
         if let Some((path, file)) = &mut self.record {
             let written = file.write_all(step.to_string().as_bytes());
             written.map_err(|source| Error::Record { path: path.clone(), source })?;
@@ -250,7 +359,7 @@ impl App {
             if let Event::Size(size, scale) = event {
                 (self.size, self.scale) = (*size, *scale);
                 viewer.resize(*size);
-                if let (Some(_), Some(screen)) = (&self.replay, &self.screen) {
+                if let (true, Some(screen)) = (self.is_replay(), &self.screen) {
                     // The system may refuse; the picture has its size nevertheless.
                     _ = screen.window.request_inner_size(PhysicalSize::new(size[0], size[1]));
                 }
@@ -259,138 +368,69 @@ impl App {
         Ok(Some(step))
     }
 
-    /// Passes the events to the overlay, and returns it. `waits` is a message to show.
-    fn overlay(&mut self, viewer: &mut Viewer, step: &Step, waits: Option<&str>) -> FullOutput {
+    /// Passes the events to the overlay, and returns it.
+    fn overlay(&mut self, viewer: &mut Viewer, step: &Step) -> FullOutput {
         self.time += f64::from(step.seconds);
-        let [width, height] = self.size.map(|side| side as f32 / self.scale);
-        let mut input = RawInput {
-            screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(width, height))),
-            time: Some(self.time),
-            predicted_dt: step.seconds,
-            events: step.events.iter().filter_map(|event| self.egui_event(event)).collect(),
-            ..RawInput::default()
-        };
-        for viewport in input.viewports.values_mut() {
-            viewport.native_pixels_per_point = Some(self.scale);
-        }
+        let times = (self.time, step.seconds);
+        let input = self.interface.input(&step.events, (self.size, self.scale), times);
         self.context.run_ui(input, |ui| {
-            overlay::show(ui.ctx(), viewer, waits);
+            guides::show(ui.ctx(), viewer);
+            overlay::show(ui.ctx(), viewer);
             if viewer.settings.panel {
                 panel::show(ui.ctx(), viewer);
             }
+            if viewer.settings.objects {
+                panel::show_objects(ui.ctx(), viewer, &mut self.rows);
+            }
+            panel::show_selection(ui.ctx(), viewer);
         })
     }
 
-    /// The event for the overlay.
-    fn egui_event(&mut self, event: &Event) -> Option<egui::Event> {
-        let key = |key: &egui::Key, pressed, modifiers| egui::Event::Key {
-            key: *key,
-            physical_key: None,
-            pressed,
-            repeat: false,
-            modifiers,
-        };
-        let Modifiers { ctrl, shift, alt } = self.modifiers;
-        let modifiers = egui::Modifiers { ctrl, shift, alt, command: ctrl, mac_cmd: false };
-        Some(match event {
-            Event::Size(..) | Event::Drop(_) => return None,
-            Event::Press(pressed) => key(pressed, true, modifiers),
-            Event::Release(released) => key(released, false, modifiers),
-            Event::Modifiers(held) => {
-                self.modifiers = *held;
-                return None;
-            }
-            Event::Text(text) => egui::Event::Text(text.clone()),
-            Event::Move(x, y) => {
-                self.pointer = pos2(*x, *y) / self.scale;
-                egui::Event::PointerMoved(self.pointer)
-            }
-            Event::Leave => egui::Event::PointerGone,
-            Event::Button(button, pressed) => egui::Event::PointerButton {
-                pos: self.pointer,
-                button: match button {
-                    Button::Left => PointerButton::Primary,
-                    Button::Middle => PointerButton::Middle,
-                    Button::Right => PointerButton::Secondary,
-                },
-                pressed: *pressed,
-                modifiers,
-            },
-            Event::Wheel(notches) => egui::Event::MouseWheel {
-                unit: egui::MouseWheelUnit::Line,
-                delta: vec2(0.0, *notches),
-                phase: egui::TouchPhase::Move,
-                source: egui::MouseWheelSource::Unknown,
-                modifiers,
-            },
-            Event::Focus(has) => egui::Event::WindowFocused(*has),
-        })
+    fn is_replay(&self) -> bool {
+        !matches!(self.source, Source::Person)
     }
 
-    /// Queues the input event of a window event.
-    fn translate_window_event(&mut self, event: &WindowEvent) {
-        let scale = |screen: &Screen| screen.window.scale_factor() as f32;
-        let input = match event {
-            WindowEvent::Resized(size) if size.width > 0 && size.height > 0 => {
-                let Some(screen) = &mut self.screen else { return };
-                screen.resize([size.width, size.height]);
-                Event::Size(screen.size(), scale(screen))
-            }
-            WindowEvent::ScaleFactorChanged { scale_factor, .. } => {
-                Event::Size(self.size, *scale_factor as f32)
-            }
-            WindowEvent::Focused(has) => Event::Focus(*has),
-            WindowEvent::DroppedFile(path) => Event::Drop(path.clone()),
-            WindowEvent::ModifiersChanged(held) => {
-                let held = held.state();
-                let ctrl = held.control_key() || held.super_key();
-                Event::Modifiers(Modifiers { ctrl, shift: held.shift_key(), alt: held.alt_key() })
-            }
-            WindowEvent::CursorMoved { position, .. } => Event::Move(position.x as f32, position.y as f32),
-            WindowEvent::CursorLeft { .. } => Event::Leave,
-            WindowEvent::MouseWheel { delta: MouseScrollDelta::LineDelta(_, notches), .. } => {
-                Event::Wheel(*notches)
-            }
-            WindowEvent::MouseWheel { delta: MouseScrollDelta::PixelDelta(pixels), .. } => {
-                Event::Wheel((pixels.y / NOTCH) as f32)
-            }
-            WindowEvent::MouseInput { state, button, .. } => {
-                let button = match button {
-                    MouseButton::Left => Button::Left,
-                    MouseButton::Middle => Button::Middle,
-                    MouseButton::Right => Button::Right,
-                    _ => return,
-                };
-                Event::Button(button, *state == ElementState::Pressed)
-            }
-            WindowEvent::KeyboardInput { event, .. } => return self.typed(event),
-            _ => return,
-        };
-        self.queue(input);
-    }
-
-    fn typed(&mut self, event: &KeyEvent) {
-        let pressed = event.state == ElementState::Pressed;
-        if let Some(key) = key(event) {
-            self.queue(if pressed { Event::Press(key) } else { Event::Release(key) });
-        }
-        let text = event.text.as_ref().filter(|text| pressed && !text.chars().any(char::is_control));
-        if let Some(text) = text {
-            self.queue(Event::Text(text.to_string()));
-        }
-    }
-
-    /// Queues an event for the next frame. A replay ignores it.
+    /// Queues an event for the next frame. A replay ignores it. A frame that refines the picture ends for what a person
+    /// does on purpose.
     fn queue(&mut self, event: Event) {
-        if self.replay.is_none() {
-            self.events.push(event);
+        if self.is_replay() {
+            return;
         }
+        if let Event::Button(_, is_held) = event {
+            self.is_held = is_held;
+        }
+        if event.is_urgent(self.is_held) {
+            self.interrupt(event == Event::Press(egui::Key::Escape));
+        }
+        self.events.push((Instant::now(), event));
+    }
+
+    /// Ends the work in progress, if it yields to input, or in any case.
+    fn interrupt(&self, in_any_case: bool) {
+        if let Some(FrameInProgress { stop, yields, .. }) = &self.in_progress
+            && (in_any_case || *yields)
+        {
+            stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Prints the figures of a replay.
+    fn report(&self, viewer: &Viewer) -> Result<(), Error> {
+        if !self.reports {
+            return Ok(());
+        }
+        output::print(output::json(&LoopReport { figures: viewer.figures.report() })?)
     }
 
     fn end(&mut self, events: &ActiveEventLoop, result: Result<(), Error>) {
         if self.result.is_ok() {
             self.result = result;
         }
+        // Whatever is still to end, the window is gone at once.
+        if let Some(screen) = &self.screen {
+            screen.window.set_visible(false);
+        }
+        self.interrupt(true);
         // The process must not end while a frame is in progress.
         if let Some(FrameInProgress { thread, .. }) = self.in_progress.take() {
             _ = thread.join();
@@ -404,32 +444,7 @@ fn title(scene: &Path) -> String {
     format!("{} – rtrt", name.to_string_lossy())
 }
 
-/// The key by its label; digits and letters of other scripts by their position.
-fn key(event: &KeyEvent) -> Option<egui::Key> {
-    let by_place = || match event.physical_key {
-        PhysicalKey::Code(code) => {
-            let name = format!("{code:?}");
-            let letter = name.strip_prefix("Key");
-            let digit = name.strip_prefix("Digit").or_else(|| name.strip_prefix("Numpad"));
-            egui::Key::from_name(letter.or(digit).unwrap_or(&name))
-        }
-        PhysicalKey::Unidentified(_) => None,
-    };
-    let place = by_place();
-    let is_digit =
-        place.is_some_and(|key| key.name().len() == 1 && key.name().as_bytes()[0].is_ascii_digit());
-    if is_digit {
-        return place;
-    }
-    let by_print = match &event.logical_key {
-        Key::Named(named) => egui::Key::from_name(&format!("{named:?}")),
-        Key::Character(text) => egui::Key::from_name(&text.to_uppercase()),
-        _ => None,
-    };
-    by_print.or(place)
-}
-
-impl ApplicationHandler for App {
+impl ApplicationHandler<Woken> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.screen.is_some() {
             return;
@@ -451,18 +466,34 @@ impl ApplicationHandler for App {
         match &event {
             WindowEvent::CloseRequested => return self.end(events, Ok(())),
             WindowEvent::RedrawRequested => return self.frame(events),
-            _ => self.translate_window_event(&event),
+            WindowEvent::Resized(size) if size.width > 0 && size.height > 0 => {
+                let Some(screen) = &mut self.screen else { return };
+                screen.resize([size.width, size.height]);
+                let event = Event::Size(screen.size(), screen.window.scale_factor() as f32);
+                self.queue(event);
+            }
+            WindowEvent::ScaleFactorChanged { scale_factor, .. } => {
+                self.queue(Event::Size(self.size, *scale_factor as f32));
+            }
+            event => {
+                let translated = translated(event, &mut self.fingers);
+                translated.into_iter().for_each(|event| self.queue(event));
+            }
         }
         if let Some(screen) = &self.screen {
             screen.window.request_redraw();
         }
     }
 
-    /// A frame is finished.
-    fn user_event(&mut self, events: &ActiveEventLoop, (): ()) {
-        let Some(FrameInProgress { thread, over }) = self.in_progress.take() else { return };
-        let (viewer, new) = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
-        self.finish(events, viewer, over, new);
+    fn user_event(&mut self, events: &ActiveEventLoop, woken: Woken) {
+        let is_finished = matches!(woken, Woken::Frame);
+        if let Some(FrameInProgress { thread, frame, .. }) = self.in_progress.take_if(|_| is_finished) {
+            let (viewer, rendered) = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+            match frame {
+                Some(frame) => self.finish(events, viewer, frame, rendered),
+                None => self.viewer = Some(viewer),
+            }
+        }
         // For the queued events and the new timing.
         if let Some(screen) = &self.screen {
             screen.window.request_redraw();
@@ -470,21 +501,32 @@ impl ApplicationHandler for App {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        let (Some(screen), Some(viewer)) = (&self.screen, &mut self.viewer) else {
-            return events.set_control_flow(ControlFlow::Wait);
-        };
         let now = Instant::now();
-        let mut is_due = self.replay.is_some() || viewer.is_busy();
+        let next = match &self.source {
+            Source::Live(live) => live.wake(),
+            _ => None,
+        };
+        let (Some(screen), Some(viewer)) = (&self.screen, &mut self.viewer) else {
+            // Events of a recording end a frame as those of a person do.
+            if next.is_some_and(|next| next <= now) {
+                self.interrupt(false);
+            }
+            let next = next.filter(|next| *next > now);
+            return events.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        };
+        let due = viewer.due().map(|seconds| self.last + Duration::from_secs_f64(seconds));
+        let mut is_due = matches!(self.source, Source::Replay(_));
         if self.watch.as_mut().is_some_and(|watch| watch.has_changed(now)) {
             viewer.load(None);
             is_due = true;
         }
-        self.is_idle = !is_due;
-        if is_due || self.wake.is_some_and(|wake| wake <= now) {
+        self.is_idle = !is_due && due.is_none();
+        let look = self.watch.as_ref().map(|_| now + watch::EVERY);
+        let wakes = [self.wake, due, next, look];
+        if is_due || wakes.iter().flatten().any(|wake| *wake <= now) {
             screen.window.request_redraw();
         }
-        let look = self.watch.as_ref().map(|_| now + watch::EVERY);
-        let wake = [self.wake, look].into_iter().flatten().filter(|wake| *wake > now).min();
+        let wake = wakes.into_iter().flatten().filter(|wake| *wake > now).min();
         events.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 }

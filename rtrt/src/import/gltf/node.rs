@@ -16,6 +16,9 @@ use gltf_json::{Index, Node, camera};
 use rtrt_core::scene::{InstanceIndex, Join, Projection};
 use std::collections::HashMap;
 
+/// The most names of a path.
+const PATH: usize = 16;
+
 impl<J: Join> Import<'_, '_, J> {
     /// Adds the scene that the file names, else the first one, else all nodes that are neither children
     /// nor levels of detail.
@@ -34,8 +37,9 @@ impl<J: Join> Import<'_, '_, J> {
         }
         let from_origin = DMat4::from_translation(-self.builder.origin);
         let mut worlds: Vec<(DMat4, bool)> = vec![];
-        // The places of the file's nodes in `self.nodes`.
+        // The places of the file's nodes in `self.nodes`, and the reverse.
         let mut places = HashMap::new();
+        let mut numbers: Vec<usize> = vec![];
         let mut next: Vec<(usize, Option<usize>)> = match scene {
             Some(scene) => scene.nodes.iter().rev().map(|node| (node.value(), None)).collect(),
             None => {
@@ -72,8 +76,10 @@ impl<J: Join> Import<'_, '_, J> {
                 camera: None,
                 light: None,
             };
-            self.draw_node(number, node, &to_world, moves, &mut placed)?;
+            let path = if node.mesh.is_some() { self.path(parent, &numbers) } else { String::new() };
+            self.draw_node(number, &path, &to_world, moves, &mut placed)?;
             self.nodes.push(placed);
+            numbers.push(number);
             let place = self.nodes.len() - 1;
             places.insert(number, place);
             next.extend(node.children.iter().flatten().rev().map(|child| (child.value(), Some(place))));
@@ -89,11 +95,13 @@ impl<J: Join> Import<'_, '_, J> {
     fn draw_node(
         &mut self,
         number: usize,
-        node: &Node,
+        path: &str,
         to_world: &DMat4,
         moves: bool,
         placed: &mut SceneNode,
     ) -> Result<(), ImportError> {
+        let root = self.root;
+        let node = &root.nodes[number];
         let name = match &node.name {
             Some(name) => format!("node {number} ({})", quoted(name)),
             None => format!("node {number}"),
@@ -114,7 +122,7 @@ impl<J: Join> Import<'_, '_, J> {
             // The joints place a skinned mesh; the node of the mesh does not.
             for &(mesh, material) in parts.iter().filter(|_| is_skinned) {
                 let object = self.builder.add_instance(&name, mesh, material, Mat4::IDENTITY)?;
-                self.label(object, &label);
+                self.label(object, &label, path);
             }
             let is_rigid = !is_skinned && !has_targets;
             let levels = if is_rigid { self.levels(&name, node, &parts)? } else { vec![] };
@@ -127,7 +135,7 @@ impl<J: Join> Import<'_, '_, J> {
                     } else {
                         self.builder.add_instance(&name, mesh, material, to_world)?
                     };
-                    self.label(object, &label);
+                    self.label(object, &label, path);
                     if let Some(object) = object.filter(|_| !levels.is_empty()) {
                         self.set_levels(object, part, &levels)?;
                     }
@@ -173,10 +181,26 @@ impl<J: Join> Import<'_, '_, J> {
         Ok(())
     }
 
-    /// Labels an instance with the names of its node and its mesh.
-    fn label(&mut self, object: Option<InstanceIndex>, [node, mesh]: &[String; 2]) {
+    /// The names of the nodes from the nearest 16 down to this one, each followed by a slash. `numbers` has the file's
+    /// number of each place.
+    fn path(&self, place: Option<usize>, numbers: &[usize]) -> String {
+        let parents = std::iter::successors(place, |&place| self.nodes[place].parent);
+        let mut names: Vec<String> = parents
+            .take(PATH)
+            .map(|place| match &self.root.nodes[numbers[place]].name {
+                Some(name) => format!("{name}/"),
+                None => format!("node {}/", numbers[place]),
+            })
+            .collect();
+        names.reverse();
+        names.concat()
+    }
+
+    /// Labels an instance with the names of its node and its mesh, and of the nodes above.
+    fn label(&mut self, object: Option<InstanceIndex>, [node, mesh]: &[String; 2], path: &str) {
         if let Some(object) = object {
             self.builder.label(object, node.clone(), mesh.clone());
+            self.builder.set_path(object, path);
         }
     }
 

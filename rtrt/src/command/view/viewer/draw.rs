@@ -7,43 +7,55 @@ use crate::command::view::pace::Detail;
 use rtrt_core::backend::{RenderError, little_endian};
 use rtrt_core::schedule::Stage;
 use std::borrow::Cow;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
+
+/// Where a picture is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rendered {
+    /// In the texture of the window's device.
+    InPlace,
+    /// In memory.
+    InMemory,
+    /// Nowhere: the frame failed, or was stopped.
+    Nowhere,
+}
 
 impl Viewer {
     /// Whether the picture can be rendered into a texture of the window's device.
     pub fn is_rendered_in_place(&mut self, wanted: &Wanted) -> bool {
-        self.backends[self.current].shared().is_some()
-            && wanted.debug.is_none()
-            && self.drawn.as_ref() != Some(wanted)
+        self.engine().shared().is_some() && wanted.debug.is_none() && self.drawn.as_ref() != Some(wanted)
     }
 
-    /// Renders the picture, into a texture of the window's device if there is one. A failure is noted. Returns the
-    /// size of a picture that is not in the texture.
-    pub fn render(&mut self, wanted: Wanted, texture: Option<wgpu::Texture>) -> Option<[u32; 2]> {
-        if texture.is_some_and(|texture| self.render_in_place(wanted, &texture)) {
-            return None;
+    /// Renders the picture until `stop` is true, into a texture of the window's device if there is one. A failure is
+    /// noted; a picture that was stopped is requested again.
+    pub fn render(&mut self, wanted: Wanted, texture: Option<wgpu::Texture>, stop: &AtomicBool) -> Rendered {
+        if texture.is_some_and(|texture| self.render_in_place(wanted, &texture, stop)) {
+            return Rendered::InPlace;
         }
-        let drawn = self.draw(wanted);
-        let is_drawn = drawn.is_ok();
-        self.note(drawn);
-        is_drawn.then_some(wanted.detail.size)
+        match self.draw(wanted, stop) {
+            Ok(()) => return Rendered::InMemory,
+            Err(Error::Render { source: RenderError::Stopped, .. }) => self.given = None,
+            Err(error) => self.note(Err(error)),
+        }
+        Rendered::Nowhere
     }
 
     /// Renders the picture or the debug view, unless it is the current one.
-    pub(super) fn draw(&mut self, wanted: Wanted) -> Result<(), Error> {
+    pub(super) fn draw(&mut self, wanted: Wanted, stop: &AtomicBool) -> Result<(), Error> {
         if self.drawn == Some(wanted) {
             return Ok(());
         }
         self.begin(wanted)?;
         let start = Instant::now();
-        let request = self.job.request(wanted.debug.is_some());
-        let backend = &mut self.backends[self.current];
+        let request = self.job.request(wanted.debug.is_some()).until(stop);
+        let backend = self.engines.drawing_mut();
         let rendered = self.job.render(backend.backend(), &request, &mut self.picture);
         match rendered {
             Err(Error::Render { source, .. }) if is_of_device(&source) && backend.shared().is_some() => {
                 self.unshare(source);
-                let request = self.job.request(wanted.debug.is_some());
-                self.job.render(self.backends[self.current].backend(), &request, &mut self.picture)?;
+                let request = self.job.request(wanted.debug.is_some()).until(stop);
+                self.job.render(self.engines.drawing_mut().backend(), &request, &mut self.picture)?;
             }
             rendered => rendered?,
         }
@@ -56,13 +68,13 @@ impl Viewer {
 
     /// Renders the picture into a texture of the window's device. Returns whether it succeeded; on a failure the
     /// device is no longer shared.
-    fn render_in_place(&mut self, wanted: Wanted, texture: &wgpu::Texture) -> bool {
+    fn render_in_place(&mut self, wanted: Wanted, texture: &wgpu::Texture, stop: &AtomicBool) -> bool {
         if self.begin(wanted).is_err() {
             return false;
         }
         let start = Instant::now();
-        let Some(gpu) = self.backends[self.current].shared() else { return false };
-        match gpu.render_into(texture, &self.job.scene, &self.job.request(false)) {
+        let Some(gpu) = self.engines.drawing_mut().shared() else { return false };
+        match gpu.render_into(texture, &self.job.scene, &self.job.request(false).until(stop)) {
             Ok(stages_ms) => {
                 self.measured(wanted.detail, start, stages_ms);
                 true
@@ -79,7 +91,7 @@ impl Viewer {
     /// Stops sharing the window's device after its failure.
     fn unshare(&mut self, why: RenderError) {
         self.console.say(format_args!("warning: {why}; pictures are read back from here on"));
-        let unshared = self.backends[self.current].unshare(&self.console);
+        let unshared = self.engines.drawing_mut().unshare(&self.console);
         self.note(unshared);
     }
 
@@ -88,7 +100,7 @@ impl Viewer {
         let Wanted { detail, shadows, layers, exposure, tone_map, hybrid, debug, .. } = wanted;
         (self.drawn, self.shown) = (None, None);
         rays(detail.size, detail.samples, debug.is_some())?;
-        self.backends[self.current].set_hybrid(hybrid, &self.console)?;
+        self.engines.drawing_mut().set_hybrid(hybrid, &self.console)?;
         let job = &mut self.job;
         (job.size, job.samples, job.shadows, job.layers) = (detail.size, detail.samples, shadows, layers);
         (job.exposure, job.tone_map) = (exposure, tone_map);
@@ -98,11 +110,12 @@ impl Viewer {
     /// Records the time of a picture.
     fn measured(&mut self, detail: Detail, start: Instant, stages_ms: [f64; Stage::COUNT]) {
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
+        let engine = self.engines.drawing_mut();
         // Later frames do not compile shaders.
-        if !self.is_cold() {
+        if engine.is_warm || !engine.is_gpu() {
             self.pace.measured(detail.rays(), frame_ms);
         }
-        self.backends[self.current].is_warm = true;
+        engine.is_warm = true;
         self.timing = Some(Timing { detail, frame_ms, stages_ms });
     }
 
@@ -128,9 +141,10 @@ mod tests {
 
     /// A viewer without a window on a GPU; none, with a message, without a GPU.
     fn viewer() -> Option<Viewer> {
-        let line = "rtrt view demo:matchbox --size 64x36 --samples 1 --backend gpu --quiet";
+        // A replay does not let the CPU draw while shaders are compiled.
+        let line = "rtrt view demo:matchbox --size 64x36 --samples 1 --backend gpu --quiet --replay none";
         let Command::View(options) = Command::parse_from(line.split(' ')) else { unreachable!() };
-        match Viewer::new(&options) {
+        match Viewer::new(&options, std::sync::Arc::new(|| ())) {
             Err(error @ Error::Choose(_)) if std::env::var_os("RTRT_REQUIRE_GPU").is_none() => {
                 println!("skipped: {error}");
                 None
@@ -172,9 +186,9 @@ mod tests {
                 view_formats: &[],
             })
         });
-        let read_back = viewer.render(wanted, texture);
-        assert!(viewer.message().is_none_or(|text| !text.starts_with("error: ")));
-        read_back.is_none()
+        let rendered = viewer.render(wanted, texture, &AtomicBool::new(false));
+        assert!(viewer.failure().is_none());
+        rendered == Rendered::InPlace
     }
 
     /// Asserts that the picture equals that of the CPU.
@@ -182,7 +196,7 @@ mod tests {
         let pixels = viewer.pixels().to_vec();
         viewer.switch().unwrap();
         let wanted = viewer.next().unwrap();
-        viewer.render(wanted, None);
+        viewer.render(wanted, None, &AtomicBool::new(false));
         assert!(*pixels == *viewer.pixels(), "the picture is another one");
     }
 

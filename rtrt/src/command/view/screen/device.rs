@@ -1,4 +1,4 @@
-//! The window's surface: the picture, pixel for pixel, under the overlay.
+//! A window that a GPU draws: the picture as a texture under the overlay.
 
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive};
 use egui::{Color32, Context, FullOutput, Pos2, Rect, TextureId, pos2, vec2};
@@ -13,10 +13,8 @@ const BACKENDS: wgpu::Backends =
     wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
 
 /// A surface with its device and painter.
-pub struct Screen {
-    pub window: Arc<Window>,
-    /// The name of the adapter, if it is a software adapter.
-    pub software: Option<String>,
+pub struct DeviceScreen {
+    window: Arc<Window>,
     instance: wgpu::Instance,
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
@@ -24,6 +22,8 @@ pub struct Screen {
     pub queue: wgpu::Queue,
     renderer: Renderer,
     picture: Option<ScreenTexture>,
+    /// Whether the picture is shown at another size than its own.
+    is_scaled: bool,
     failure: Arc<Mutex<Option<String>>>,
 }
 
@@ -33,9 +33,9 @@ struct ScreenTexture {
     id: TextureId,
 }
 
-impl Screen {
-    /// A screen on a window, or the reason for a failure.
-    pub fn new(window: Arc<Window>, events: &ActiveEventLoop) -> Result<Self, String> {
+impl DeviceScreen {
+    /// A screen on a window with the name of its adapter, and whether that is software; or the reason for a failure.
+    pub fn new(window: Arc<Window>, events: &ActiveEventLoop) -> Result<(Self, String, bool), String> {
         let display = Box::new(events.owned_display_handle());
         let wanted = wgpu::Backends::from_env().unwrap_or(BACKENDS);
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
@@ -71,9 +71,11 @@ impl Screen {
         surface.configure(&device, &config);
         // Texels are fetched by index, so the filters of devices do not matter.
         let renderer = Renderer::new(&device, config.format, RendererOptions::PREDICTABLE);
-        let software = (info.device_type == wgpu::DeviceType::Cpu).then_some(info.name);
+        let is_software = info.device_type == wgpu::DeviceType::Cpu;
         let picture = None;
-        Ok(Self { window, software, instance, surface, config, device, queue, renderer, picture, failure })
+        let screen =
+            Self { window, instance, surface, config, device, queue, renderer, picture, is_scaled: false, failure };
+        Ok((screen, info.name, is_software))
     }
 
     /// The size of the surface, pixels.
@@ -114,6 +116,7 @@ impl Screen {
         });
         let view = texture.create_view(&Default::default());
         let (renderer, nearest) = (&mut self.renderer, wgpu::FilterMode::Nearest);
+        self.is_scaled = false;
         let id = match self.picture.take() {
             Some(ScreenTexture { id, .. }) => {
                 renderer.update_egui_texture_from_wgpu_texture(&self.device, &view, nearest, id);
@@ -128,6 +131,7 @@ impl Screen {
     /// Shows the picture at this size in pixels, and the overlay.
     pub fn show(&mut self, context: &Context, mut over: FullOutput, size: [u32; 2]) -> Result<(), String> {
         let scale = over.pixels_per_point;
+        self.filter(size);
         let mut jobs: Vec<_> = self.backdrop(size, scale).into_iter().collect();
         jobs.extend(context.tessellate(over.shapes, scale));
         for (id, deltas) in over.textures_delta.set.drain() {
@@ -140,6 +144,19 @@ impl Screen {
             self.renderer.free_texture(&id);
         }
         self.failure.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
+    }
+
+    /// Has the picture's colors interpolated where it is shown at another size than its own.
+    fn filter(&mut self, [width, height]: [u32; 2]) {
+        let Some(ScreenTexture { texture, id }) = &self.picture else { return };
+        let is_scaled = texture.size() != wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        if is_scaled == self.is_scaled {
+            return;
+        }
+        self.is_scaled = is_scaled;
+        let filter = if is_scaled { wgpu::FilterMode::Linear } else { wgpu::FilterMode::Nearest };
+        let view = texture.create_view(&Default::default());
+        self.renderer.update_egui_texture_from_wgpu_texture(&self.device, &view, filter, *id);
     }
 
     /// The picture as a rectangle of so many pixels in the upper left corner.
