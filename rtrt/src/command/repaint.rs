@@ -66,8 +66,12 @@ impl fmt::Display for Repaint {
                 write!(f, ":{name}={x},{y},{z}")?;
             }
         }
-        let numbers =
-            [("metallic", metallic), ("roughness", roughness), ("alpha", alpha), ("transmission", transmission)];
+        let numbers = [
+            ("metallic", metallic),
+            ("roughness", roughness),
+            ("alpha", alpha),
+            ("transmission", transmission),
+        ];
         for (name, number) in numbers {
             if let Some(number) = number {
                 write!(f, ":{name}={number}")?;
@@ -133,7 +137,9 @@ mod tests {
 
     #[test]
     fn bad_changes_are_refused() {
-        for bad in ["", "x:alpha=1", "1", "1:", "1:alpha", "1:alpha=2", "1:alpha=nan", "1:color=1,2", "1:shine=1"] {
+        for bad in
+            ["", "x:alpha=1", "1", "1:", "1:alpha", "1:alpha=2", "1:alpha=nan", "1:color=1,2", "1:shine=1"]
+        {
             assert!(bad.parse::<Repaint>().is_err(), "{bad}");
         }
     }

@@ -48,12 +48,16 @@ fn fingers_and_modes_move_the_camera() {
         key("T") + &click(160, 90) + &click(160, 90) + drag,
     ];
     let Some(printed) = after("hands", SCENE, &inputs) else { return };
-    let [start, pinch, pan, framed, parallel, back, trackball, fly, pivot] = &printed[..] else { panic!("too few") };
+    let [start, pinch, pan, framed, parallel, back, trackball, fly, pivot] = &printed[..] else {
+        panic!("too few")
+    };
     let eye = |printed: &str| option(printed, "--eye").unwrap().to_owned();
     let all = [pinch, pan, framed, trackball, pivot];
     assert!(all.iter().all(|printed| eye(printed) != eye(start)), "{printed:?}");
     assert!(option(parallel, "--parallel").is_some() && option(back, "--parallel").is_none());
-    assert!(option(trackball, "--up") != option(start, "--up") && option(pivot, "--up") == option(start, "--up"));
+    assert!(
+        option(trackball, "--up") != option(start, "--up") && option(pivot, "--up") == option(start, "--up")
+    );
     assert!(eye(fly) == eye(start) && option(fly, "--look-at") != option(start, "--look-at"));
 }
 
@@ -66,8 +70,14 @@ fn what_is_selected_can_be_hidden_and_shown_again() {
         click(160, 120) + &key("F") + &key("Delete"),
     ];
     let Some(printed) = after("selected", SCENE, &inputs) else { return };
-    assert!(option(&printed[0], "--hide").is_none() && option(&printed[2], "--hide").is_none(), "{printed:?}");
-    assert!(option(&printed[1], "--hide").is_some() && option(&printed[3], "--hide").is_some(), "{printed:?}");
+    assert!(
+        option(&printed[0], "--hide").is_none() && option(&printed[2], "--hide").is_none(),
+        "{printed:?}"
+    );
+    assert!(
+        option(&printed[1], "--hide").is_some() && option(&printed[3], "--hide").is_some(),
+        "{printed:?}"
+    );
     assert_eq!(printed[0].replace("0000", ""), printed[2].replace("0002", ""));
 }
 
@@ -84,17 +94,31 @@ fn steps_of_an_animation_and_files_of_the_folder() {
     let hdr = fs::File::create(folder.join("sky.hdr")).unwrap();
     let light: Vec<_> = (0..128).map(|i| image::Rgb([i as f32 * 0.01, 0.5, 0.1])).collect();
     image::codecs::hdr::HdrEncoder::new(hdr).encode(&light, 16, 8).unwrap();
-    let recording = [&key("ArrowRight"), SHOT, &key("ArrowLeft"), &key("ArrowLeft"), SHOT, "drop sky.hdr\nframe 0.1\n", SHOT];
+    let recording = [
+        &key("ArrowRight"),
+        SHOT,
+        &key("ArrowLeft"),
+        &key("ArrowLeft"),
+        SHOT,
+        "drop sky.hdr\nframe 0.1\n",
+        SHOT,
+    ];
     let output = view(&display, &folder, "a.obj --size 64x36 --backend cpu", &recording.concat());
     let printed = lines(&output);
     let scene = |number: usize| printed[number].split(' ').nth(2).unwrap();
-    assert!(scene(0).ends_with("b.obj") && scene(1).ends_with("c.obj") && scene(2).ends_with("c.obj"), "{printed:?}");
+    assert!(
+        scene(0).ends_with("b.obj") && scene(1).ends_with("c.obj") && scene(2).ends_with("c.obj"),
+        "{printed:?}"
+    );
     assert_eq!(option(&printed[2], "--environment"), Some("sky.hdr"));
     for (number, printed) in printed.iter().enumerate() {
         assert!(pixels(&folder, &format!("rtrt-{number:04}.png")) == rendered(&folder, printed), "{printed}");
     }
-    let Some(printed) = after("steps", "demo:moving --size 64x36 --backend cpu", &[key("Period") + &key("Period"), key("Comma")])
-    else {
+    let Some(printed) = after(
+        "steps",
+        "demo:moving --size 64x36 --backend cpu",
+        &[key("Period") + &key("Period"), key("Comma")],
+    ) else {
         return;
     };
     let time = |printed: &str| option(printed, "--time").unwrap().parse::<f64>().unwrap();
@@ -116,7 +140,8 @@ fn what_lies_over_the_picture_is_seen() {
 }
 
 fn see(display: &Display, folder: &Path, keys: &str, place: [f32; 4]) {
-    let recording = format!("rtrt input 1\nsize 800 600 1\nframe 0.1\n{keys}frames 5 0.1\nframes 1000000 0\n");
+    let recording =
+        format!("rtrt input 1\nsize 800 600 1\nframe 0.1\n{keys}frames 5 0.1\nframes 1000000 0\n");
     fs::write(folder.join("input.txt"), recording).unwrap();
     let line = "demo:glass --size 800x600 --samples 1 --shadows off --backend cpu";
     command(folder, &format!("render {line} -o plain.png")).status().unwrap();

@@ -54,13 +54,15 @@ fn a_replay_at_its_own_speed_measures_the_loop() {
     // An orbit of a second by 60 moves, and two seconds of rest.
     let moves: String =
         (1..60).map(|step| format!("move {} 200\nframe 0.016666667\n", 200 + 2 * step)).collect();
-    let recording =
-        format!("frame 1\nmove 200 200\nbutton left down\nframe 0.1\n{moves}button left up\nframe 0\nframe 2\n");
+    let recording = format!(
+        "frame 1\nmove 200 200\nbutton left down\nframe 0.1\n{moves}button left up\nframe 0\nframe 2\n"
+    );
     let line = "demo:matchbox --size 640x360 --backend cpu --live --json";
     let printed = lines(&view(&display, &folder, line, &recording));
     let report: serde_json::Value = serde_json::from_str(printed.last().unwrap()).unwrap();
     println!("{report}");
-    let number = |path: &str| report.pointer(&format!("/loop/{path}")).and_then(serde_json::Value::as_f64).unwrap();
+    let number =
+        |path: &str| report.pointer(&format!("/loop/{path}")).and_then(serde_json::Value::as_f64).unwrap();
     // What this machine does is in the documents; other machines may be busy.
     assert!(number("pictures") > 10.0 && number("frames_per_second") > 8.0, "{report}");
     assert!(number("event_to_picture_ms/median") < 250.0, "{report}");
@@ -91,7 +93,8 @@ fn the_cpu_draws_while_a_gpu_compiles_and_escape_closes() {
 fn a_replay_that_is_not_live_reports_as_well() {
     let folder = folder("reports");
     let Some(display) = Display::start(&folder) else { return };
-    let output = view(&display, &folder, "demo:matchbox --size 64x36 --backend cpu --json", "press W\nframes 3 0.1\n");
+    let output =
+        view(&display, &folder, "demo:matchbox --size 64x36 --backend cpu --json", "press W\nframes 3 0.1\n");
     let printed = lines(&output);
     let report: serde_json::Value = serde_json::from_str(&printed[0]).unwrap();
     assert_eq!((printed.len(), report["loop"]["pictures"].as_u64()), (1, Some(3)), "{}", stderr(&output));

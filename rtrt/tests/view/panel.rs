@@ -1,7 +1,8 @@
 //! What lies over the picture: keys, timing, messages, and the panel, every entry of which has an option.
 
-use crate::display::{Display, SCREEN, Window, changed, command, folder, lines, pixels, rendered, stderr, view};
-use image::RgbaImage;
+use crate::display::{
+    Display, SCREEN, Window, changed, command, folder, lines, pixels, rendered, stderr, view,
+};
 use std::fs;
 
 /// A click, and what follows of it.

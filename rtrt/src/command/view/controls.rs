@@ -1,8 +1,8 @@
 //! The controls: keys and mouse.
 
+use super::camera;
 use super::input::{Button, Event, Modifiers};
 use super::motion::{self, Mode};
-use super::camera;
 use egui::Key;
 use glam::DVec3;
 use rtrt::debug::DebugView;
@@ -68,7 +68,7 @@ const SPEED: f64 = 0.3;
 const FAST: f64 = 4.0;
 
 /// The longest time between two clicks of a double click, seconds.
-const DOUBLE: f64 = 0.4;
+pub const DOUBLE: f64 = 0.4;
 /// The angle of view of a camera that had parallel rays, radians.
 const FOV_Y: f32 = 0.8;
 /// A drag begins this far from where a button was pressed, pixels.
@@ -288,7 +288,9 @@ impl Controls {
             return Some(Action::Select(place));
         }
         self.pivot = rig.seen(place.map(f64::from));
-        Some(Action::Say(if self.pivot.is_some() { "pivot set" } else { "no surface: pivot in the middle" }.into()))
+        Some(Action::Say(
+            if self.pivot.is_some() { "pivot set" } else { "no surface: pivot in the middle" }.into(),
+        ))
     }
 
     fn wheel(&mut self, notches: f64, rig: &mut Rig<'_>) {
@@ -368,9 +370,14 @@ impl Controls {
             Drag::Look => camera::turned(&camera, -x * TURN, -y * TURN),
             Drag::Shift(depth) => shifted(rig, depth, [x, y]),
             Drag::Orbit(pivot, walls) | Drag::Roll(pivot, walls) => {
-                let motion = if matches!(held.drag, Drag::Roll(..)) { motion::rolled } else { motion::orbited };
+                let motion =
+                    if matches!(held.drag, Drag::Roll(..)) { motion::rolled } else { motion::orbited };
                 let next = motion(&camera, pivot, -x * TURN, -y * TURN);
-                if walls { motion::kept_inside(&camera, &next, pivot, margin, &mut *rig.surface) } else { next }
+                if walls {
+                    motion::kept_inside(&camera, &next, pivot, margin, &mut *rig.surface)
+                } else {
+                    next
+                }
             }
         };
     }
@@ -404,7 +411,9 @@ impl Controls {
     /// The point around which a drag turns the camera.
     pub fn turns_around(&self) -> Option<DVec3> {
         match self.held {
-            Some(Held { drag: Drag::Orbit(pivot, _) | Drag::Roll(pivot, _), is_drag: true, .. }) => Some(pivot),
+            Some(Held { drag: Drag::Orbit(pivot, _) | Drag::Roll(pivot, _), is_drag: true, .. }) => {
+                Some(pivot)
+            }
             _ => None,
         }
     }
@@ -486,18 +495,16 @@ mod tests {
     #[test]
     fn digits_choose_a_view_with_ctrl_and_a_side_without() {
         let ctrl = Event::Modifiers(Modifiers { ctrl: true, ..Modifiers::default() });
-        let (camera, actions) = after(FREE, &[ctrl.clone(), Event::Press(Key::Num3), Event::Press(Key::Num0)]);
+        let (camera, actions) =
+            after(FREE, &[ctrl.clone(), Event::Press(Key::Num3), Event::Press(Key::Num0)]);
         assert_eq!(actions, [Action::Debug(Some(DebugView::Depth)), Action::Debug(None)]);
         assert_eq!(camera, CAMERA);
         let (camera, _) = after(FREE, &[Event::Press(Key::Num3)]);
         assert!(camera.eye.x > 2.0 && camera.eye.z.abs() < 1e-5);
     }
 
-    const CLICK: [Event; 3] = [
-        Event::Move(320.0, 180.0),
-        Event::Button(Button::Left, true),
-        Event::Button(Button::Left, false),
-    ];
+    const CLICK: [Event; 3] =
+        [Event::Move(320.0, 180.0), Event::Button(Button::Left, true), Event::Button(Button::Left, false)];
 
     #[test]
     fn a_click_selects_and_a_second_one_sets_the_pivot() {

@@ -46,7 +46,13 @@ impl Engine {
         let cpu = cpu.map_err(ChooseError::Cpu)?;
         let (machine, options) = (Machine::from(cpu.describe()), options.clone());
         let options = BackendOptions { backend: Choice::Cpu, ..options };
-        Ok(Self { renders: Renders::Separate(Box::new(cpu)), machine, options, hybrid: false, is_warm: false })
+        Ok(Self {
+            renders: Renders::Separate(Box::new(cpu)),
+            machine,
+            options,
+            hybrid: false,
+            is_warm: false,
+        })
     }
 
     /// Compiles what frames like this one need, until `stop` is true.

@@ -77,7 +77,10 @@ pub fn dollied(camera: &Camera, target: DVec3, notches: f64, least: f64) -> Came
         }
     };
     let shifted = |place: glam::Vec3| (place.as_dvec3() + by).as_vec3();
-    usable(camera, Camera { eye: shifted(camera.eye), look_at: shifted(camera.look_at), up: camera.up, projection })
+    usable(
+        camera,
+        Camera { eye: shifted(camera.eye), look_at: shifted(camera.look_at), up: camera.up, projection },
+    )
 }
 
 /// The camera in the same direction, with a ball in view.
@@ -124,7 +127,8 @@ pub fn ray(camera: &Camera, size: [u32; 2], [x, y]: [f64; 2]) -> Option<(DVec3, 
             (eye, axes.forward + axes.right * (right * scale) + axes.up * (up * scale))
         }
         Projection::OffCenter { left, right, bottom, top } => {
-            let along = |from: f32, to: f32, part: f64| f64::from(from) + (f64::from(to) - f64::from(from)) * part;
+            let along =
+                |from: f32, to: f32, part: f64| f64::from(from) + (f64::from(to) - f64::from(from)) * part;
             let aside = axes.right * along(left, right, x / width) + axes.up * along(top, bottom, y / height);
             (eye, axes.forward + aside)
         }
@@ -149,7 +153,9 @@ pub fn projected(camera: &Camera, size: [u32; 2], point: DVec3) -> Option<[f64; 
             (right / scale, up / scale)
         }
         Projection::OffCenter { left, right: end, bottom, top } => {
-            let part = |c: f64, from: f32, to: f32| (c / depth - f64::from(from)) / (f64::from(to) - f64::from(from));
+            let part = |c: f64, from: f32, to: f32| {
+                (c / depth - f64::from(from)) / (f64::from(to) - f64::from(from))
+            };
             return Some([part(right, left, end) * width, part(up, top, bottom) * height]);
         }
     };

@@ -66,7 +66,11 @@ impl Fingers {
             (TouchPhase::Started, None) => {
                 self.down.push((finger, place));
                 self.were_two = self.down.len() > 1;
-                if std::mem::take(&mut self.drags) { vec![Event::Button(Button::Left, false)] } else { vec![] }
+                if std::mem::take(&mut self.drags) {
+                    vec![Event::Button(Button::Left, false)]
+                } else {
+                    vec![]
+                }
             }
             (TouchPhase::Moved, Some(which)) => {
                 let before = self.spread();
@@ -82,7 +86,8 @@ impl Fingers {
                 }
             }
             (TouchPhase::Ended | TouchPhase::Cancelled, Some(which)) => {
-                let is_tap = phase == TouchPhase::Ended && self.down.len() == 1 && !self.drags && !self.were_two;
+                let is_tap =
+                    phase == TouchPhase::Ended && self.down.len() == 1 && !self.drags && !self.were_two;
                 self.down.remove(which);
                 let up = Event::Button(Button::Left, false);
                 if is_tap {

@@ -7,7 +7,7 @@ mod pick;
 mod shot;
 mod time;
 
-use super::controls::{Action, Controls, Free, Rig};
+use super::controls::{Action, Controls, DOUBLE, Free, Rig};
 use super::engine::Engine;
 use super::figures::Figures;
 use super::input::Event;
@@ -25,8 +25,8 @@ use crate::command::report::Machine;
 pub use draw::Rendered;
 use engines::Engines;
 pub use engines::Waker;
-pub use pick::{Selection, textures};
 use glam::DVec3;
+pub use pick::{Selection, textures};
 use rtrt::debug::{DebugImage, DebugView};
 use rtrt_core::backend::{Picture, Shadows, ToneMap};
 use rtrt_core::query::Tree;
@@ -105,6 +105,8 @@ pub struct Viewer {
     pub has_own_colors: bool,
     /// What is selected.
     pub selection: Option<Selection>,
+    /// For how long, seconds.
+    selected_for: f64,
     /// The trees that rays are asked of.
     tree: Tree,
     /// The scene of which there are trees: its [`Scene::id`](rtrt_core::scene::Scene::id).
@@ -183,6 +185,7 @@ impl Viewer {
             has_own_lights: false,
             has_own_colors: false,
             selection: None,
+            selected_for: 0.0,
             tree: Tree::default(),
             tree_of: None,
             unpainted: BTreeMap::new(),
@@ -258,7 +261,8 @@ impl Viewer {
 
     /// The current message.
     pub fn message(&self) -> Option<&str> {
-        let waits = self.engines.is_getting_ready().then_some("a GPU compiles shaders; the CPU draws meanwhile");
+        let waits =
+            self.engines.is_getting_ready().then_some("a GPU compiles shaders; the CPU draws meanwhile");
         self.message.as_ref().map(|(text, _)| text.as_str()).or(waits)
     }
 
@@ -307,6 +311,7 @@ impl Viewer {
             self.note(played);
         }
         self.take_ready();
+        self.selected_for += seconds;
         self.message =
             self.message.take().filter(|(_, rest)| *rest > 0.0).map(|(text, rest)| (text, rest - seconds));
         let now = Some(self.wanted(self.full()));
@@ -336,8 +341,9 @@ impl Viewer {
     pub fn due(&self) -> Option<f64> {
         let settles = (self.still < SETTLE).then_some(SETTLE - self.still);
         let ticks = self.message.as_ref().map(|_| TICK);
+        let appears = self.selection.as_ref().map(|_| DOUBLE - self.selected_for).filter(|rest| *rest > 0.0);
         let moves = (self.is_playing || self.controls.is_busy()).then_some(0.0);
-        [moves, settles, ticks].into_iter().flatten().reduce(f64::min)
+        [moves, settles, ticks, appears].into_iter().flatten().reduce(f64::min)
     }
 
     /// The next picture, if it differs from the last requested one.
@@ -430,7 +436,8 @@ impl Viewer {
         } else {
             let mut setup = Setup::default();
             let prepared = setup.prepare(&self.job.scene, &self.job.request(self.settings.debug.is_some()));
-            prepared.map_err(|source| Error::Render { scene: self.scene().to_owned(), source: source.into() })?;
+            prepared
+                .map_err(|source| Error::Render { scene: self.scene().to_owned(), source: source.into() })?;
             let waker = Waker::clone(&self.waker);
             self.engines.switch_when_ready(hybrid, &setup.frame, &self.console, waker)
         };
@@ -490,6 +497,11 @@ impl Viewer {
     /// What dragging does.
     pub fn mode(&mut self) -> &mut Mode {
         &mut self.controls.mode
+    }
+
+    /// Whether what is selected is described. It is not while a second click may follow, since a panel could be in its way.
+    pub fn shows_selection(&self) -> bool {
+        self.selection.is_some() && self.selected_for >= DOUBLE
     }
 
     /// The size of the picture, pixels.

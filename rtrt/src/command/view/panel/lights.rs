@@ -6,7 +6,6 @@ use egui::{CollapsingHeader, DragValue, Ui};
 use glam::{DVec3, Vec3};
 use rtrt_core::scene::{Light, LightKind};
 
-
 /// Ambient light, the background, and all lights.
 pub fn lights(ui: &mut Ui, viewer: &mut Viewer) {
     let origin = viewer.job.origin;
@@ -37,7 +36,6 @@ pub fn lights(ui: &mut Ui, viewer: &mut Viewer) {
     viewer.has_own_colors |= !is_same;
     viewer.touch();
 }
-
 
 /// A light. Its position is shown in the coordinates of the file, in which the scene's origin is this.
 fn edit(ui: &mut Ui, light: &mut Light, origin: DVec3) {

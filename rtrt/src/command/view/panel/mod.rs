@@ -42,7 +42,7 @@ pub fn show(context: &Context, viewer: &mut Viewer) {
 
 /// Shows what is selected, and applies changes of its material.
 pub fn show_selection(context: &Context, viewer: &mut Viewer) {
-    if viewer.selection.is_none() {
+    if !viewer.shows_selection() {
         return;
     }
     let mut is_open = true;

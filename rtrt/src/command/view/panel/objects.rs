@@ -98,7 +98,8 @@ mod tests {
 
     #[test]
     fn objects_are_below_their_nodes() {
-        let labels = [label("a/b/", "c", "m"), label("a/", "d", "d"), label("e/", "", ""), label("a/", "f", "")];
+        let labels =
+            [label("a/b/", "c", "m"), label("a/", "d", "d"), label("e/", "", ""), label("a/", "f", "")];
         let rows = rows(&labels, 5);
         let seen: Vec<_> =
             rows.iter().map(|row| (row.depth, &*row.name, row.objects.clone(), row.is_object)).collect();

@@ -7,7 +7,6 @@ use rtrt::debug::DebugView;
 use rtrt_core::backend::ToneMap;
 use rtrt_core::scene::Setup;
 
-
 /// How the picture is made, and which one.
 pub fn picture(ui: &mut Ui, settings: &mut Settings, is_gpu: bool) {
     ui.horizontal(|ui| {
@@ -40,7 +39,6 @@ pub fn picture(ui: &mut Ui, settings: &mut Settings, is_gpu: bool) {
     });
 }
 
-
 /// Exposure and tone map.
 pub fn exposure(ui: &mut Ui, viewer: &mut Viewer) {
     let settings = &mut viewer.settings;
@@ -62,7 +60,6 @@ pub fn exposure(ui: &mut Ui, viewer: &mut Viewer) {
         viewer.meter();
     }
 }
-
 
 /// How the environment is shown.
 pub fn environment(ui: &mut Ui, viewer: &mut Viewer) {

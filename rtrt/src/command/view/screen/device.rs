@@ -73,8 +73,18 @@ impl DeviceScreen {
         let renderer = Renderer::new(&device, config.format, RendererOptions::PREDICTABLE);
         let is_software = info.device_type == wgpu::DeviceType::Cpu;
         let picture = None;
-        let screen =
-            Self { window, instance, surface, config, device, queue, renderer, picture, is_scaled: false, failure };
+        let screen = Self {
+            window,
+            instance,
+            surface,
+            config,
+            device,
+            queue,
+            renderer,
+            picture,
+            is_scaled: false,
+            failure,
+        };
         Ok((screen, info.name, is_software))
     }
 

@@ -90,7 +90,9 @@ fn paint_triangle(
     scale: f32,
     canvas: &mut Canvas<'_>,
 ) {
-    let place = |vertex: &Vertex| [vertex.pos.x, vertex.pos.y].map(|c| ((c * scale).clamp(-MOST, MOST) * PARTS) as i64);
+    let place = |vertex: &Vertex| {
+        [vertex.pos.x, vertex.pos.y].map(|c| ((c * scale).clamp(-MOST, MOST) * PARTS) as i64)
+    };
     let [a, mut b, mut c] = corners;
     let [p, mut q, mut r] = [place(a), place(b), place(c)];
     let mut area = cross(p, q, r);

@@ -8,7 +8,8 @@
 pub fn scale(picture: &[u8], from: [u32; 2], out: &mut [u32], to: [u32; 2]) {
     let [width, height] = from.map(|side| side as usize);
     let [across, down] = to.map(|side| side as usize);
-    if picture.len() < 4 * width * height || out.len() < across * down || width * height * across * down == 0 {
+    if picture.len() < 4 * width * height || out.len() < across * down || width * height * across * down == 0
+    {
         return;
     }
     let row = |y: usize| &picture[4 * width * y..4 * width * (y + 1)];

@@ -61,6 +61,7 @@ impl Viewer {
     /// Selects what is seen at a place in the picture, pixels; nothing where nothing is.
     pub(super) fn select_at(&mut self, place: [f32; 2]) {
         self.selection = self.picked(place.map(f64::from));
+        self.selected_for = 0.0;
     }
 
     fn picked(&mut self, place: [f64; 2]) -> Option<Selection> {
