@@ -24,7 +24,7 @@ fn what_is_changed_in_the_panel_is_an_option_of_the_command() {
     let Some(display) = Display::start(&folder) else { return };
     // Places are those of the panel in a window of 640 x 480. Enter and Escape end what is written and what has
     // popped up, and leave the camera and the window alone.
-    let zoom = "wheel 3\nframe 0.1\n";
+    let zoom = "modifiers ctrl\nwheel 3\nmodifiers\nframe 0.1\n";
     let samples = click(445, 59);
     let shadows = click(429, 83) + &click(406, 132);
     let depth = number(519, 105, "3");

@@ -466,12 +466,7 @@ impl Viewer {
     fn with_rig<T>(&mut self, act: impl FnOnce(&mut Controls, &mut Rig<'_>) -> T) -> (Camera, T) {
         let Self { controls, job, tree, size, .. } = self;
         let (low, high) = job.scene.extent().unwrap_or_default();
-        // A person does not wait for trees; a replay does, since it has no clock.
-        let is_ready = self.is_exact || self.tree_of == Some(job.scene.id());
         let mut surface = |origin, direction| {
-            if !is_ready {
-                return None;
-            }
             pick::nearest(tree, &job.scene, origin, direction).map(|hit| f64::from(hit.t))
         };
         let mut rig = Rig {
