@@ -555,7 +555,8 @@ mod tests {
         let drag = [Event::Move(0.0, 0.0), Event::Button(Button::Left, true), Event::Move(0.0, 400.0)];
         let mode = |times| {
             let key = [Event::Press(Key::T), Event::Release(Key::T)];
-            after(FREE, &[&key.repeat(times)[..], &drag].concat())
+            let keys = vec![key; times].concat();
+            after(FREE, &[&keys[..], &drag].concat())
         };
         let (turntable, said) = mode(3);
         assert_eq!(said, ["trackball", "fly", "turntable"].map(|name| Action::Say(name.into())));

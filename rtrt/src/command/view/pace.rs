@@ -104,7 +104,7 @@ mod tests {
     fn what_is_not_rendering_is_taken_off_the_budget() {
         let mut pace = pace(400.0);
         pace.presented(20.0);
-        assert_eq!(pace.detail(FULL, 35.0), Detail { size: [501, 250], samples: 1 });
+        assert_eq!(pace.detail(FULL, 36.0), Detail { size: [501, 250], samples: 1 });
         pace.presented(1e3);
         assert_eq!(pace.detail(FULL, 35.0), Detail { size: [126, 63], samples: 1 });
     }

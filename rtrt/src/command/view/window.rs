@@ -238,7 +238,8 @@ impl App {
 
     /// Has a thread do what can be done while nothing is to be drawn.
     fn use_time(&mut self) {
-        if let Some(viewer) = self.viewer.take_if(|viewer| viewer.has_spare_work() && !viewer.is_closed) {
+        let is_open = self.screen.is_some();
+        if let Some(viewer) = self.viewer.take_if(|viewer| is_open && viewer.has_spare_work()) {
             self.spawn(viewer, None, true, |viewer, stop| {
                 viewer.work(stop);
                 Rendered::Nowhere
@@ -427,9 +428,7 @@ impl App {
             self.result = result;
         }
         // Whatever is still to end, the window is gone at once.
-        if let Some(screen) = &self.screen {
-            screen.window.set_visible(false);
-        }
+        self.screen = None;
         self.interrupt(true);
         // The process must not end while a frame is in progress.
         if let Some(FrameInProgress { thread, .. }) = self.in_progress.take() {

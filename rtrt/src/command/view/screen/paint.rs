@@ -69,7 +69,9 @@ fn clip(rect: Rect, scale: f32, size: [u32; 2]) -> [[i64; 2]; 2] {
         let [x, y] = [point.x, point.y].map(|c| (c * scale).round() as i64);
         [x.clamp(0, most[0]), y.clamp(0, most[1])]
     };
-    [round(rect.min), round(rect.max)]
+    let (low, high) = (round(rect.min), round(rect.max));
+    // An empty rectangle may have its corners the other way around.
+    [low, [0, 1].map(|axis| high[axis].max(low[axis]))]
 }
 
 fn paint_mesh(mesh: &Mesh, texture: &Texture, clip: [[i64; 2]; 2], scale: f32, canvas: &mut Canvas<'_>) {
