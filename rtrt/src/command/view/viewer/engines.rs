@@ -131,9 +131,9 @@ impl Engines {
         Ok(true)
     }
 
-    fn swap(&mut self, other: Box<Engine>) {
-        let before = std::mem::replace(&mut self.drawing, *other);
-        self.other = Other::Open(Box::new(before));
+    fn swap(&mut self, mut other: Box<Engine>) {
+        std::mem::swap(&mut self.drawing, &mut *other);
+        self.other = Other::Open(other);
     }
 
     /// The other backend, opened the first time; none while it is getting ready.
