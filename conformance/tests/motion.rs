@@ -30,7 +30,10 @@ fn cloth(time: f64) -> Mesh {
         let [x, z] = [i % SIDE, i / SIDE].map(|n| f64::from(n) / f64::from(SIDE - 1) * 4.0 - 2.0);
         let [height, slope] = [libm::sin(2.0 * x + time), libm::cos(2.0 * x + time)];
         let normal = [-slope as f32, 1.0, 0.0];
-        ([x as f32, (0.5 * height) as f32, z as f32], Attribute { normal, uv: [0.0; 2], color: u32::MAX })
+        (
+            [x as f32, (0.5 * height) as f32, z as f32],
+            Attribute { normal, uv: [0.0; 2], color: Attribute::WHITE },
+        )
     };
     let (positions, attributes) = (0..SIDE * SIDE).map(place).unzip();
     let quads = (0..(SIDE - 1) * (SIDE - 1)).map(|n| n / (SIDE - 1) * SIDE + n % (SIDE - 1));

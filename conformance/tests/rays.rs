@@ -11,7 +11,7 @@ fn answers_are_those_of_the_world_one_by_one_and_in_slices() {
     let mut random = Random(1);
     let mut point = |size: f32| [(); 3].map(|()| random.within(-size, size));
     let positions: Vec<_> = (0..900).map(|_| point(1.0)).collect();
-    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
     let mesh = Mesh::new(positions, vec![attribute; 900], (0..900).collect()).expect("a mesh");
     let mut scene = Scene::new();
     let white = scene.add_material(Material::default()).expect("a material");

@@ -64,7 +64,7 @@ fn cube() -> Result<Mesh, Box<dyn Error>> {
     let corner = |i: u32| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.5 } else { -0.5 });
     let sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     let triangles = sides.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]);
-    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
     Ok(Mesh::new((0..8).map(corner).collect(), vec![attribute; 8], triangles.collect())?)
 }
 

@@ -54,7 +54,11 @@ fn heap(random: &mut Random, triangles: u32) -> Mesh {
     let attribute = |i: usize| Attribute {
         normal: [0.0, 1.0, i as f32 * 0.01],
         uv: [i as f32 * 0.1, 0.5],
-        color: if i.is_multiple_of(3) { 0x20ff_ffff } else { u32::MAX },
+        color: if i.is_multiple_of(3) {
+            Attribute::pack_color([1.0, 1.0, 1.0, 0.125])
+        } else {
+            Attribute::WHITE
+        },
     };
     Mesh::new(positions, (0..count as usize).map(attribute).collect(), indices).expect("a mesh")
 }

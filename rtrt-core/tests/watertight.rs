@@ -118,7 +118,7 @@ impl Shape {
     }
 
     fn mesh(&self) -> Mesh {
-        let attribute = Attribute { normal: [0.0, 1.0, 0.0], uv: [0.0; 2], color: u32::MAX };
+        let attribute = Attribute { normal: [0.0, 1.0, 0.0], uv: [0.0; 2], color: Attribute::WHITE };
         let indices = self.triangles.as_flattened().to_vec();
         let positions = self.corners.iter().map(|c| c.to_array()).collect();
         Mesh::new(positions, vec![attribute; self.corners.len()], indices).expect("a mesh")
@@ -151,7 +151,10 @@ impl Shape {
         let mesh = self.mesh();
         let flat = Mesh::new(
             self.corners.iter().map(|c| [c.x, c.y, c.z * 0.5]).collect(),
-            vec![Attribute { normal: [0.0, 1.0, 0.0], uv: [0.0; 2], color: u32::MAX }; self.corners.len()],
+            vec![
+                Attribute { normal: [0.0, 1.0, 0.0], uv: [0.0; 2], color: Attribute::WHITE };
+                self.corners.len()
+            ],
             self.triangles.as_flattened().to_vec(),
         );
         let flat = flat.expect("a mesh");

@@ -96,7 +96,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
 
 /// A triangle that has no normals: its own is used.
 fn triangle(corners: [[f32; 3]; 3]) -> Result<Mesh, MeshError> {
-    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
     Mesh::new(corners.to_vec(), vec![attribute; 3], vec![0, 1, 2])
 }
 

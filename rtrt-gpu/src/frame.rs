@@ -323,7 +323,7 @@ mod tests {
         let side = steps + 1;
         let place = |i: u32| [(i % side) as f32, (i / side) as f32].map(|x| 2.0 * x / steps as f32 - 1.0);
         let positions: Vec<_> = (0..side * side).map(place).map(|[x, y]| [x, y, 0.0]).collect();
-        let attribute = Attribute { normal: [0.0, 0.0, 1.0], uv: [0.0; 2], color: u32::MAX };
+        let attribute = Attribute { normal: [0.0, 0.0, 1.0], uv: [0.0; 2], color: Attribute::WHITE };
         let cells = (0..steps * steps).map(|i| i / steps * side + i % steps);
         let indices = cells.flat_map(|a| [a, a + 1, a + side, a + 1, a + side + 1, a + side]).collect();
         Mesh::new(positions, vec![attribute; (side * side) as usize], indices).unwrap()

@@ -49,8 +49,11 @@ fn shards(count: usize) -> Mesh {
 /// A square in the x–z plane.
 fn floor() -> Mesh {
     let corners = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]];
-    let attribute =
-        |p: [f32; 3]| Attribute { normal: [0.0, 1.0, 0.0], uv: [p[0] * 3.0, p[2] * 3.0], color: u32::MAX };
+    let attribute = |p: [f32; 3]| Attribute {
+        normal: [0.0, 1.0, 0.0],
+        uv: [p[0] * 3.0, p[2] * 3.0],
+        color: Attribute::WHITE,
+    };
     Mesh::new(corners.to_vec(), corners.map(attribute).to_vec(), vec![0, 1, 2, 0, 2, 3]).unwrap()
 }
 

@@ -32,7 +32,7 @@ unsafe impl GlobalAlloc for Counting {
 /// So many triangles strewn around, each an instance, with a sun and some lamps.
 fn scene(instances: u32) -> Scene {
     let mut scene = Scene::new();
-    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2]).unwrap();
     let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();

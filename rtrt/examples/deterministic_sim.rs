@@ -98,9 +98,10 @@ fn start() -> Result<(Scene, Vec<Ball>), Box<dyn Error>> {
     let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis.to_array());
     let tips = vec![x, y, z, (-Vec3::X).to_array(), (-Vec3::Y).to_array(), (-Vec3::Z).to_array()];
     let sides = vec![0, 1, 2, 1, 3, 2, 3, 4, 2, 4, 0, 2, 1, 0, 5, 3, 1, 5, 4, 3, 5, 0, 4, 5];
-    let smooth = tips.iter().map(|&normal| Attribute { normal, uv: [0.0; 2], color: u32::MAX }).collect();
+    let smooth =
+        tips.iter().map(|&normal| Attribute { normal, uv: [0.0; 2], color: Attribute::WHITE }).collect();
     let ball = Mesh::new(tips, smooth, sides)?;
-    let up = Attribute { normal: y, uv: [0.0; 2], color: u32::MAX };
+    let up = Attribute { normal: y, uv: [0.0; 2], color: Attribute::WHITE };
     let corners = vec![[-2.0, -1.3, 2.0], [2.0, -1.3, 2.0], [0.0, -1.3, -4.0]];
     let floor = Mesh::new(corners, vec![up; 3], vec![0, 1, 2])?;
     let floor = scene.add_mesh(&floor, &Bvh::build(&floor, &Sequential))?;

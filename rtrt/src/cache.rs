@@ -146,7 +146,7 @@ mod tests {
 
     fn mesh(count: u32) -> Mesh {
         let corner = |i: u32| [(i * 37 % 101) as f32, (i * 53 % 89) as f32, (i * 29 % 97) as f32];
-        let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: 0 };
+        let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: [0; 2] };
         let positions: Vec<_> = (0..3 * count).map(corner).collect();
         Mesh::new(positions, vec![attribute; 3 * count as usize], (0..3 * count).collect()).unwrap()
     }

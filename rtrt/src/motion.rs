@@ -87,7 +87,7 @@ mod tests {
     fn triangle(by: Vec3) -> Mesh {
         let corners = [[-4.0, -3.0, 0.0], [4.0, -3.0, 0.0], [0.0, 4.0, 0.0]];
         let positions = corners.map(|corner| (Vec3::from(corner) + by).into()).to_vec();
-        let plain = Attribute { normal: [0.0, 0.0, 1.0], uv: [0.0; 2], color: !0 };
+        let plain = Attribute { normal: [0.0, 0.0, 1.0], uv: [0.0; 2], color: Attribute::WHITE };
         Mesh::new(positions, vec![plain; 3], vec![0, 1, 2]).unwrap()
     }
 

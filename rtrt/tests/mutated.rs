@@ -288,7 +288,7 @@ fn damaged_trees_are_built_anew_or_lose_no_triangle() {
     let mut random = Random::new(7);
     let positions: Vec<[f32; 3]> =
         (0..180).map(|_| [0; 3].map(|_| random.below(1000) as f32 * 0.002 - 1.0)).collect();
-    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
     let mesh = Mesh::new(positions, vec![attribute; 180], (0..180).collect()).unwrap();
     let cache = Cache::new(&folder).unwrap();
     let picture = |cache: &Cache| {

@@ -185,22 +185,18 @@ fn mesh(
     let attribute = |vertex: usize| Attribute {
         normal: normals.as_ref().map_or([0.0; 3], |all| all[vertex]),
         uv: uvs.as_ref().map_or([0.0; 2], |all| all[vertex]),
-        color: colors.as_ref().map_or(u32::MAX, |all| all[vertex]),
+        color: colors.as_ref().map_or(Attribute::WHITE, |all| all[vertex]),
     };
     Mesh::new(positions, (0..count).map(attribute).collect(), triangles).map_err(refused)
 }
 
 /// Colors of vertices: bytes of linear RGB or RGBA.
-fn vertex_colors(value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
+fn vertex_colors(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 2]>> {
     let Array { shape, values } = bytes("colors", value)?;
+    let pack = |rgba: [u8; 4]| Attribute::pack_color(rgba.map(|byte| f32::from(byte) / 255.0));
     match shape[..] {
-        [_, 3] => Ok(values
-            .as_chunks::<3>()
-            .0
-            .iter()
-            .map(|&[r, g, b]| u32::from_le_bytes([r, g, b, 255]))
-            .collect()),
-        [_, 4] => Ok(values.as_chunks::<4>().0.iter().map(|&color| u32::from_le_bytes(color)).collect()),
+        [_, 3] => Ok(values.as_chunks::<3>().0.iter().map(|&[r, g, b]| pack([r, g, b, 255])).collect()),
+        [_, 4] => Ok(values.as_chunks::<4>().0.iter().map(|&rgba| pack(rgba)).collect()),
         _ => Err(wrong_shape("colors", &shape, "(n, 3) or (n, 4)")),
     }
 }

@@ -46,7 +46,7 @@ impl Shape {
         let uv = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         Self {
             positions: corners.to_vec(),
-            attributes: uv.map(|uv| Attribute { normal: [0.0; 3], uv, color: u32::MAX }).to_vec(),
+            attributes: uv.map(|uv| Attribute { normal: [0.0; 3], uv, color: Attribute::WHITE }).to_vec(),
             indices: vec![0, 1, 2],
         }
     }
@@ -58,7 +58,7 @@ impl Shape {
         let normal = right.cross(up).normalize_or_zero().to_array();
         Self {
             positions: uv.map(|[u, v]| (corner + right * u + up * v).to_array()).to_vec(),
-            attributes: uv.map(|uv| Attribute { normal, uv, color: u32::MAX }).to_vec(),
+            attributes: uv.map(|uv| Attribute { normal, uv, color: Attribute::WHITE }).to_vec(),
             indices: vec![0, 1, 2, 0, 2, 3],
         }
     }
@@ -98,7 +98,7 @@ impl Shape {
                 let ring = libm::sinf(down);
                 let p = [libm::cosf(around) * ring, libm::cosf(down), -libm::sinf(around) * ring];
                 ball.positions.push(p);
-                ball.attributes.push(Attribute { normal: p, uv: [u, v], color: u32::MAX });
+                ball.attributes.push(Attribute { normal: p, uv: [u, v], color: Attribute::WHITE });
             }
         }
         for row in 0..steps {
@@ -155,7 +155,7 @@ impl Shape {
     /// With a color of its own at each vertex.
     pub fn painted(mut self, random: &mut Random) -> Self {
         for attribute in &mut self.attributes {
-            attribute.color = random.bits() << 1 | 0xff00_0000;
+            attribute.color = [random.bits() << 1, random.bits() << 1 | 0xffff_0000];
         }
         self
     }
@@ -163,7 +163,7 @@ impl Shape {
     /// The same with an alpha of its own too.
     pub fn painted_through(mut self, random: &mut Random) -> Self {
         for attribute in &mut self.attributes {
-            attribute.color = random.bits() << 1;
+            attribute.color = [0; 2].map(|_: u32| random.bits() << 1);
         }
         self
     }

@@ -35,6 +35,13 @@ pub trait HitFilter<L: Lane>: Copy {
     /// Which faces count, unless the instance is double-sided.
     const FACES: Faces;
 
+    /// Whether an instance has to be tested after its copy `before`: one with the same triangles in the same place,
+    /// sides, material and list, and a lower number. A filter for which every surface counts always says so.
+    #[inline(always)]
+    fn needs_copy(&self, _before: u32, _number: u32) -> bool {
+        true
+    }
+
     /// Takes notice that a packet is tested against a box: the first filter of a packet, for counting.
     #[inline(always)]
     fn test_box(&mut self, _: Bounded) {}
@@ -58,6 +65,11 @@ pub struct Closest;
 impl<L: Lane> HitFilter<L> for Closest {
     const TERMINATES: bool = false;
     const FACES: Faces = Faces::TowardOrigin;
+
+    #[inline(always)]
+    fn needs_copy(&self, _: u32, _: u32) -> bool {
+        false
+    }
 
     #[inline(always)]
     fn accept(
@@ -85,6 +97,11 @@ impl<L: Lane> HitFilter<L> for Any {
     const FACES: Faces = Faces::TowardEnd;
 
     #[inline(always)]
+    fn needs_copy(&self, _: u32, _: u32) -> bool {
+        false
+    }
+
+    #[inline(always)]
     fn accept(
         &mut self,
         _: &Geometry<'_>,
@@ -108,6 +125,11 @@ pub struct Opaque;
 impl<L: Lane> HitFilter<L> for Opaque {
     const TERMINATES: bool = false;
     const FACES: Faces = Faces::Both;
+
+    #[inline(always)]
+    fn needs_copy(&self, _: u32, _: u32) -> bool {
+        false
+    }
 
     #[inline(always)]
     fn accept(

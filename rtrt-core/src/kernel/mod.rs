@@ -38,4 +38,5 @@ pub mod traverse;
 pub mod triangle;
 pub(crate) mod unique_gather;
 pub(crate) mod variance;
+pub(crate) mod vertex_color;
 pub mod view;

@@ -9,7 +9,7 @@ use crate::num::{clamp, floor, from_integer, to_integer};
 pub const DECODE_WORDS: usize = 256;
 
 /// 1/255.
-pub(crate) const BYTE: f32 = 1.0 / 255.0;
+const BYTE: f32 = 1.0 / 255.0;
 
 /// The materials of a scene, and the texels that they are read from.
 #[derive(Clone, Copy)]

@@ -8,8 +8,9 @@
 use crate::kernel::geometry::Geometry;
 use crate::kernel::interpolate::Weights;
 use crate::kernel::sphere::{longitude_and_latitude, point};
-use crate::kernel::texture::{BYTE, finest};
+use crate::kernel::texture::finest;
 use crate::kernel::triangle::Intersection;
+use crate::kernel::vertex_color::STEP;
 use crate::lane::{Lane, Mask, Row};
 use crate::layout::{AlphaKind, Instance, Transparency, TransparencyVertex};
 use crate::num::{clamp, flush};
@@ -106,12 +107,13 @@ impl<L: Lane> TriangleHits<L> {
         let ([to_u, to_v], shift) = (texture.turn, texture.shift);
         let uv = [flush(u * to_u[0] + v * to_u[1] + shift[0]), flush(u * to_v[0] + v * to_v[1] + shift[1])];
         let texel = if texture.height == 0 { [1.0; 4] } else { finest(geometry.texels, &texture, uv) };
-        let colors = [a.color, b.color, c.color];
+        let red_green = [a.color[0], b.color[0], c.color[0]];
+        let blue_alpha = [a.color[1], b.color[1], c.color[1]];
         [
-            share(base[0] * texel[0] * vertex_channel(&weights, colors, 0)),
-            share(base[1] * texel[1] * vertex_channel(&weights, colors, 8)),
-            share(base[2] * texel[2] * vertex_channel(&weights, colors, 16)),
-            share(base[3] * texel[3] * vertex_channel(&weights, colors, 24)),
+            share(base[0] * texel[0] * vertex_channel(&weights, red_green, 0)),
+            share(base[1] * texel[1] * vertex_channel(&weights, red_green, 16)),
+            share(base[2] * texel[2] * vertex_channel(&weights, blue_alpha, 0)),
+            share(base[3] * texel[3] * vertex_channel(&weights, blue_alpha, 16)),
         ]
     }
 }
@@ -122,12 +124,13 @@ fn share(x: f32) -> f32 {
     flush(clamp(x, 0.0, 1.0))
 }
 
-/// A channel of the vertices' colors, interpolated; `shift` is where its 8 bits are.
+/// A channel of the vertices' colors, interpolated; `shift` is where it is in its word.
 #[inline(always)]
 fn vertex_channel(weights: &Weights<f32>, [a, b, c]: [u32; 3], shift: u32) -> f32 {
-    let channel = |color: u32| (color >> shift & 255) as f32 * BYTE;
+    let channel = |word: u32| (word >> shift & 0xffff) as f32 * STEP;
+    let (a, b, c) = (channel(a), channel(b), channel(c));
     // Weights sum to 1 but for rounding, and alpha may have to equal a cutoff.
-    if a == b && b == c { channel(a) } else { weights.mix(channel(a), channel(b), channel(c)) }
+    if a == b && b == c { a } else { weights.mix(a, b, c) }
 }
 
 #[cfg(test)]

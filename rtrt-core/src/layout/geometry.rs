@@ -49,10 +49,21 @@ pub struct Attribute {
     pub normal: [f32; 3],
     /// Texture coordinates, `v` pointing down.
     pub uv: [f32; 2],
-    /// Linear RGBA, 8 bits each, red lowest.
-    pub color: u32,
+    /// Linear RGBA, 16 bits each: red and green, blue and alpha, each time the first in the low half.
+    pub color: [u32; 2],
 }
-const _: () = assert!(size_of::<Attribute>() == 24 && offset_of!(Attribute, color) == 20);
+const _: () = assert!(size_of::<Attribute>() == 28 && offset_of!(Attribute, color) == 20);
+
+impl Attribute {
+    /// The [color](Self::color) that leaves material and texture as they are.
+    pub const WHITE: [u32; 2] = [u32::MAX; 2];
+
+    /// Linear RGBA of 0 ..= 1 as a [color](Self::color); numbers outside are clamped, NaN becomes 1.
+    pub fn pack_color(rgba: [f32; 4]) -> [u32; 2] {
+        let [r, g, b, a] = rgba.map(|x| if x < 1.0 { (x.max(0.0) * 65535.0 + 0.5) as u32 } else { 65535 });
+        [r | g << 16, b | a << 16]
+    }
+}
 
 /// The kind of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,6 +138,26 @@ impl Instance {
     pub(crate) fn source_instance(&self, number: u32) -> u32 {
         if self.opened_from == NONE { number } else { self.opened_from }
     }
+    /// Whether it has the same triangles as another one, in the same place, with the same sides, alpha and lists.
+    #[inline(always)]
+    pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
+        let is_like = self.start == other.start
+            && self.to_world[0][3] == other.to_world[0][3]
+            && self.to_world[1][3] == other.to_world[1][3]
+            && self.to_world[2][3] == other.to_world[2][3]
+            && self.kind == other.kind
+            && self.transparency == other.transparency
+            && self.double_sided == other.double_sided;
+        let mut row = 0;
+        let mut is_same = is_like;
+        while is_same && row < 3 {
+            let (own, others) = (&self.to_world[row], &other.to_world[row]);
+            is_same = own[0] == others[0] && own[1] == others[1] && own[2] == others[2];
+            row += 1;
+        }
+        is_same
+    }
+
     /// Whether it shows this light.
     #[inline(always)]
     pub fn shows(&self, light: u32) -> bool {

@@ -39,8 +39,8 @@ pub struct Surface {
     pub material: u32,
     /// Unit normal on the viewer's side, world space.
     pub normal: [f32; 3],
-    /// Vertex color, linear RGBA, 8 bits each, red lowest.
-    pub color: u32,
+    /// Vertex color, linear RGBA, 16 bits each (see [`Attribute::color`](crate::layout::Attribute::color)).
+    pub color: [u32; 2],
     /// Texture coordinates.
     pub uv: [f32; 2],
     /// Side of a ray's footprint on the surface, in texture coordinates.
@@ -56,7 +56,7 @@ pub struct Surface {
     /// The direction along which a brushed surface is steeper, in frames that have such.
     pub tangent: u32,
 }
-const _: () = assert!(size_of::<Surface>() == 68 && offset_of!(Surface, footprint) == 40);
+const _: () = assert!(size_of::<Surface>() == 72 && offset_of!(Surface, footprint) == 44);
 
 /// The light that arrives at a surface, before its material colors it: sums over lights of illuminance (color ×
 /// falloff × Lambert's cosine), linear RGB, each times a share (see `microfacet`).

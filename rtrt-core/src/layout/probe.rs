@@ -46,7 +46,7 @@ pub fn probe(
         node.first,
         node.kind,
         attribute.normal[0].to_bits(),
-        attribute.color,
+        attribute.color[1],
         material.specular[0].to_bits(),
         material.cutoff.to_bits(),
         material.double_sided,

@@ -58,9 +58,9 @@ pub struct TransparencyVertex {
     /// Coordinates in the texture of the base color.
     pub uv: [f32; 2],
     /// Linear RGBA, 8 bits each, red lowest.
-    pub color: u32,
+    pub color: [u32; 2],
 }
-const _: () = assert!(size_of::<TransparencyVertex>() == 12 && offset_of!(TransparencyVertex, color) == 8);
+const _: () = assert!(size_of::<TransparencyVertex>() == 16 && offset_of!(TransparencyVertex, color) == 8);
 
 /// The word of `mesh_data` at a byte offset in a record that starts at the word `at`.
 #[inline(always)]
@@ -138,7 +138,10 @@ impl TransparencyVertex {
     pub fn load(mesh_data: &[u32], at: u32) -> Self {
         Self {
             uv: pair(mesh_data, at, offset_of!(Self, uv)),
-            color: word(mesh_data, at, offset_of!(Self, color)),
+            color: [
+                word(mesh_data, at, offset_of!(Self, color)),
+                word(mesh_data, at, offset_of!(Self, color) + 4),
+            ],
         }
     }
 }

@@ -411,7 +411,7 @@ mod tests {
     /// Meshes and spheres strewn over a world, one of them hidden.
     fn strewn(random: &mut Random) -> Scene {
         let positions: Vec<_> = (0..300).map(|_| random.vector(1.0).to_array()).collect();
-        let attributes = vec![Attribute { normal: [0.0; 3], uv: [0.0; 2], color: 0 }; 300];
+        let attributes = vec![Attribute { normal: [0.0; 3], uv: [0.0; 2], color: [0; 2] }; 300];
         let mesh = Mesh::new(positions, attributes, (0..300).collect()).unwrap();
         let mut scene = Scene::new();
         let material = scene.add_material(Material::default()).unwrap();

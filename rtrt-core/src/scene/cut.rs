@@ -144,7 +144,7 @@ mod tests {
     /// `count` instances of 200 triangles on a strip, each turned.
     fn strips(count: u32) -> Scene {
         let corner = |i: u32| [(i / 2) as f32, (i % 2) as f32, (i % 7) as f32 * 0.1];
-        let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+        let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
         let indices = (0..200).flat_map(|i| [i, i + 1, i + 2]).collect();
         let mesh = Mesh::new((0..202).map(corner).collect(), alloc::vec![attribute; 202], indices).unwrap();
         let mut scene = Scene::new();

@@ -122,7 +122,7 @@ impl Mesh {
     /// What stands for the sphere of radius 1 among meshes: two triangles without area, whose
     /// bounds are the sphere's. They can be asked for corners and colors like others.
     pub(super) fn around_sphere() -> Self {
-        let white = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+        let white = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
         Self {
             positions: vec![[-1.0; 3], [1.0; 3]],
             attributes: vec![white; 2],
@@ -238,8 +238,11 @@ mod tests {
     fn coordinates_too_small_to_subtract_are_zero() {
         let mesh = triangle([1e-30, 1e-17, -1e-19], vec![0, 1, 2]).unwrap();
         assert_eq!(mesh.positions()[2], [0.0, 1e-17, 0.0]);
-        let tiny = Attribute { normal: [1e-40, 1.0, 0.0], uv: [1e-17, -1e-39], color: 0 };
+        let tiny = Attribute { normal: [1e-40, 1.0, 0.0], uv: [1e-17, -1e-39], color: [0; 2] };
         let mesh = Mesh::new(vec![[0.0; 3]; 3], vec![tiny; 3], vec![0, 1, 2]).unwrap();
-        assert_eq!(mesh.attributes()[0], Attribute { normal: [0.0, 1.0, 0.0], uv: [1e-17, 0.0], color: 0 });
+        assert_eq!(
+            mesh.attributes()[0],
+            Attribute { normal: [0.0, 1.0, 0.0], uv: [1e-17, 0.0], color: [0; 2] }
+        );
     }
 }

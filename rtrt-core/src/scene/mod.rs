@@ -5,7 +5,7 @@
 //!
 //! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! // Without a normal of its own, a vertex has that of its triangle.
-//! let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+//! let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
 //! let mesh = Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2])?;
 //! let mut scene = Scene::new();
 //! let red = scene.add_material(Material::new([0.8, 0.1, 0.1]).roughness(0.7))?;

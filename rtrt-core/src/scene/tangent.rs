@@ -118,7 +118,7 @@ mod tests {
         // shrinks with it in the upper one, where it ends in the corner that both start in.
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let uv = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [2.0, 0.0]];
-        let attribute = |uv| Attribute { normal: [0.0, 0.0, 1.0], uv, color: 0 };
+        let attribute = |uv| Attribute { normal: [0.0, 0.0, 1.0], uv, color: [0; 2] };
         let mut indices = [0, 1, 2, 0, 2, 3];
         let made = make(&corners, &uv.map(attribute), |i| uv[i], &mut indices);
         assert_eq!(made.len(), 6);

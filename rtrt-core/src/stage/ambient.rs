@@ -19,7 +19,7 @@
 use crate::grid::RayIndex;
 use crate::kernel::hit_filter::Opaque;
 use crate::kernel::ray::Ray;
-use crate::lane::{Bits, Lane, Select, V3, groups};
+use crate::lane::{Bits, Lane, Row, Select, V3, groups};
 use crate::layout::{Frame, Surface, View};
 use crate::num::{flush, recip};
 use crate::stage::context::Context;
@@ -40,6 +40,74 @@ fn class(number: u32) -> u32 {
     (number & 1) | (number >> 1 & 2)
 }
 
+/// The number of rays of a packet that sorts them by their classes: a block's.
+const SORTED: usize = 256;
+
+/// Where the ray with this number in its block is in the order of classes: rays of one class after another, so that
+/// all rays of a group ask for the same directions; within a class by tiles of 4 × 4, which reach over 8 × 8 rays.
+#[inline(always)]
+fn sorted_place(number: u32) -> usize {
+    let bit = |from: u32, to: u32| (number >> from & 1) << to;
+    (bit(1, 0) | bit(4, 1) | bit(3, 2) | bit(6, 3) | bit(5, 4) | bit(7, 5) | class(number) << 6) as usize
+}
+
+/// The number in its block of the ray at this place in the order of classes.
+#[inline(always)]
+fn number_at(place: u32) -> usize {
+    let bit = |from: u32, to: u32| (place >> from & 1) << to;
+    (bit(0, 1) | bit(1, 4) | bit(2, 3) | bit(3, 6) | bit(4, 5) | bit(5, 7) | bit(6, 0) | bit(7, 2)) as usize
+}
+
+/// Values of the rays of a packet in another order: `from(place)` is the place at which one was. Packets that are
+/// not sorted keep their order.
+#[inline(always)]
+fn reordered<L: Lane, const G: usize>(values: [L; G], from: impl Fn(u32) -> usize) -> [L; G] {
+    if G * L::WIDTH != SORTED {
+        return values;
+    }
+    let rows: [L::Row; G] = groups(
+        #[inline(always)]
+        |g| values[g].row(),
+    );
+    groups(
+        #[inline(always)]
+        |g| {
+            let [value] = L::gather(
+                values[g].token(),
+                #[inline(always)]
+                |lane| {
+                    let place = from((g * L::WIDTH + lane) as u32);
+                    [rows[place / L::WIDTH].at(place % L::WIDTH)]
+                },
+            );
+            value
+        },
+    )
+}
+
+/// [`reordered`] vectors, by classes.
+#[inline(always)]
+fn by_class<L: Lane, const G: usize>(values: [V3<L>; G]) -> [V3<L>; G] {
+    let x = groups(
+        #[inline(always)]
+        |g| values[g].x,
+    );
+    let y = groups(
+        #[inline(always)]
+        |g| values[g].y,
+    );
+    let z = groups(
+        #[inline(always)]
+        |g| values[g].z,
+    );
+    let (x, y, z): ([L; G], [L; G], [L; G]) =
+        (reordered(x, number_at), reordered(y, number_at), reordered(z, number_at));
+    groups(
+        #[inline(always)]
+        |g| V3 { x: x[g], y: y[g], z: z[g] },
+    )
+}
+
 /// What the rays that hit these surfaces find; they are numbered from `first` on.
 #[inline(always)]
 pub fn ambient<L: Lane, const G: usize>(
@@ -49,58 +117,74 @@ pub fn ambient<L: Lane, const G: usize>(
 ) -> [Found<L>; G] {
     let frame = context.frame;
     let none = surfaces[0].footprint.broadcast(0.0);
-    let mut found = [[none; 2]; G];
+    let (mut open, mut total) = ([none; G], [none; G]);
     // A packet asks for one direction after another. A ray alone passes over those that it does not ask for.
     let is_alone = G * L::WIDTH == 1;
     let mut number = if is_alone { class(first.0) } else { 0 };
     let step = if is_alone { CLASSES } else { 1 };
     let inverse = recip(frame.ambient_reach);
-    let origins: [V3<L>; G] = groups(
+    let origins = by_class::<L, G>(groups(
         #[inline(always)]
         |g| surfaces[g].origin,
-    );
+    ));
+    // Of a ray that hits nothing, 0: nothing is in front of it.
+    let normals = by_class::<L, G>(groups(
+        #[inline(always)]
+        |g| {
+            let found = surfaces[g].material.gt(surfaces[g].material.broadcast(0));
+            V3::select(found, surfaces[g].normal, V3 { x: none, y: none, z: none })
+        },
+    ));
     while number < DIRECTIONS {
         let view = &context.views[(frame.ambient_view + number) as usize];
         let cosines: [L; G] = groups(
             #[inline(always)]
-            |g| cosine(view, number % CLASSES, first.0 + (g * L::WIDTH) as u32, &surfaces[g]),
+            |g| cosine::<L, G>(view, number % CLASSES, first.0 + (g * L::WIDTH) as u32, normals[g]),
         );
         let limits: [L; G] = groups(
             #[inline(always)]
             |g| cosines[g].gt(none).select(none.broadcast(frame.ambient_reach), none.broadcast(-1.0)),
         );
         let toward = -V3::splat(none.token(), view.along);
+        let toward = Ray::<L>::new(origins[0], toward);
         let rays: [Ray<L>; G] = groups(
             #[inline(always)]
-            |g| Ray::new(origins[g], toward),
+            |g| Ray { origin: origins[g], ..toward },
         );
         let ends = trace_by_block(context, view, &origins, &rays, &limits, &mut [Opaque; G]);
         let mut g = 0;
         while g < G {
-            let open = ends[g].lt(limits[g]).select(flush(ends[g] * inverse), none.broadcast(1.0));
-            let [sum, total] = found[g];
-            found[g] = [sum + flush(cosines[g] * open), total + cosines[g]];
+            let share = ends[g].lt(limits[g]).select(flush(ends[g] * inverse), none.broadcast(1.0));
+            open[g] = open[g] + flush(cosines[g] * share);
+            total[g] = total[g] + cosines[g];
             g += 1;
         }
         number += step;
     }
-    found
+    let (open, total) = (reordered(open, sorted_place), reordered(total, sorted_place));
+    groups(
+        #[inline(always)]
+        |g| [open[g], total[g]],
+    )
 }
 
-/// The cosine of normals and the direction to a view, in the lanes of a class that see it; else 0.
+/// The cosine of normals and the direction to a view, in the lanes of a class that see it; else 0. `first` is the number
+/// of the first lane's ray, or its place in the order of classes.
 #[inline(always)]
-fn cosine<L: Lane>(view: &View, class_of_view: u32, first: u32, surfaces: &Surfaces<L>) -> L {
-    let token = surfaces.footprint.token();
+fn cosine<L: Lane, const G: usize>(view: &View, class_of_view: u32, first: u32, normal: V3<L>) -> L {
+    let token = normal.x.token();
+    let none = normal.x.broadcast(0.0);
+    let is_sorted = G * L::WIDTH == SORTED;
+    if is_sorted && first >> 6 & 3 != class_of_view {
+        return none;
+    }
+    let cosine = flush(-normal.dot(V3::splat(token, view.along)));
     let classes = L::bits_from_fn(
         token,
         #[inline(always)]
-        |lane| class(first + lane as u32),
+        |lane| if is_sorted { class_of_view } else { class(first + lane as u32) },
     );
-    let cosine = flush(-surfaces.normal.dot(V3::splat(token, view.along)));
-    let none = cosine.broadcast(0.0);
-    let is_asked = classes.eq(classes.broadcast(class_of_view))
-        & surfaces.material.gt(surfaces.material.broadcast(0))
-        & cosine.gt(none);
+    let is_asked = classes.eq(classes.broadcast(class_of_view)) & cosine.gt(none);
     is_asked.select(cosine, none)
 }
 
@@ -157,6 +241,7 @@ pub fn share<L: Lane>(token: L::Token, frame: &Frame, first: u32, record: impl F
 mod tests {
     use super::*;
     use crate::kernel::closest_hit::ClosestHit;
+    use crate::lane::plain::Plain;
     use crate::scene::{Material, Scene};
     use crate::stage::fixture::{Prepared, add_square, square_at};
     use crate::stage::surface::surface;
@@ -188,6 +273,48 @@ mod tests {
 
     fn white() -> Material {
         Material::new([1.0; 3]).double_sided(true)
+    }
+
+    #[test]
+    fn rays_are_sorted_by_their_class() {
+        for number in 0..256 {
+            let place = sorted_place(number);
+            assert_eq!((place >> 6, number_at(place as u32)), (class(number) as usize, number as usize));
+        }
+    }
+
+    #[test]
+    fn packets_find_what_single_rays_find() {
+        let mut scene = Scene::new();
+        add_square(&mut scene, white(), square_at(100.0, [0.0; 3]));
+        for i in 0..20 {
+            let place = [(i % 5) as f32 * 3.0 - 6.0, (i / 5) as f32 * 3.5 - 6.0, 1.0];
+            let turn = Mat4::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), i as f32 * 0.7);
+            add_square(&mut scene, white(), square_at(1.0, place) * turn);
+        }
+        scene.ambient = Vec3::ONE;
+        let prepared = Prepared::new(scene, |request| request.ambient_occlusion(3.0));
+        let single = found_in_packets::<f32, 1>(&prepared);
+        assert!(single.iter().filter(|[open, total]| open < total).count() > 60);
+        assert_eq!(found_in_packets::<Plain<8>, 32>(&prepared), single);
+        assert_eq!(found_in_packets::<Plain<16>, 16>(&prepared), single);
+        assert_eq!(found_in_packets::<f32, 16>(&prepared), single);
+    }
+
+    /// What all rays of the fixture's picture find, traced in packets.
+    fn found_in_packets<L: Lane<Token = ()>, const G: usize>(prepared: &Prepared) -> Vec<[f32; 2]> {
+        let (context, attributes) = (prepared.context(), prepared.scene.attributes());
+        let rays = L::WIDTH * G;
+        let packets = (0..256).step_by(rays).map(RayIndex);
+        let all = packets.flat_map(|first| {
+            let hits = visibility::<L, G>((), &context, first);
+            let directions = directions::<L, G>((), prepared.frame(), context.camera(), first);
+            let surfaces: [Surfaces<L>; G] =
+                groups(|g| surface(context.camera(), &context.geometry, attributes, directions[g], &hits[g]));
+            let found = ambient(&context, first, &surfaces);
+            (0..rays).map(move |ray| found[ray / L::WIDTH].map(|values| values.row().at(ray % L::WIDTH)))
+        });
+        all.collect()
     }
 
     #[test]

@@ -260,7 +260,7 @@ mod tests {
     fn detailed(rgb: [u8; 3]) -> [Surface; 2] {
         let corners = [[-4.0, -4.0, 0.0], [4.0, -4.0, 0.0], [4.0, 4.0, 0.0], [-4.0, 4.0, 0.0]];
         let uv = corners.map(|[x, y, _]: [f32; 3]| [x * 0.125, y * -0.125]);
-        let attributes = uv.map(|uv| Attribute { normal: [0.0, 0.0, 1.0], uv, color: u32::MAX });
+        let attributes = uv.map(|uv| Attribute { normal: [0.0, 0.0, 1.0], uv, color: Attribute::WHITE });
         let mesh = Mesh::new(corners.to_vec(), attributes.to_vec(), vec![0, 1, 2, 0, 2, 3]).unwrap();
         let mesh = mesh.with_second_uv(uv.map(|uv| uv.map(|c| c * 3.0)).to_vec()).unwrap();
         let mesh = mesh.with_made_tangents(true);

@@ -3,7 +3,7 @@
 use crate::kernel::lists::{BlockLists, ListEntry};
 use crate::layout::{Attribute, Frame};
 use crate::request::{Camera, Projection, Request};
-use crate::scene::{Bvh, Material, Mesh, Scene, Sequential, Setup};
+use crate::scene::{Bvh, Material, Mesh, MeshIndex, Scene, Sequential, Setup};
 use crate::stage::context::Context;
 use crate::stage::{bin, prepare};
 use glam::{Mat4, Vec3};
@@ -20,16 +20,21 @@ pub(crate) const CAMERA: Camera = Camera {
 
 /// Adds the square from −1 to 1 in the plane z = 0, which faces +z, its texture coordinates from 0 to 1.
 pub(crate) fn add_square(scene: &mut Scene, material: Material, to_world: Mat4) {
+    let material = scene.add_material(material).unwrap();
+    let mesh = add_square_mesh(scene);
+    scene.add_instance(mesh, material, to_world).unwrap();
+}
+
+/// Adds the mesh of [`add_square`].
+pub(crate) fn add_square_mesh(scene: &mut Scene) -> MeshIndex {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let attribute = |[x, y, _]: [f32; 3]| Attribute {
         normal: [0.0, 0.0, 1.0],
         uv: [x * 0.5 + 0.5, 0.5 - y * 0.5],
-        color: u32::MAX,
+        color: Attribute::WHITE,
     };
     let mesh = Mesh::new(corners.to_vec(), corners.map(attribute).to_vec(), vec![0, 1, 2, 0, 2, 3]).unwrap();
-    let material = scene.add_material(material).unwrap();
-    let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
-    scene.add_instance(mesh, material, to_world).unwrap();
+    scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap()
 }
 
 /// The square, larger and elsewhere.

@@ -404,7 +404,7 @@ mod tests {
             origin: at([0.0; 3]),
             normal: at([0.0, 0.0, 1.0]),
             material: Word(1),
-            color: Word(u32::MAX),
+            color: [Word(u32::MAX); 2],
             uv: [0.0; 2],
             footprint: 0.0,
             second_uv: [0.0; 2],

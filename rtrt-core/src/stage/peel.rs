@@ -39,6 +39,14 @@ impl<L: Lane> HitFilter<L> for BehindLast<L> {
     const TERMINATES: bool = false;
     const FACES: Faces = Faces::TowardOrigin;
 
+    /// Of copies, in the order of their numbers, the first has the least hits of all, and the one after the last
+    /// surface's own has those that are as near as that surface.
+    #[inline(always)]
+    fn needs_copy(&self, before: u32, number: u32) -> bool {
+        let (last, after) = (self.instance, self.instance.broadcast(number));
+        (!last.lt(last.broadcast(before)) & last.lt(after)).any()
+    }
+
     #[inline(always)]
     fn accept(
         &mut self,
@@ -205,7 +213,7 @@ mod tests {
     use super::*;
     use crate::layout::{Hit, MaterialRecord};
     use crate::scene::{Material, Scene};
-    use crate::stage::fixture::{Prepared, add_square, square_at};
+    use crate::stage::fixture::{Prepared, add_square, add_square_mesh, square_at};
     use crate::stage::visibility::visibility;
     use bytemuck::Zeroable;
     use std::vec::Vec;
@@ -228,6 +236,27 @@ mod tests {
         assert_eq!(layers, [1, 2, 0, NONE]);
         // Nothing follows a miss.
         assert_eq!(peel::<f32, 1>((), &prepared.context(), ray, &last)[0].t, -1.0);
+    }
+
+    #[test]
+    fn copies_in_one_place_are_peeled_one_by_one() {
+        let mut scene = Scene::new();
+        let pane = square_at(4.0, [0.0; 3]);
+        let veil = scene.add_material(Material::default().blend(0.1)).unwrap();
+        let meshes = [add_square_mesh(&mut scene), add_square_mesh(&mut scene)];
+        for mesh in [0, 1, 0, 0, 0, 0, 1, 0, 1, 1] {
+            scene.add_instance(meshes[mesh], veil, pane).unwrap();
+        }
+        let prepared = Prepared::new(scene, |request| request.layers(12));
+        let ray = prepared.frame().grid().index([8, 8]);
+        let mut last = [ClosestHit::new(&Hit::zeroed())];
+        let layers: Vec<u32> = (0..11)
+            .map(|_| {
+                last = peel::<f32, 1>((), &prepared.context(), ray, &last);
+                last[0].rows().hit(0).instance
+            })
+            .collect();
+        assert_eq!(layers, [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, NONE]);
     }
 
     #[test]

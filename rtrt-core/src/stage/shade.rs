@@ -5,8 +5,9 @@ use crate::kernel::environment::{arriving as arriving_from, mirrored};
 use crate::kernel::microfacet::{schlick, widened};
 use crate::kernel::split_sum::albedo;
 use crate::kernel::tangent::unpack_direction;
-use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, TexCoords, channel, sample};
+use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, TexCoords, sample};
 use crate::kernel::thin_film::Film;
+use crate::kernel::vertex_color::channels;
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{AlphaKind, Frame, MaterialRecord};
 use crate::num::{FLOOR, clamp, flush, flush3, normalize, recip};
@@ -230,13 +231,11 @@ fn painted<L: Lane>(
     base: V3<L>,
 ) -> (V3<L>, L) {
     let texture = sample::<L, { MaterialRecord::COLOR }, true>(maps, chosen, &surfaces.tex_coords());
-    let vertex = |number: u32| channel::<L>(surfaces.color, number);
-    let color = V3 {
-        x: base.x * texture[0] * vertex(0),
-        y: base.y * texture[1] * vertex(1),
-        z: base.z * texture[2] * vertex(2),
-    };
-    (color, texture[3] * vertex(3))
+    let [red, green] = channels::<L>(surfaces.color[0]);
+    let [blue, alpha] = channels::<L>(surfaces.color[1]);
+    let color =
+        V3 { x: base.x * texture[0] * red, y: base.y * texture[1] * green, z: base.z * texture[2] * blue };
+    (color, texture[3] * alpha)
 }
 
 /// What a group of surfaces is like, its textures included.
@@ -439,7 +438,7 @@ mod tests {
             origin: zero,
             normal: V3::splat((), [0.0, 0.0, 1.0]),
             material: Word(material.is_some() as u32),
-            color: Word(u32::MAX),
+            color: [Word(u32::MAX); 2],
             uv: [0.0; 2],
             footprint: 0.0,
             second_uv: [0.0; 2],

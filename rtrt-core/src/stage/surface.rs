@@ -11,9 +11,10 @@ use crate::kernel::terminator::lift;
 use crate::kernel::texture::TexCoords;
 use crate::kernel::unique_gather::UniqueGather;
 use crate::kernel::variance::{self, Curve};
+use crate::kernel::vertex_color::mixed;
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3};
 use crate::layout::{Attribute, Instance, NONE, Surface, View};
-use crate::num::{TINY, clamp, floor, flush, flush3, from_integer, normalize, recip, sqrt, to_integer};
+use crate::num::{TINY, clamp, flush, flush3, normalize, recip, sqrt};
 
 /// The surfaces that one group of rays has found; see [`Surface`].
 #[derive(Clone, Copy)]
@@ -24,8 +25,8 @@ pub struct Surfaces<L: Lane> {
     pub normal: V3<L>,
     /// 1 + the material, or 0.
     pub material: L::Bits,
-    /// Vertex color.
-    pub color: L::Bits,
+    /// Vertex color: red and green, blue and alpha.
+    pub color: [L::Bits; 2],
     /// Texture coordinates.
     pub uv: [L; 2],
     /// Side of the ray's footprint, in texture coordinates.
@@ -48,7 +49,7 @@ pub struct SurfaceRows<L: Lane> {
     origin: V3<L::Row>,
     normal: V3<L::Row>,
     material: <L::Bits as Bits>::Row,
-    color: <L::Bits as Bits>::Row,
+    color: [<L::Bits as Bits>::Row; 2],
     uv: [L::Row; 2],
     footprint: L::Row,
     second_uv: [L::Row; 2],
@@ -76,7 +77,7 @@ impl<L: Lane> Surfaces<L> {
             origin: self.origin.row(),
             normal: self.normal.row(),
             material: self.material.row(),
-            color: self.color.row(),
+            color: [self.color[0].row(), self.color[1].row()],
             uv: [self.uv[0].row(), self.uv[1].row()],
             footprint: self.footprint.row(),
             second_uv: [self.second_uv[0].row(), self.second_uv[1].row()],
@@ -96,7 +97,7 @@ impl<L: Lane> SurfaceRows<L> {
             origin: self.origin.at(lane),
             material: self.material.at(lane),
             normal: self.normal.at(lane),
-            color: self.color.at(lane),
+            color: [self.color[0].at(lane), self.color[1].at(lane)],
             uv: [self.uv[0].at(lane), self.uv[1].at(lane)],
             footprint: self.footprint.at(lane),
             second_uv: [self.second_uv[0].at(lane), self.second_uv[1].at(lane)],
@@ -116,7 +117,7 @@ impl Surfaces<f32> {
             origin: V3::splat((), record.origin),
             normal: V3::splat((), record.normal),
             material: crate::lane::Word(record.material),
-            color: crate::lane::Word(record.color),
+            color: [crate::lane::Word(record.color[0]), crate::lane::Word(record.color[1])],
             uv: record.uv,
             footprint: record.footprint,
             second_uv: record.second_uv,
@@ -235,7 +236,7 @@ pub fn surface<L: Lane>(
             origin: nothing,
             normal: nothing,
             material: none,
-            color: none,
+            color: [none; 2],
             uv: [zero; 2],
             footprint: zero,
             second_uv: [zero; 2],
@@ -259,9 +260,13 @@ pub fn surface<L: Lane>(
         #[inline(always)]
         |lane| corners(geometry, attributes, &found, lane),
     );
-    let colors = triangles.bits(
+    let red_green = triangles.bits(
         #[inline(always)]
-        |lane| colors(&vertices, &found, lane),
+        |lane| colors(&vertices, &found, lane)[0],
+    );
+    let blue_alpha = triangles.bits(
+        #[inline(always)]
+        |lane| colors(&vertices, &found, lane)[1],
     );
     let space = Space::of(&vertices, best.t, best.instance, &found);
     let own = [V3 { x: ax, y: ay, z: az }, V3 { x: bx, y: by, z: bz }, V3 { x: cx, y: cy, z: cz }];
@@ -331,7 +336,10 @@ pub fn surface<L: Lane>(
         origin: V3::select(missed, nothing, start),
         normal: V3::select(missed, nothing, smooth),
         material: vertices.of_instances::<L, OneMaterial>(token, best.instance, &found),
-        color: missed.select(none, mixed(&weights, colors)),
+        color: [
+            missed.select(none, mixed(&weights, red_green)),
+            missed.select(none, mixed(&weights, blue_alpha)),
+        ],
         uv: [missed.select(zero, flush(uv[0])), missed.select(zero, flush(uv[1]))],
         footprint: missed.select(zero, flush(footprint(pixel, uv_area, area))),
         second_uv: [zero; 2],
@@ -500,31 +508,18 @@ fn corners<L: Lane>(
     ]
 }
 
-/// The colors of the corners of one lane's triangle, and a word that means nothing.
+/// The colors of the corners of one lane's triangle, a word each and one that means nothing: red and green, blue and
+/// alpha.
 #[inline(always)]
-fn colors<L: Lane>(vertices: &Vertices<'_>, found: &ClosestHitRows<L>, lane: usize) -> [u32; 4] {
+fn colors<L: Lane>(vertices: &Vertices<'_>, found: &ClosestHitRows<L>, lane: usize) -> [[u32; 4]; 2] {
     let index = found.instance(lane);
     if index == NONE {
-        return [0; 4];
+        return [[0; 4]; 2];
     }
     let [a, b, c] = vertices.instances[index as usize].corners(vertices.mesh_data, found.triangle(lane));
     let color = |vertex: u32| vertices.attributes[vertex as usize].color;
-    [color(a), color(b), color(c), 0]
-}
-
-/// The color between those of three corners.
-#[inline(always)]
-fn mixed<L: Lane>(weights: &Weights<L>, [a, b, c, _]: [L::Bits; 4]) -> L::Bits {
-    let same = a.eq(b) & b.eq(c);
-    if !(!same).any() {
-        return a;
-    }
-    let channel = |shift: u32| {
-        let part = |color: L::Bits| from_integer::<L>((color >> shift) & color.broadcast(255));
-        let mixed = floor(weights.mix(part(a), part(b), part(c)) + 0.5);
-        (to_integer(mixed) & a.broadcast(255)) << shift
-    };
-    same.select(a, channel(0) | channel(8) | channel(16) | channel(24))
+    let (a, b, c) = (color(a), color(b), color(c));
+    [[a[0], b[0], c[0], 0], [a[1], b[1], c[1], 0]]
 }
 
 #[cfg(test)]
@@ -556,7 +551,7 @@ mod tests {
         // Off the surface, on the side of the camera.
         assert!(z > 1.0 && z < 1.0001, "{z}");
         assert!((surface.normal[2] - 1.0).abs() < 1e-6, "{:?}", surface.normal);
-        assert_eq!((surface.material, surface.color), (2, u32::MAX));
+        assert_eq!((surface.material, surface.color), (2, Attribute::WHITE));
         let [u, v] = surface.uv;
         assert!((u - 6.5 / 8.0).abs() < 1e-6 && (v - 5.5 / 8.0).abs() < 1e-6, "{u} {v}");
         // A ray is a unit wide, the texture 8.

@@ -9,7 +9,7 @@ use crate::kernel::tiles::Tiles;
 use crate::kernel::traverse::{intersect_sphere, traverse};
 use crate::kernel::view::{camera_direction, camera_ray, central_ray};
 use crate::lane::{Lane, Select, V3, groups};
-use crate::layout::{Frame, Hit, View};
+use crate::layout::{Frame, Hit, NONE, View};
 use crate::stage::context::Context;
 use core::ops::Mul;
 
@@ -142,6 +142,8 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
         return;
     }
     let tiles = Tiles::of(rays, &hits.closest, active);
+    // The last entry's instance, and the number that its hits get.
+    let (mut before, mut before_number) = (NONE, NONE);
     let packet = Packet { rays, tiles: &tiles };
     let [mut next, last] = lists.range(block);
     while next < last {
@@ -153,6 +155,13 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
             return;
         }
         let instance = &geometry.instances[entry.instance as usize];
+        let number = instance.source_instance(entry.instance);
+        let is_copy = before_number < number && instance.is_copy_of(&geometry.instances[before as usize]);
+        let is_needed = !is_copy || needs_copy(filters, before_number, number);
+        (before, before_number) = (entry.instance, number);
+        if !is_needed {
+            continue;
+        }
         let (low, high) = instance.padded_aabb(geometry.magnitude);
         filters[0].test_box(Bounded::Instance);
         let hit_mask = packet.tile_hit_mask(&low, &high, active, hits);
@@ -182,6 +191,19 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
     }
 }
 
+/// Whether a ray of the packet needs an instance that is a copy of another one (see [`HitFilter::needs_copy`]).
+#[inline(always)]
+fn needs_copy<L: Lane, F: HitFilter<L>, const G: usize>(filters: &[F; G], before: u32, number: u32) -> bool {
+    let mut g = 0;
+    while g < G {
+        if filters[g].needs_copy(before, number) {
+            return true;
+        }
+        g += 1;
+    }
+    false
+}
+
 /// The deferred record of one lane.
 #[inline(always)]
 pub fn hit<L: Lane>(best: &ClosestHit<L>, lane: usize) -> Hit {
@@ -192,7 +214,6 @@ pub fn hit<L: Lane>(best: &ClosestHit<L>, lane: usize) -> Hit {
 mod tests {
     use super::*;
     use crate::lane::plain::Plain;
-    use crate::layout::NONE;
     use crate::scene::{Material, Scene};
     use crate::stage::fixture::{Prepared, add_square, square_at};
     use glam::{Mat4, Vec3};

@@ -150,7 +150,7 @@ mod tests {
     /// A triangle whose corners hang on two joints: the first on one, the second on the other,
     /// the third on both.
     fn shape(targets: Vec<Target>, skin: Option<Skin>) -> DeformedMesh {
-        let attribute = Attribute { normal: [1.0, 1.0, 0.0], uv: [0.0; 2], color: 0 };
+        let attribute = Attribute { normal: [1.0, 1.0, 0.0], uv: [0.0; 2], color: [0; 2] };
         let bound = |weights: [f32; 4]| ([0, 1, 0, 0], weights);
         let joints = match skin {
             Some(_) => {

@@ -66,19 +66,3 @@ impl Deform {
         }
     }
 }
-
-/// A vertex color: linear RGBA of 8 bits each; NaN becomes 255.
-pub(super) fn pack_color(color: [f32; 4]) -> u32 {
-    let byte = |c: f32| if c.is_nan() { 255 } else { (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 };
-    u32::from_le_bytes(color.map(byte))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn colors_are_rounded_and_clamped() {
-        assert_eq!(pack_color([2.0, -1.0, 0.5, f32::NAN]), 0xff80_00ff);
-    }
-}

@@ -19,7 +19,7 @@ pub fn add_ground(scene: &mut Scene) -> Result<Option<InstanceIndex>, SceneError
     let (middle, half) = ((low + high) * 0.5, WIDTH * diagonal);
     let corner = |x: f32, z: f32| [middle.x + x * half, low.y - GAP * diagonal, middle.z + z * half];
     let positions = vec![corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)];
-    let attribute = Attribute { normal: [0.0, 1.0, 0.0], uv: [0.0; 2], color: u32::MAX };
+    let attribute = Attribute { normal: [0.0, 1.0, 0.0], uv: [0.0; 2], color: Attribute::WHITE };
     let outside = SceneError::Coordinate { value: half };
     let mesh = Mesh::new(positions, vec![attribute; 4], vec![0, 1, 2, 0, 2, 3]).map_err(|_| outside)?;
     let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential))?;

@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     fn source(positions: &[[f32; 3]]) -> Geometry {
-        let attribute = |i: usize| Attribute { normal: [0.0; 3], uv: [i as f32, 0.0], color: i as u32 };
+        let attribute = |i: usize| Attribute { normal: [0.0; 3], uv: [i as f32, 0.0], color: [i as u32, 0] };
         let attributes = (0..positions.len()).map(attribute).collect();
         Geometry { positions: positions.into(), attributes, ..Geometry::default() }
     }
@@ -191,7 +191,7 @@ mod tests {
             bounds(drawn.positions[..6].iter().copied()),
             (DVec3::new(0.75, 1.75, 2.75), DVec3::new(1.25, 2.25, 3.25))
         );
-        assert_eq!((drawn.attributes[5].color, drawn.attributes[6].color), (1, 2));
+        assert_eq!((drawn.attributes[5].color[0], drawn.attributes[6].color[0]), (1, 2));
         // Of an octahedron: 4/3 r³.
         assert!((volume(&drawn) - 2.0 * 4.0 / 3.0 / 64.0).abs() < 1e-5);
     }
@@ -222,7 +222,7 @@ mod tests {
             let triangle = 0.75 * 3.0_f64.sqrt() * 0.01;
             let expected = triangle * (5.0 + 2.0 * 0.1 / 3.0);
             assert!((volume(&drawn) - expected).abs() < 1e-5, "{} {expected}", volume(&drawn));
-            let ends: Vec<u32> = drawn.attributes.iter().map(|attribute| attribute.color).collect();
+            let ends: Vec<u32> = drawn.attributes.iter().map(|attribute| attribute.color[0]).collect();
             assert_eq!(ends, [0, 0, 0, 1, 1, 1, 0, 1]);
         }
         let point = Marks::Lines(vec![[0, 0]]).geometry(&source(&[[0.0; 3]]), 2.0).unwrap();

@@ -147,7 +147,7 @@ fn geometry(facets: &[Facet]) -> Geometry {
         });
         geometry.indices.push(vertex);
     }
-    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: u32::MAX };
+    let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
     geometry.attributes = vec![attribute; geometry.positions.len()];
     geometry
 }

@@ -138,6 +138,15 @@ pub(super) const CASES: &[Case] = &[
         ..Case::USUAL
     },
     Case {
+        name: "transparency/copies_in_one_place",
+        claim: "Copies of an object in one place all count, to eye and light, and others between them.",
+        scene: copies,
+        layers: 32,
+        samples: 4,
+        size: [29, 23],
+        ..FROM_ABOVE
+    },
+    Case {
         name: "transparency/edges_within_a_pane",
         claim: "Rays exactly through the edge of two triangles of a pane meet it once.",
         scene: || Build::default().shape_of(pane(0.0, 0.9), glass([0.9, 0.5, 0.1], 0.5)).scene,
@@ -261,6 +270,35 @@ pub(super) const CASES: &[Case] = &[
         ..Case::USUAL
     },
 ];
+
+/// Veils, masked leaves, walls and bubbles, each several times in one place, their numbers mixed.
+fn copies() -> Scene {
+    let mut random = Random(31);
+    let mut build = Build::default().shape(Shape::floor(3.0, -1.0));
+    let map = noise(&mut build, 9);
+    let materials = [
+        glass([0.9, 0.5, 0.2], 0.2),
+        glass([0.3, 0.8, 0.4], 0.9).base_color_map(map).mask(0.5).double_sided(false),
+        Material::new([0.7; 3]),
+        glass([0.3, 0.4, 0.9], 0.25),
+    ];
+    let materials = materials.map(|material| build.scene.add_material(material).expect("a case's material"));
+    let meshes =
+        [Shape::ball(5), Shape::soup(&mut random, 40, 1.0), Shape::cube()].map(|shape| build.mesh(shape));
+    let places = [[-0.6, 0.1, 0.2], [0.3, 0.0, 0.4], [0.9, -0.2, -0.8], [0.4, 0.3, -0.2]].map(|place| {
+        Mat4::from_translation(place.into()) * Mat4::from_rotation_y(0.4) * Mat4::from_scale(Vec3::splat(0.6))
+    });
+    for _ in 0..28 {
+        let which = random.below(4) as usize;
+        let (material, place) = (materials[which], places[which]);
+        if which == 3 {
+            build.scene.add_sphere(material, place).expect("a case's sphere");
+        } else {
+            build.scene.add_instance(meshes[which], material, place).expect("a case's instance");
+        }
+    }
+    build.light(Light::point([0.5, 3.0, 1.5])).light(Light::sun([0.4, -1.0, -0.3])).scene
+}
 
 /// A material that blends.
 fn glass(base: [f32; 3], alpha: f32) -> Material {

@@ -4,7 +4,7 @@ use super::accessor::Column;
 use super::buffer::Buffers;
 use super::draco::Draco;
 use crate::import::ImportError;
-use crate::import::geometry::{Deform, Geometry, JointWeights, Tangents, Target, pack_color};
+use crate::import::geometry::{Deform, Geometry, JointWeights, Tangents, Target};
 use crate::import::marks::{self, Marks};
 use glam::Vec3;
 use gltf_json::accessor::{Accessor, Type};
@@ -106,10 +106,10 @@ pub(super) fn geometry(
     let attributes = vertices.iter().map(|vertex| {
         let normal = normals.as_ref().map_or([0.0; 4], |normals| normals.at(at(vertex)));
         let uv = uvs.as_ref().map_or([0.0; 2], |uvs| two(uvs.at(at(vertex))));
-        let color = colors.as_ref().map_or(!0, |colors| {
+        let color = colors.as_ref().map_or(Attribute::WHITE, |colors| {
             let opaque = if colors.width == 3 { 1.0 } else { 0.0 };
             let [r, g, b, a] = colors.at(at(vertex));
-            pack_color([r, g, b, a + opaque])
+            Attribute::pack_color([r, g, b, a + opaque])
         });
         Attribute { normal: [normal[0], normal[1], normal[2]], uv, color }
     });

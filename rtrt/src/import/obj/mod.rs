@@ -8,7 +8,7 @@ mod texture;
 
 use crate::import::builder::Builder;
 use crate::import::error::quoted;
-use crate::import::geometry::{Geometry, Tangents, pack_color};
+use crate::import::geometry::{Geometry, Tangents};
 use crate::import::marks::{Marks, bounds, diameter};
 use crate::import::origin::Bounds;
 use crate::import::polygon::Splitter;
@@ -192,6 +192,9 @@ fn attribute(obj: &Obj, [position, uv, normal]: Corner) -> Attribute {
     Attribute {
         normal: obj.normals.get(normal as usize).copied().unwrap_or_default(),
         uv: [u, 1.0 - v],
-        color: obj.colors.get(position as usize).map_or(!0, |&[r, g, b]| pack_color([r, g, b, 1.0])),
+        color: obj
+            .colors
+            .get(position as usize)
+            .map_or(Attribute::WHITE, |&[r, g, b]| Attribute::pack_color([r, g, b, 1.0])),
     }
 }

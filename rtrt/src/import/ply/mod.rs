@@ -95,7 +95,7 @@ fn add_marks<J: Join>(builder: &mut Builder<'_, J>, ply: &Ply) -> Result<(), Imp
     let attribute = |vertex: usize| Attribute {
         normal: ply.normals.get(vertex).copied().map_or([0.0; 3], finite),
         uv: [0.0; 2],
-        color: ply.colors.get(vertex).copied().unwrap_or(u32::MAX),
+        color: ply.colors.get(vertex).copied().unwrap_or(Attribute::WHITE),
     };
     let attributes = (0..ply.positions.len()).map(attribute).collect();
     let source = Geometry { positions: ply.positions.clone(), attributes, ..Geometry::default() };
@@ -124,12 +124,12 @@ fn texture<J: Join>(builder: &mut Builder<'_, J>, names: &[String]) -> Result<Op
 
 /// Whether a vertex is not opaque. Where all have an alpha of 0 it means nothing: some programs write that.
 fn is_see_through(geometry: &Geometry) -> bool {
-    let alphas = || geometry.attributes.iter().map(|attribute| attribute.color >> 24);
-    alphas().any(|alpha| alpha != 255) && alphas().any(|alpha| alpha != 0)
+    let alphas = || geometry.attributes.iter().map(|attribute| attribute.color[1] >> 16);
+    alphas().any(|alpha| alpha != 0xffff) && alphas().any(|alpha| alpha != 0)
 }
 
 /// A corner of a face: vertex, texture coordinates and color.
-type Corner = (u32, [u32; 2], u32);
+type Corner = (u32, [u32; 2], [u32; 2]);
 
 /// The triangles with the vertices that they use, and how many normals and texture coordinates are not finite.
 fn geometry(ply: &mut Ply) -> (Geometry, usize) {
@@ -150,7 +150,7 @@ fn geometry(ply: &mut Ply) -> (Geometry, usize) {
         let vertex = ply.faces.corners[corner];
         let of = vertex as usize;
         let uv = ply.faces.uvs.get(corner).or(ply.uvs.get(of)).copied().unwrap_or([0.0, 1.0]);
-        let color = ply.faces.colors.get(face).or(ply.colors.get(of)).copied().unwrap_or(u32::MAX);
+        let color = ply.faces.colors.get(face).or(ply.colors.get(of)).copied().unwrap_or(Attribute::WHITE);
         let place = if has_corners {
             known.entry((vertex, uv.map(f32::to_bits), color)).or_insert(NONE)
         } else {
@@ -216,9 +216,9 @@ mod tests {
             .replace("4 1 4 5 2", "4 1 4 5 2 0 0 255");
         let (geometry, _) = geometry(&mut read(&colored));
         assert_eq!(geometry.positions.len(), 8);
-        let colors: Vec<u32> =
+        let colors: Vec<[u32; 2]> =
             geometry.indices.iter().map(|&i| geometry.attributes[i as usize].color).collect();
-        assert_eq!((colors[0], colors[6]), (0xff00_00ff, 0xffff_0000));
+        assert_eq!((colors[0], colors[6]), ([0xffff, 0xffff_0000], [0, 0xffff_ffff]));
     }
 
     #[test]

@@ -3,8 +3,8 @@
 use super::header::{Element, Header, Property, Type};
 use super::reader::Reader;
 use crate::import::color::srgb_to_linear;
-use crate::import::geometry::pack_color;
 use glam::DVec3;
+use rtrt_core::layout::Attribute;
 
 /// What a file holds. A list of normals, texture coordinates or colors is empty if the file has none.
 #[derive(Debug, Default)]
@@ -14,7 +14,7 @@ pub(super) struct Ply {
     /// `v` pointing up.
     pub uvs: Vec<[f32; 2]>,
     /// Linear, packed.
-    pub colors: Vec<u32>,
+    pub colors: Vec<[u32; 2]>,
     pub faces: Faces,
     /// How many faces have fewer than three corners.
     pub skipped: usize,
@@ -32,7 +32,7 @@ pub(super) struct Faces {
     /// One for each corner.
     pub uvs: Vec<[f32; 2]>,
     /// One for each face.
-    pub colors: Vec<u32>,
+    pub colors: Vec<[u32; 2]>,
 }
 
 /// What a property means.
@@ -237,7 +237,7 @@ impl Ply {
             self.uvs.push(row.uv.map(|c| c as f32));
         }
         if columns.has(&COLOR) {
-            self.colors.push(pack_color(row.color));
+            self.colors.push(Attribute::pack_color(row.color));
         }
     }
 
@@ -257,7 +257,7 @@ impl Ply {
             self.faces.uvs.extend((0..corners).map(uv));
         }
         if columns.has(&COLOR) {
-            self.faces.colors.push(pack_color(row.color));
+            self.faces.colors.push(Attribute::pack_color(row.color));
         }
         self.faces.ends.push(self.faces.corners.len());
         Ok(())
@@ -310,8 +310,8 @@ mod tests {
         assert_eq!(ply.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
         assert_eq!((ply.normals[1], ply.uvs[0]), ([0.0, 1.0, 0.0], [0.25, 0.75]));
         // sRGB 1 is 1 in linear light, 0.5 is 0.2140, 188 of 255 is 0.5029; alpha is linear. 255 of each are full.
-        assert_eq!(ply.colors[0].to_le_bytes(), [255, 55, 128, 51]);
-        assert_eq!(ply.colors[1].to_le_bytes(), [0, 255, 255, 0]);
+        assert_eq!(ply.colors[0], [65_535 | 14_027 << 16, 32_957 | 13_107 << 16]);
+        assert_eq!(ply.colors[1], [65_535 << 16, 65_535]);
         assert_eq!((ply.faces.corners, ply.faces.ends), (vec![0, 1, 2], vec![3]));
     }
 
