@@ -157,6 +157,6 @@ mod tests {
         let record = Transparency::load(&words, 5);
         assert_eq!(bytemuck::cast_slice::<_, u32>(&[record]), &words[5..]);
         let vertex = TransparencyVertex::load(&words, 3);
-        assert_eq!(bytemuck::cast_slice::<_, u32>(&[vertex]), &words[3..6]);
+        assert_eq!(bytemuck::cast_slice::<_, u32>(&[vertex]), &words[3..7]);
     }
 }
