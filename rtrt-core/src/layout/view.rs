@@ -267,12 +267,12 @@ pub struct Frame {
     pub ambient_view: u32,
     /// From how far away a surface hides that light, world units.
     pub ambient_reach: f32,
+    /// What the environment's light is multiplied by where it is the background.
+    pub backdrop_strength: f32,
     /// Unused: a uniform block is a multiple of 16 bytes.
     pub unused_0: u32,
     /// Unused.
     pub unused_1: u32,
-    /// Unused.
-    pub unused_2: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 176 && offset_of!(Frame, ambient_r) == 48);
 

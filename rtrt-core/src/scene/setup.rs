@@ -126,6 +126,7 @@ impl Setup {
             ("rotation", scene.environment_rotation, -1024.0, 1024.0),
             ("intensity", scene.environment_intensity, 0.0, 4_294_967_296.0),
             ("blur", scene.environment_blur, 0.0, 1.0),
+            ("strength in the background", scene.backdrop_strength, 0.0, 65_536.0),
         ] {
             if !(low..=high).contains(&value) {
                 return Err(SetupError::Environment { what, value, low, high });
@@ -220,6 +221,7 @@ impl Setup {
             sky_sine,
             sky_intensity: floored(scene.environment_intensity),
             backdrop_blur: floored(scene.environment_blur),
+            backdrop_strength: floored(scene.backdrop_strength),
             exposure: exp2(exposure),
             tone_map: tone_map as u32,
             near: floored(near),

@@ -188,6 +188,9 @@ pub struct Scene {
     pub environment_intensity: f32,
     /// How blurred the environment is behind all surfaces, 0 to 1; surfaces reflect it in each case.
     pub environment_blur: f32,
+    /// What the light of the environment is multiplied by where it is the background, on top of its intensity: 0 to 65,536.
+    /// Surfaces reflect it and are lit by it all the same.
+    pub backdrop_strength: f32,
     /// The color behind all surfaces, linear RGB. It is the color of pixels, neither exposed nor tone mapped.
     pub background: Vec3,
     /// Whether an environment, the background's color or nothing is behind all surfaces. Surfaces reflect
@@ -250,6 +253,7 @@ impl Scene {
             environment_rotation: 0.0,
             environment_intensity: 1.0,
             environment_blur: 0.0,
+            backdrop_strength: 1.0,
             backdrop: Backdrop::default(),
         }
     }

@@ -83,7 +83,8 @@ pub fn shade<L: Lane>(
     let shows_sky = frame.shows_sky();
     let clear = one.broadcast(if shows_sky { 1.0 } else { 0.0 });
     let background = if shows_sky && (!found).any() {
-        flush3(mirrored(maps, sky, direction, one.broadcast(frame.backdrop_blur)))
+        let behind = mirrored(maps, sky, direction, one.broadcast(frame.backdrop_blur));
+        flush3(behind.scale(one.broadcast(frame.backdrop_strength)))
     } else {
         V3::splat(token, [0.0; 3])
     };

@@ -36,13 +36,17 @@ impl Surroundings {
     }
 }
 
-/// Surrounds a scene with the built-in [`studio`], whose key light is the sun.
+/// How bright the studio is in the background, as a share of its light: what is white stands out.
+const STUDIO_BACKDROP: f32 = 0.5;
+
+/// Surrounds a scene with the built-in [`studio`], whose key light is the sun. In the background it has half of its light.
 ///
 /// # Errors
 /// The scene is full.
 pub fn surround_with_studio(scene: &mut Scene) -> Result<Surroundings, SceneError> {
     let (panorama, key) = studio();
     scene.set_environment(&panorama)?;
+    scene.backdrop_strength = STUDIO_BACKDROP;
     Ok(Surroundings { files: vec![], sun: Some(key) })
 }
 

@@ -48,6 +48,7 @@ pub(super) const CASES: &[Case] = &[
             scene.environment_rotation = 1.9;
             scene.environment_intensity = 1.75;
             scene.environment_blur = 0.4;
+            scene.backdrop_strength = 0.75;
             scene
         },
         samples: 4,
