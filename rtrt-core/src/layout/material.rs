@@ -118,7 +118,7 @@ pub struct MaterialRecord {
     pub roughness: f32,
     /// The scale of the normal map; 1 leaves it unchanged.
     pub bump: f32,
-    /// The strength of the occlusion texture, 0 ..= 1.
+    /// The strength of the occlusion texture, 0 ..= 1; 0 without one.
     pub occlusion: f32,
     /// 1 for a surface that shows its base color whatever the light, [`MaterialRecord::CATCHES_SHADOWS`] for one that shows
     /// shadows and nothing else, 0 for others.

@@ -307,7 +307,7 @@ impl Material {
             emission: self.emission.to_array(),
             roughness: self.roughness,
             bump: self.normal_scale,
-            occlusion: self.occlusion_strength,
+            occlusion: if self.occlusion_map.is_some() { self.occlusion_strength } else { 0.0 },
             unlit: match self.alpha_mode {
                 AlphaMode::Shadows => MaterialRecord::CATCHES_SHADOWS,
                 _ => u32::from(self.unlit),

@@ -45,8 +45,8 @@ impl<L: Lane> Shaded<L> {
 ///
 /// through = base · (1 − metallic) · transmission · (1 − R)
 ///
-/// occlusion      = min(texture of occlusion, share of `ambient`)
-/// mirrored share = min(texture of occlusion, share + (1 − share) · (1 − roughness)²)
+/// occlusion      = texture of occlusion, or else the share that [`ambient`](crate::stage::ambient) finds
+/// mirrored share = texture of occlusion, or else share + (1 − share) · (1 − roughness)²
 ///
 /// base    = material · texture · vertex color
 /// diffuse = base · (1 − metallic) · (1 − transmission)
@@ -95,6 +95,8 @@ pub fn shade<L: Lane>(
     let material = surface_material(frame, maps, surfaces, to_viewer);
     let flat = V3::splat(token, [frame.ambient_r, frame.ambient_g, frame.ambient_b]);
     let ambient = if sky.first == 0 { flat } else { flush3(arriving_from(maps, sky, surfaces.normal)) };
+    // A material with a texture of occlusion brings its own.
+    let share = material.has_occlusion.select(one, share);
     let around = Around { ambient, share };
     let (lit, kept) = lit(frame, maps, to_viewer, surfaces, &material, around, arriving);
     let through = if frame.has_colored_layers() {
@@ -147,10 +149,10 @@ fn lit<L: Lane>(
         let along = normal.scale(normal.dot(to_viewer) * 2.0) - to_viewer;
         flush3(mirrored(maps, sky, along, roughness))
     };
-    // A texture of occlusion and rays measure the same. A smooth surface mirrors one direction, of which rays know little.
+    // A smooth surface mirrors one direction, of which the share knows little.
     let glossy = one - roughness;
-    let mirrored_share = occlusion.min(share + (one - share) * flush(glossy * glossy));
-    let occlusion = occlusion.min(share);
+    let mirrored_share = occlusion * (share + (one - share) * flush(glossy * glossy));
+    let occlusion = occlusion * share;
     let albedo = albedo(cosine, roughness);
     let boost = albedo.boost();
     let back = |normal: L| albedo.reflectance(normal, grazing, boost);
@@ -254,8 +256,10 @@ struct SurfaceMaterial<L: Lane> {
     /// Widened by the variance of its normals.
     roughness: L,
     emission: V3<L>,
-    /// The share of the ambient light that arrives.
+    /// The share of the ambient light that arrives, by a texture.
     occlusion: L,
+    /// Whether there is such a texture.
+    has_occlusion: L::Mask,
     unlit: L::Mask,
     /// Whether they show shadows and nothing else.
     catches: L::Mask,
@@ -301,6 +305,7 @@ fn surface_material<L: Lane>(
         roughness: widened(roughness, surfaces.variance),
         emission: V3 { x: flush(er * glow[0]), y: flush(eg * glow[1]), z: flush(eb * glow[2]) },
         occlusion: one + (occluded - one) * occlusion,
+        has_occlusion: occlusion.gt(one.broadcast(0.0)),
         unlit: unlit.ge(one),
         catches: unlit.ge(one.broadcast(MaterialRecord::CATCHES_SHADOWS as f32)),
         alpha: alpha.lt(one.broadcast(0.0)).select(one, flush(clamp(alpha * painted_alpha, 0.0, 1.0))),
