@@ -501,7 +501,7 @@ fn no_surface<L: Lane>(token: L::Token) -> Surfaces<L> {
         origin: nothing,
         normal: nothing,
         material: none,
-        color: none,
+        color: [none; 2],
         uv: [zero; 2],
         footprint: zero,
         second_uv: [zero; 2],

@@ -39,7 +39,7 @@ fn shards(count: usize) -> Mesh {
             let corner = around(0.5);
             positions.push([0, 1, 2].map(|axis| center[axis] + corner[axis]));
             let [u, v, w] = around(4.0);
-            let color = w.to_bits() | 0xff80_8080;
+            let color = [w.to_bits(), w.to_bits() | 0xffff_8080];
             attributes.push(Attribute { normal: around(2.0), uv: [u, v], color });
         }
     }

@@ -3,7 +3,7 @@
 
 use rtrt::import::{ImportError, Loaded, framing, load};
 use rtrt_core::backend::{Request, Shadows};
-use rtrt_core::layout::{AlphaKind, MaterialRecord};
+use rtrt_core::layout::{AlphaKind, Attribute, MaterialRecord};
 use rtrt_core::scene::{Camera, LightKind, MeshError, Projection, Sequential, Setup};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
@@ -248,7 +248,7 @@ fn counts_beyond_the_bytes_are_refused_before_anything_is_allocated() {
 #[test]
 fn vertices_without_normals_are_flat() {
     let loaded = written("flat.gltf", &triangle(r#""bufferView":0,"count":3"#)).unwrap();
-    assert!(loaded.scene.attributes().iter().all(|a| a.normal == [0.0; 3] && a.color == !0));
+    assert!(loaded.scene.attributes().iter().all(|a| a.normal == [0.0; 3] && a.color == Attribute::WHITE));
 }
 
 #[test]

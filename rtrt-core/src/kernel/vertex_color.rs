@@ -49,7 +49,7 @@ mod tests {
         assert_eq!(Attribute::pack_color([2.0, -1.0, 1.0, 9.0]), [0xffff, u32::MAX]);
         // A byte x is 257 x steps: 255 · 257 = 65535.
         let bytes = [51, 0, 128, 255].map(|byte: u16| f32::from(byte) / 255.0);
-        assert_eq!(Attribute::pack_color(bytes), [51 * 257, 128 * 257 | 65_535 << 16]);
+        assert_eq!(Attribute::pack_color(bytes), [51 * 257, 0xffff_0000 + 128 * 257]);
     }
 
     #[test]

@@ -14,9 +14,13 @@ use std::path::Path;
 /// The name of the scene in place of a path.
 pub const LEVELS: &str = "demo:levels";
 
-/// The levels: least distance, rings, and color as linear RGBA with red in the lowest byte.
-const STEPS: [(f32, u32, u32); 4] =
-    [(0.0, 48, 0xffff_ffff), (8.0, 12, 0xff70_d0ff), (16.0, 6, 0xff80_ff80), (32.0, 3, 0xffff_9070)];
+/// The levels: least distance, rings, and color, of which 255 is 1 in linear light.
+const STEPS: [(f32, u32, [f32; 3]); 4] = [
+    (0.0, 48, [255.0, 255.0, 255.0]),
+    (8.0, 12, [255.0, 208.0, 112.0]),
+    (16.0, 6, [128.0, 255.0, 128.0]),
+    (32.0, 3, [112.0, 144.0, 255.0]),
+];
 
 /// A field of balls with 4,608 triangles near the camera and 18 far away. Each level has its own
 /// color.
@@ -57,7 +61,9 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
 }
 
 /// A ball: so many rings of as many quads.
-fn ball(rings: u32, color: u32) -> Geometry {
+fn ball(rings: u32, color: [f32; 3]) -> Geometry {
+    let [r, g, b] = color.map(|channel| channel / 255.0);
+    let color = Attribute::pack_color([r, g, b, 1.0]);
     let mut ball = Geometry::default();
     let sides = rings;
     for ring in 0..=rings {

@@ -4,8 +4,6 @@ use crate::import::geometry::Geometry;
 use glam::Vec3;
 use rtrt_core::layout::Attribute;
 
-const WHITE: u32 = !0;
-
 /// A mesh that is being built.
 #[derive(Default)]
 pub(super) struct Shape(pub Geometry);
@@ -13,7 +11,7 @@ pub(super) struct Shape(pub Geometry);
 impl Shape {
     fn vertex(&mut self, position: Vec3, normal: Vec3, uv: [f32; 2]) -> u32 {
         self.0.positions.push(position.to_array());
-        self.0.attributes.push(Attribute { normal: normal.to_array(), uv, color: WHITE });
+        self.0.attributes.push(Attribute { normal: normal.to_array(), uv, color: Attribute::WHITE });
         self.0.positions.len() as u32 - 1
     }
 
