@@ -46,8 +46,8 @@ pub trait HitFilter<L: Lane>: Copy {
     #[inline(always)]
     fn test_box(&mut self, _: Bounded) {}
 
-    /// Takes an intersection with a triangle into `closest` or into the filter itself. Returns whether the
-    /// limit of a ray has changed.
+    /// Takes an intersection with a triangle, in at least one lane, into `closest` or into the filter itself. Returns
+    /// whether the limit of a ray has changed.
     fn accept(
         &mut self,
         geometry: &Geometry<'_>,
@@ -80,9 +80,6 @@ impl<L: Lane> HitFilter<L> for Closest {
         intersection: &Intersection<L>,
         closest: &mut ClosestHit<L>,
     ) -> bool {
-        if !intersection.mask.any() {
-            return false;
-        }
         closest.keep_closest(intersection, intersection.mask, instance, triangle);
         true
     }
@@ -110,9 +107,6 @@ impl<L: Lane> HitFilter<L> for Any {
         intersection: &Intersection<L>,
         closest: &mut ClosestHit<L>,
     ) -> bool {
-        if !intersection.mask.any() {
-            return false;
-        }
         closest.t = intersection.mask.select(closest.t.broadcast(-1.0), closest.t);
         true
     }
@@ -141,7 +135,7 @@ impl<L: Lane> HitFilter<L> for Opaque {
         closest: &mut ClosestHit<L>,
     ) -> bool {
         let placed = &geometry.instances[instance as usize];
-        if !intersection.mask.any() || alpha_mode(placed, geometry.mesh_data) != AlphaKind::Opaque as u32 {
+        if alpha_mode(placed, geometry.mesh_data) != AlphaKind::Opaque as u32 {
             return false;
         }
         closest.t = intersection.mask.select(closest.t.min(intersection.t), closest.t);
@@ -158,20 +152,16 @@ mod tests {
         Geometry { instances: &[], nodes: &[], mesh_data: &[], positions: &[], texels: &[], magnitude: 0.0 };
 
     /// Whether a limit has changed, what it is then, and the instance.
-    fn accepted(mut filter: impl HitFilter<f32>, mask: bool) -> (bool, f32, u32) {
+    fn accepted(mut filter: impl HitFilter<f32>) -> (bool, f32, u32) {
         let mut closest = ClosestHit::none(9.0);
-        let intersection = Intersection { mask, t: 2.0, u: 0.0, v: 0.0 };
+        let intersection = Intersection { mask: true, t: 2.0, u: 0.0, v: 0.0 };
         let changed = filter.accept(&NOTHING, 5, 0, &intersection, &mut closest);
         (changed, closest.t, closest.instance.0)
     }
 
     #[test]
     fn closest_lowers_the_limit_and_any_ends_the_ray() {
-        assert_eq!(accepted(Closest, true), (true, 2.0, 5));
-        assert_eq!(accepted(Any, true), (true, -1.0, NONE));
-        assert_eq!(
-            (accepted(Closest, false), accepted(Any, false)),
-            ((false, 9.0, NONE), (false, 9.0, NONE))
-        );
+        assert_eq!(accepted(Closest), (true, 2.0, 5));
+        assert_eq!(accepted(Any), (true, -1.0, NONE));
     }
 }

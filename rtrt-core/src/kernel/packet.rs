@@ -32,6 +32,8 @@ pub struct PacketHits<L: Lane, const G: usize> {
     pub closest: [ClosestHit<L>; G],
     /// The largest limit of each tile; unused by a packet of one group.
     limits: [f32; TILES],
+    /// Set where a ray meets a triangle, whether the filter accepts it or not.
+    pub(crate) has_met: bool,
 }
 
 impl<L: Lane, const G: usize> PacketHits<L, G> {
@@ -39,7 +41,7 @@ impl<L: Lane, const G: usize> PacketHits<L, G> {
     #[inline(always)]
     pub fn new(closest: [ClosestHit<L>; G]) -> Self {
         let limits = if G == 1 { [0.0; TILES] } else { Tiles::<L, G>::limits(&closest) };
-        Self { closest, limits }
+        Self { closest, limits, has_met: false }
     }
 
     /// The tiles with a ray that is still traced. Of a packet of one group, its tile.

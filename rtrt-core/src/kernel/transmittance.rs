@@ -146,9 +146,6 @@ impl<L: Lane, const BLOCKER: bool> HitFilter<L> for Transmittance<L, BLOCKER> {
         intersection: &Intersection<L>,
         closest: &mut ClosestHit<L>,
     ) -> bool {
-        if !intersection.mask.any() {
-            return false;
-        }
         // The lanes in which there is something, and those in which it ends the ray.
         let (mut visible, mut ended) = (intersection.mask, intersection.mask);
         let mode = alpha_mode(&geometry.instances[instance as usize], geometry.mesh_data);

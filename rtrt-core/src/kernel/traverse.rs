@@ -134,7 +134,10 @@ pub(crate) fn intersect_sphere<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilt
             while side <= last {
                 let closest = &mut hits.closest[g];
                 let intersection = chord.side(ray.direction, side, closest.t);
-                is_changed |= filters[g].accept(geometry, sphere.source, side, &intersection, closest);
+                if intersection.mask.any() {
+                    hits.has_met = true;
+                    is_changed |= filters[g].accept(geometry, sphere.source, side, &intersection, closest);
+                }
                 side += 1;
             }
             g += 1;
@@ -198,7 +201,11 @@ impl<'a> Mesh<'a> {
                     if one_sided && intersection.mask.any() {
                         intersection.mask = intersection.mask & counts::<L, F, O>(&relative, closest.t);
                     }
-                    is_changed |= filters[g].accept(self.geometry, self.source, id, &intersection, closest);
+                    if intersection.mask.any() {
+                        hits.has_met = true;
+                        is_changed |=
+                            filters[g].accept(self.geometry, self.source, id, &intersection, closest);
+                    }
                     g += 1;
                 }
                 changed |= (is_changed as u32) << tile;

@@ -157,11 +157,12 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
         let instance = &geometry.instances[entry.instance as usize];
         let number = instance.source_instance(entry.instance);
         let is_copy = before_number < number && instance.is_copy_of(&geometry.instances[before as usize]);
-        let is_needed = !is_copy || needs_copy(filters, before_number, number);
-        (before, before_number) = (entry.instance, number);
-        if !is_needed {
+        if is_copy && !(hits.has_met && needs_copy(filters, before_number, number)) {
+            (before, before_number) = (entry.instance, number);
             continue;
         }
+        (before, before_number) = (entry.instance, number);
+        hits.has_met &= is_copy;
         let (low, high) = instance.padded_aabb(geometry.magnitude);
         filters[0].test_box(Bounded::Instance);
         let hit_mask = packet.tile_hit_mask(&low, &high, active, hits);
