@@ -4,7 +4,7 @@ use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::geometry::Geometry;
 use crate::kernel::transparency::alpha_mode;
 use crate::kernel::triangle::Intersection;
-use crate::lane::{Lane, Mask, Select};
+use crate::lane::{Lane, Select};
 use crate::layout::AlphaKind;
 
 /// What a box is around that rays are tested against.
@@ -45,6 +45,10 @@ pub trait HitFilter<L: Lane>: Copy {
     /// Takes notice that a packet is tested against a box: the first filter of a packet, for counting.
     #[inline(always)]
     fn test_box(&mut self, _: Bounded) {}
+
+    /// Takes notice that a group is tested against a triangle.
+    #[inline(always)]
+    fn test_triangle(&mut self) {}
 
     /// Takes an intersection with a triangle, in at least one lane, into `closest` or into the filter itself. Returns
     /// whether the limit of a ray has changed.

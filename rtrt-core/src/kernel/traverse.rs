@@ -133,6 +133,7 @@ pub(crate) fn intersect_sphere<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilt
             let mut side = first;
             while side <= last {
                 let closest = &mut hits.closest[g];
+                filters[g].test_triangle();
                 let intersection = chord.side(ray.direction, side, closest.t);
                 if intersection.mask.any() {
                     hits.has_met = true;
@@ -197,6 +198,7 @@ impl<'a> Mesh<'a> {
                     let (ray, closest) = (&packet.rays[g], &mut hits.closest[g]);
                     let relative =
                         if O::WIDTH < L::WIDTH { shared } else { triangle.relative_to(ray.origin) };
+                    filters[g].test_triangle();
                     let mut intersection = intersect(ray, &relative, closest.t);
                     if one_sided && intersection.mask.any() {
                         intersection.mask = intersection.mask & counts::<L, F, O>(&relative, closest.t);

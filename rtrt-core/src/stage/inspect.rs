@@ -73,6 +73,10 @@ impl HitFilter<f32> for Counting {
         }
     }
 
+    fn test_triangle(&mut self) {
+        self.triangles += 1;
+    }
+
     fn accept(
         &mut self,
         geometry: &Geometry<'_>,
@@ -81,9 +85,7 @@ impl HitFilter<f32> for Counting {
         intersection: &Intersection<f32>,
         closest: &mut ClosestHit<f32>,
     ) -> bool {
-        self.triangles += 1;
-        let seen = Intersection { mask: intersection.mask && intersection.t > self.near, ..*intersection };
-        Closest.accept(geometry, instance, triangle, &seen, closest)
+        intersection.t > self.near && Closest.accept(geometry, instance, triangle, intersection, closest)
     }
 }
 
