@@ -16,6 +16,10 @@ pub fn count(frame: &Frame) -> u32 {
 pub fn prepare(frame: &Frame, views: &[View], instances: &[Instance], index: u32) -> ScreenBounds {
     let [view, number] = frame.of_screen_bounds(index);
     let instance = &instances[number as usize];
+    // What is not opaque hides no light from all around.
+    if instance.transparency != 0 && frame.has_ambient_rays() && view >= frame.ambient_view {
+        return ScreenBounds::NONE;
+    }
     // Every ray that hits an opaque copy hits the one before it, as near, and that has the lower number.
     if instance.transparency == 0
         && index > 0
@@ -58,6 +62,10 @@ mod tests {
                 .map(|i| prepare(&frame, &views, &instances, view * 7 + i) != ScreenBounds::NONE);
             assert_eq!(listed, [true, false, false, true, true, true, true]);
         }
+        // Veils hide no light from all around.
+        let frame = Frame { ambient_view: 1, ..frame };
+        assert_eq!(prepare(&frame, &views, &instances, 7 + 4), ScreenBounds::NONE);
+        assert_ne!(prepare(&frame, &views, &instances, 7 + 3), ScreenBounds::NONE);
     }
 
     #[test]
