@@ -155,7 +155,8 @@ impl Shape {
     /// With a color of its own at each vertex.
     pub fn painted(mut self, random: &mut Random) -> Self {
         for attribute in &mut self.attributes {
-            attribute.color = [random.bits() << 1, random.bits() << 1 | 0xffff_0000];
+            let bits = random.bits() << 1;
+            attribute.color = [bits, bits.rotate_left(7) | 0xffff_0000];
         }
         self
     }
@@ -163,7 +164,8 @@ impl Shape {
     /// The same with an alpha of its own too.
     pub fn painted_through(mut self, random: &mut Random) -> Self {
         for attribute in &mut self.attributes {
-            attribute.color = [0; 2].map(|_: u32| random.bits() << 1);
+            let bits = random.bits() << 1;
+            attribute.color = [bits, bits.rotate_left(7)];
         }
         self
     }
