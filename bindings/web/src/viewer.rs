@@ -113,7 +113,9 @@ impl Page {
     pub fn orbit(&mut self, yaw: f64, pitch: f64, nearer: f64) {
         if let Some(Shown { camera, is_moved, ball, .. }) = &mut self.shown {
             let distance = moves::pivot(camera, *ball);
-            let orbited = moves::orbited(camera, distance, yaw, pitch);
+            let Some(axes) = moves::axes(camera) else { return };
+            let pivot = camera.eye.as_dvec3() + axes.forward * distance;
+            let orbited = moves::hand::orbited(camera, pivot, yaw, pitch);
             *camera = moves::moved(&orbited, [0.0, 0.0, distance * nearer]);
             *is_moved = true;
         }

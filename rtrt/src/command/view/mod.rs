@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `input`, `live` | events as data, one a line of text; recordings at their own speed |
 //! | `controls` | what keys and the mouse do |
-//! | `camera`, `motion`, `pace` | functions: how a camera moves, how fine a picture can be in the given time |
+//! | `pace` | functions: how fine a picture can be in the given time |
 //! | `viewer` | all state but the window; renders by the functions of `rtrt render` |
 //! | `engine` | the backend, or a GPU backend on the window's own device |
 //! | `window`, `system` | winit: frames, events |
@@ -34,7 +34,7 @@
 //! - **Errors of the window are errors of the command.** winit panics where a library or an extension of
 //!   the display is missing; [`run`] catches that.
 
-use rtrt::moves as camera;
+use rtrt::moves::{self as camera, hand as motion};
 mod controls;
 mod engine;
 mod failure;
@@ -43,7 +43,6 @@ mod guides;
 mod input;
 mod interface;
 mod live;
-mod motion;
 mod overlay;
 mod pace;
 mod panel;

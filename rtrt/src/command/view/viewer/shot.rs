@@ -29,7 +29,7 @@ impl Viewer {
         output::check(&path)?;
         let full = self.full();
         self.draw(self.wanted(full), &AtomicBool::new(false))?;
-        let bytes = png(self.pixels(), full.size, Rgba8).map_err(encode(&path))?;
+        let bytes = png(&self.pixels(), full.size, Rgba8).map_err(encode(&path))?;
         output::write(&path, &bytes)?;
         let shot = Shot {
             common: &self.options,

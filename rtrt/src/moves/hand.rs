@@ -1,7 +1,7 @@
 //! How a hand moves a camera: around a pivot, towards a point, into a view of everything. Functions of cameras and
 //! points alone; a camera that cannot make a motion is returned unchanged.
 
-use super::camera::{axes, forward_turned, looking, rotated, standard_distance, unit, usable};
+use super::{axes, forward_turned, looking, rotated, standard_distance, unit, usable};
 use glam::DVec3;
 use rtrt_core::scene::{Camera, Projection};
 

@@ -1,5 +1,7 @@
 //! Moves of a camera. A camera that cannot make a move is returned unchanged.
 
+pub mod hand;
+
 use glam::DVec3;
 use rtrt_core::scene::{Camera, Projection};
 use std::f64::consts::PI;
@@ -13,14 +15,18 @@ const NOTCH: f64 = 1.1;
 const FOCAL: [f64; 2] = [0.1, 200.0];
 
 /// The camera's axes, of length 1 and at right angles to each other.
-pub(super) struct Axes {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Axes {
+    /// To the right in the picture.
     pub right: DVec3,
+    /// Up in the picture.
     pub up: DVec3,
+    /// Along the view.
     pub forward: DVec3,
 }
 
 /// The axes; none for a degenerate camera.
-pub(super) fn axes(camera: &Camera) -> Option<Axes> {
+pub fn axes(camera: &Camera) -> Option<Axes> {
     let forward = unit(camera.look_at.as_dvec3() - camera.eye.as_dvec3())?;
     let right = unit(forward.cross(unit(camera.up.as_dvec3())?))?;
     Some(Axes { right, up: right.cross(forward), forward })
@@ -82,7 +88,7 @@ pub fn standard(
 }
 
 /// The projection, and the distance of the center, with which a ball is in view.
-pub(super) fn standard_distance(camera: &Camera, radius: f64, aspect: f64) -> (Projection, f64) {
+fn standard_distance(camera: &Camera, radius: f64, aspect: f64) -> (Projection, f64) {
     match camera.projection {
         Projection::Perspective { fov_y } => {
             let tangent = libm::tan(f64::from(fov_y) * 0.5) * aspect.min(1.0);
@@ -120,7 +126,7 @@ pub fn height_at(camera: &Camera, distance: f64) -> f64 {
 }
 
 /// The direction of the view after a turn.
-pub(super) fn forward_turned(camera: &Camera, yaw: f64, pitch: f64) -> Option<DVec3> {
+fn forward_turned(camera: &Camera, yaw: f64, pitch: f64) -> Option<DVec3> {
     let Axes { right, forward, .. } = axes(camera)?;
     let up = unit(camera.up.as_dvec3())?;
     let [right, forward] = [right, forward].map(|axis| rotated(axis, up, yaw));
@@ -130,14 +136,14 @@ pub(super) fn forward_turned(camera: &Camera, yaw: f64, pitch: f64) -> Option<DV
 
 /// The camera with another position and direction. The point that it looks at is so far away that rounding keeps
 /// the direction.
-pub(super) fn looking(camera: &Camera, eye: DVec3, forward: DVec3) -> Camera {
+fn looking(camera: &Camera, eye: DVec3, forward: DVec3) -> Camera {
     let distance = camera.look_at.as_dvec3().distance(camera.eye.as_dvec3());
     let look_at = eye + forward * distance.max(eye.abs().max_element());
     usable(camera, Camera { eye: eye.as_vec3(), look_at: look_at.as_vec3(), ..*camera })
 }
 
 /// `next`, or `camera` if `next` is degenerate.
-pub(super) fn usable(camera: &Camera, next: Camera) -> Camera {
+fn usable(camera: &Camera, next: Camera) -> Camera {
     let finite = next.eye.is_finite() && next.look_at.is_finite() && next.up.is_finite();
     let height = match next.projection {
         Projection::Perspective { .. } | Projection::OffCenter { .. } => 1.0,
@@ -148,13 +154,13 @@ pub(super) fn usable(camera: &Camera, next: Camera) -> Camera {
 }
 
 /// `v` turned around an axis of length 1, counterclockwise where the axis points to the viewer.
-pub(super) fn rotated(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
+fn rotated(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
     let (sin, cos) = (libm::sin(angle), libm::cos(angle));
     v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
 }
 
 /// `v` at length 1; none for a vector without length.
-pub(super) fn unit(v: DVec3) -> Option<DVec3> {
+fn unit(v: DVec3) -> Option<DVec3> {
     let length = libm::sqrt(v.length_squared());
     (length > 1e-9 && length.is_finite()).then(|| v / length)
 }
