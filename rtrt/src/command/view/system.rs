@@ -151,7 +151,7 @@ mod tests {
         let drag = fingers.moved(7, TouchPhase::Moved, [20.0, 10.0]);
         assert_eq!(drag, [Event::Move(10.0, 10.0), down.clone(), Event::Move(20.0, 10.0)]);
         assert_eq!(fingers.moved(7, TouchPhase::Moved, [30.0, 10.0]), [Event::Move(30.0, 10.0)]);
-        assert_eq!(fingers.moved(8, TouchPhase::Started, [30.0, 50.0]), [up.clone()]);
+        assert_eq!(fingers.moved(8, TouchPhase::Started, [30.0, 50.0]), std::slice::from_ref(&up));
         let both = fingers.moved(8, TouchPhase::Moved, [30.0, 90.0]);
         assert_eq!(both, [Event::Move(30.0, 50.0), Event::Pan(0.0, 20.0), Event::Pinch(2.0)]);
         assert_eq!(fingers.moved(8, TouchPhase::Ended, [30.0, 90.0]), []);
