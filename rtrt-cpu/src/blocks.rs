@@ -9,11 +9,11 @@ use crate::parallel;
 use crate::planes::Planes;
 use crate::records::Records;
 use alloc::vec::Vec;
+use core::sync::atomic::{AtomicBool, Ordering};
 use rtrt_core::grid::{BlockIndex, Grid};
 use rtrt_core::layout::Frame;
 use rtrt_core::schedule::{Pass, Step};
 use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, are_soft, edges_at, span};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What blocks are rendered in.
 #[derive(Debug, Default)]

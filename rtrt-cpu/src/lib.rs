@@ -61,13 +61,13 @@ use crate::instant::Instant;
 use crate::parallel::Pool;
 use crate::records::block_records;
 use alloc::vec::Vec;
+use core::sync::atomic::AtomicBool;
 use rtrt_core::backend::{Backend, Deferred, Description, Picture, RenderError, Request};
 use rtrt_core::kernel::lists::BlockLists;
 use rtrt_core::kernel::screen_bounds::ScreenBounds;
 use rtrt_core::scene::{Join, Scene, Setup};
 use rtrt_core::schedule::{Pass, Stage, Step, steps};
 use rtrt_core::stage::context::Context;
-use std::sync::atomic::AtomicBool;
 
 /// How the backend runs. The picture does not depend on it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
