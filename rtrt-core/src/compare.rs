@@ -8,6 +8,7 @@ use crate::backend::{Deferred, Picture, Request};
 use crate::grid::{BlockIndex, Grid, RayIndex};
 use crate::kernel::lists::BlockLists;
 use crate::kernel::view::camera_ray;
+use crate::layout::{Hit, Lit, Surface};
 use alloc::vec::Vec;
 use bytemuck::cast_slice;
 use core::fmt;
@@ -113,7 +114,8 @@ const SURFACE: &[&str] = &[
     "normal.x",
     "normal.y",
     "normal.z",
-    "color",
+    "color.rg",
+    "color.ba",
     "uv.u",
     "uv.v",
     "footprint",
@@ -141,7 +143,10 @@ const LIT: &[&str] = &[
 const COLOR: &[&str] = &["r", "g", "b", "a"];
 const ENTRY: &[&str] = &["key", "instance"];
 /// The fields that are whole numbers.
-const WHOLE: &[&str] = &["", "instance", "triangle", "material", "color", "coat_normal", "tangent"];
+const WHOLE: &[&str] =
+    &["", "instance", "triangle", "material", "color.rg", "color.ba", "coat_normal", "tangent"];
+const _: () = assert!(HIT.len() * 4 == size_of::<Hit>() && LIT.len() * 4 == size_of::<Lit>());
+const _: () = assert!(SURFACE.len() * 4 == size_of::<Surface>());
 
 /// Empty deferred buffers, for a picture without any.
 static NONE: Deferred = Deferred {
