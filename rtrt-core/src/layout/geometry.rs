@@ -58,9 +58,10 @@ impl Attribute {
     /// The [color](Self::color) that leaves material and texture as they are.
     pub const WHITE: [u32; 2] = [u32::MAX; 2];
 
-    /// Linear RGBA of 0 ..= 1 as a [color](Self::color); numbers outside are clamped, NaN becomes 1.
+    /// Linear RGBA of 0 ..= 1 as a [color](Self::color); numbers outside are clamped, NaN becomes 1. A number between two
+    /// steps becomes the upper one, so that the middle between two bytes of sRGB does not fall below it.
     pub fn pack_color(rgba: [f32; 4]) -> [u32; 2] {
-        let [r, g, b, a] = rgba.map(|x| if x < 1.0 { (x.max(0.0) * 65535.0 + 0.5) as u32 } else { 65535 });
+        let [r, g, b, a] = rgba.map(|x| if x < 1.0 { (x.max(0.0) * 65535.0 + 0.99) as u32 } else { 65535 });
         [r | g << 16, b | a << 16]
     }
 }

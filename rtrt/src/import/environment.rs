@@ -97,6 +97,7 @@ pub fn surround(scene: &mut Scene, path: &Path, takes_sun: bool) -> Result<Surro
             None => {
                 let sun = takes_sun.then(|| picture.take_sun()).flatten();
                 scene.set_environment(&picture).map_err(refused)?;
+                scene.backdrop_strength = 1.0;
                 return Ok(Surroundings { files, sun });
             }
         }

@@ -310,7 +310,7 @@ mod tests {
         assert_eq!(ply.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
         assert_eq!((ply.normals[1], ply.uvs[0]), ([0.0, 1.0, 0.0], [0.25, 0.75]));
         // sRGB 1 is 1 in linear light, 0.5 is 0.2140, 188 of 255 is 0.5029; alpha is linear. 255 of each are full.
-        assert_eq!(ply.colors[0], [65_535 | 14_027 << 16, 32_957 | 13_107 << 16]);
+        assert_eq!(ply.colors[0], [65_535 | 14_028 << 16, 32_957 | 13_107 << 16]);
         assert_eq!(ply.colors[1], [65_535 << 16, 65_535]);
         assert_eq!((ply.faces.corners, ply.faces.ends), (vec![0, 1, 2], vec![3]));
     }
