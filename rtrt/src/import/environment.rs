@@ -104,6 +104,7 @@ pub fn surround(scene: &mut Scene, path: &Path, takes_sun: bool) -> Result<Surro
     };
     let sun = takes_sun.then(|| cube.take_sun()).flatten();
     scene.set_cube(&cube).map_err(refused)?;
+    scene.backdrop_strength = 1.0;
     Ok(Surroundings { files, sun })
 }
 
