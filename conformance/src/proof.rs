@@ -76,7 +76,7 @@ pub enum Refused {
     Table,
 }
 
-/// All that a visitor's machine is asked: the cases, and the scenes with stored hashes.
+/// What a visitor's machine renders: the cases, and the scenes with stored hashes.
 pub fn questions() -> impl Iterator<Item = &'static Case> {
     let demos = golden::scenes().iter().filter(|case| cases::named(case.name).is_none());
     cases::all().chain(demos)

@@ -2,7 +2,7 @@
 //! backend that has seen the frames before, or the scene is a new one.
 
 use conformance::shape::{Build, Random, Shape};
-use conformance::variants::{all, present, requires_gpu};
+use conformance::variants::{Present, all, present, requires_gpu};
 use conformance::{compare, reference};
 use glam::{Mat4, Vec3};
 use rtrt_core::backend::{Backend, Picture, RenderError, Request, Shadows};
@@ -22,6 +22,18 @@ const CAMERA: Camera = Camera {
 
 /// Objects that move.
 const MOVING: u32 = 24;
+
+/// The reference's picture, which all variants must have too.
+fn agreed(variants: &mut Present, scene: &Scene, request: &Request<'_>, step: &str) -> Picture {
+    let (mut expected, mut actual) = (Picture::default(), Picture::default());
+    reference().render(scene, request, &mut expected).unwrap();
+    for (variant, backend) in &mut variants.backends {
+        backend.render(scene, request, &mut actual).unwrap();
+        let agrees = compare(request, &expected, &actual);
+        agrees.unwrap_or_else(|difference| panic!("{variant}, {step}: {difference}"));
+    }
+    expected
+}
 
 /// A cloth that waves.
 fn cloth(time: f64) -> Mesh {
@@ -173,13 +185,7 @@ fn a_stopped_frame_leaves_no_trace() {
             }
         }
         scene.set_transform(scene.instance_index(3).unwrap(), places(step as f64)[4]).unwrap();
-        let (mut expected, mut actual) = (Picture::default(), Picture::default());
-        reference().render(&scene, &request, &mut expected).unwrap();
-        for (variant, backend) in &mut variants.backends {
-            backend.render(&scene, &request, &mut actual).unwrap();
-            let agrees = compare(&request, &expected, &actual);
-            agrees.unwrap_or_else(|difference| panic!("{variant}, {step}: {difference}"));
-        }
+        agreed(&mut variants, &scene, &request, &step.to_string());
     }
 }
 
@@ -223,13 +229,7 @@ fn lists_are_kept_only_while_they_would_be_the_same() {
         change(&mut scene);
         let shadows = Shadows::Hard;
         let request = Request::new(camera, [97, 55]).shadows(shadows).deferred(true);
-        let (mut expected, mut actual) = (Picture::default(), Picture::default());
-        reference().render(&scene, &request, &mut expected).unwrap();
-        for (variant, backend) in &mut variants.backends {
-            backend.render(&scene, &request, &mut actual).unwrap();
-            let agrees = compare(&request, &expected, &actual);
-            agrees.unwrap_or_else(|difference| panic!("{variant}, {step}: {difference}"));
-        }
+        let expected = agreed(&mut variants, &scene, &request, step);
         let lists = expected.deferred.unwrap().lists;
         assert_eq!(lists == before, step == "the same again", "{step}: the lists show nothing");
         before = lists;

@@ -200,7 +200,7 @@ pub(crate) async fn watched<T>(
     let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
     let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
     let result = work.await;
-    // All are popped before any is asked, so that no other work gets in between.
+    // Pops all before it waits for one, so that no other work gets in between.
     let (internal, validation, memory) = (internal.pop(), validation.pop(), memory.pop());
     // Without memory, buffers are not there, and their use is an error as well.
     let (internal, validation, memory) = (internal.await, validation.await, memory.await);

@@ -208,7 +208,7 @@ impl Renderer {
             raster.reserve(device, frame)?;
         }
         let bytes = PIXELS + if texture.is_some() { 0 } else { 4 * u64::from(pixel_count) };
-        // It is put back when it is no longer mapped: a frame may be dropped half done.
+        // It returns after it is unmapped, because a caller may drop a frame that is half done.
         let read_back = match self.read_back.take().filter(|buffer| buffer.size() >= bytes) {
             Some(buffer) => buffer,
             None => device.buffer("read back", bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?,

@@ -18,7 +18,7 @@ pub struct Shown {
     name: String,
     loaded: Loaded,
     camera: Camera,
-    /// Whether the camera is no longer where the command puts it.
+    /// Whether a person has moved the camera.
     is_moved: bool,
     /// Center and radius.
     ball: (DVec3, f64),

@@ -189,7 +189,7 @@ impl RenderJob {
         Ok(())
     }
 
-    /// Draws an object no longer.
+    /// Hides an object.
     pub fn hide(&mut self, number: u32) -> Result<(), Error> {
         let transform = self.scene.instances().get(number as usize).map(|instance| {
             let [x, y, z] = instance.to_world;
@@ -474,7 +474,7 @@ fn choose_animation(
     Ok(())
 }
 
-/// Draws an object no longer.
+/// Hides an object.
 fn hide(scene: &mut Scene, common: &Common, number: u32) -> Result<(), Error> {
     let path = &common.scene;
     let unknown = || Error::Number { scene: path.clone(), what: "object", asked: number };

@@ -191,15 +191,9 @@ pub fn kept_inside(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::moves::tests::FRONT;
     use glam::Vec3;
 
-    /// Looks along −z from z = 4, y is up, x to the right.
-    const FRONT: Camera = Camera {
-        eye: Vec3::new(0.0, 0.0, 4.0),
-        look_at: Vec3::ZERO,
-        up: Vec3::Y,
-        projection: Projection::Perspective { fov_y: 1.0 },
-    };
     const FLAT: Camera = Camera { projection: Projection::Orthographic { height: 2.0 }, ..FRONT };
     const SIZE: [u32; 2] = [640, 360];
 

@@ -171,7 +171,7 @@ mod tests {
     use glam::Vec3;
 
     /// Looks along −z from z = 4, y is up, x to the right.
-    const FRONT: Camera = Camera {
+    pub const FRONT: Camera = Camera {
         eye: Vec3::new(0.0, 0.0, 4.0),
         look_at: Vec3::ZERO,
         up: Vec3::Y,

@@ -96,7 +96,7 @@ pub enum Action {
     /// A step of the animation, seconds.
     Step(f64),
     Debug(Option<DebugView>),
-    /// A selection of what is seen at this place in the picture, pixels.
+    /// Selects what the picture shows at this place, pixels.
     Select([f32; 2]),
     /// A view of all of what is selected.
     Frame,

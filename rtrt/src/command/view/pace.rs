@@ -27,7 +27,7 @@ const REFINEMENTS: [f64; 2] = [2.0, 1.0];
 const HEADROOM: f64 = 0.8;
 /// The weight of a new measurement in the mean.
 const WEIGHT: f64 = 0.5;
-/// Steps of a refinement are left out if the full detail takes no longer, milliseconds.
+/// Milliseconds: if the full detail takes at most this, a refinement has no steps in between.
 const AT_ONCE_MS: f64 = 100.0;
 
 /// The measured cost of frames.

@@ -99,7 +99,7 @@ impl Fingers {
         }
     }
 
-    /// The middle between two fingers, and how far they are apart.
+    /// The middle between two fingers, and the distance between them.
     fn spread(&self) -> Option<([f32; 2], f32)> {
         let [(_, a), (_, b)] = self.down[..] else { return None };
         let [x, y] = [a[0] - b[0], a[1] - b[1]];

@@ -107,7 +107,7 @@ pub struct Viewer {
     pub selection: Option<Selection>,
     /// For how long, seconds.
     selected_for: f64,
-    /// The trees that rays are asked of.
+    /// The trees that find what a ray hits.
     tree: Tree,
     /// The scene of which there are trees: its [`Scene::id`](rtrt_core::scene::Scene::id).
     tree_of: Option<u32>,
@@ -371,7 +371,7 @@ impl Viewer {
         !self.is_exact && self.is_settled() && self.tree_of != Some(self.job.scene.id())
     }
 
-    /// Does that work until `stop` is true: the trees that rays are asked of.
+    /// Builds the trees that find what a ray hits, until `stop` is true.
     pub fn work(&mut self, stop: &AtomicBool) {
         if self.tree.update_until(&self.job.scene, &Sequential, stop) {
             self.tree_of = Some(self.job.scene.id());

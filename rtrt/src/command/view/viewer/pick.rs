@@ -119,13 +119,13 @@ impl Viewer {
         !self.job.hidden.contains_key(&object)
     }
 
-    /// Draws objects, or no longer. A failure is noted.
+    /// Shows or hides objects. A failure is noted.
     pub fn show_objects(&mut self, objects: impl IntoIterator<Item = u32>, is_visible: bool) {
         let shown = self.set_visible(objects, is_visible);
         self.note(shown);
     }
 
-    /// Draws objects, or no longer.
+    /// Shows or hides objects.
     fn set_visible(&mut self, objects: impl IntoIterator<Item = u32>, is_visible: bool) -> Result<(), Error> {
         for object in objects {
             if is_visible {
