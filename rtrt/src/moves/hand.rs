@@ -162,6 +162,65 @@ pub fn projected(camera: &Camera, size: [u32; 2], point: DVec3) -> Option<[f64; 
     Some([width * 0.5 + x * height, height * 0.5 - y * height])
 }
 
+/// The part of a line that is in the picture; none where nothing is.
+pub fn screen_ends(camera: &Camera, size: [u32; 2], [a, b]: [DVec3; 2]) -> Option<[DVec3; 2]> {
+    let axes = axes(camera)?;
+    let [width, height] = size.map(f64::from);
+    let corners = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]];
+    let corners = corners.map(|place| ray(camera, size, place));
+    let [Some(upper_left), Some(upper_right), Some(lower_right), Some(lower_left)] = corners else {
+        return None;
+    };
+    // A plane through each side of the picture; what is in front of it is in view.
+    let sides = [
+        (upper_left, upper_left.1.cross(upper_right.0 + upper_right.1 - upper_left.0)),
+        (upper_right, upper_right.1.cross(lower_right.0 + lower_right.1 - upper_right.0)),
+        (lower_right, lower_right.1.cross(lower_left.0 + lower_left.1 - lower_right.0)),
+        (lower_left, lower_left.1.cross(upper_left.0 + upper_left.1 - lower_left.0)),
+    ];
+    let middle = ray(camera, size, [width * 0.5, height * 0.5])?;
+    let inside = middle.0 + middle.1;
+    let planes = sides.map(|((origin, _), normal)| {
+        let is_inward = (inside - origin).dot(normal) > 0.0;
+        (origin, if is_inward { normal } else { -normal })
+    });
+    // Nothing behind the eye is projected, and parallel rays have no eye.
+    let depth = match camera.projection {
+        Projection::Orthographic { .. } => f64::NEG_INFINITY,
+        _ => 1e-6,
+    };
+    let mut part = [0.0, 1.0];
+    let mut cut = |from: f64, to: f64| {
+        if from < 0.0 && to < 0.0 {
+            part = [1.0, 0.0];
+        } else if from < 0.0 {
+            part[0] = f64::max(part[0], from / (from - to));
+        } else if to < 0.0 {
+            part[1] = f64::min(part[1], from / (from - to));
+        }
+    };
+    let eye = camera.eye.as_dvec3();
+    for (origin, normal) in planes {
+        cut((a - origin).dot(normal), (b - origin).dot(normal));
+    }
+    if depth.is_finite() {
+        cut((a - eye).dot(axes.forward) - depth, (b - eye).dot(axes.forward) - depth);
+    }
+    (part[0] < part[1]).then(|| part.map(|share| a.lerp(b, share)))
+}
+
+/// Where a ray to a point begins that the camera may see, and the way from there to the point; none for a point behind
+/// the camera.
+pub fn way_to(camera: &Camera, point: DVec3) -> Option<(DVec3, DVec3)> {
+    let (axes, eye) = (axes(camera)?, camera.eye.as_dvec3());
+    let depth = (point - eye).dot(axes.forward);
+    let origin = match camera.projection {
+        Projection::Orthographic { .. } => point - axes.forward * depth,
+        _ => eye,
+    };
+    (depth > 0.0).then(|| (origin, point - origin))
+}
+
 /// The camera on its way from `before` to `after` where it does not pass a surface: `free` is the distance to the next
 /// one from a point along a direction of length 1, and `margin` that which is kept along the way. The pivot stays where it is in the
 /// picture.
@@ -286,6 +345,39 @@ mod tests {
             }
         }
         assert_eq!(projected(&FRONT, SIZE, DVec3::Z * 9.0), None);
+    }
+
+    #[test]
+    fn lines_end_at_the_sides_of_the_picture() {
+        for camera in [FRONT, FLAT] {
+            // From the middle to far beyond the right and the left side, and from before the camera to behind it.
+            for (ends, sides) in [
+                ([DVec3::ZERO, DVec3::X * 50.0], [320.0, 640.0]),
+                ([DVec3::X * 50.0, DVec3::X * -50.0], [640.0, 0.0]),
+            ] {
+                let ends = screen_ends(&camera, SIZE, ends).unwrap();
+                for (end, x) in ends.into_iter().zip(sides) {
+                    assert!(near(projected(&camera, SIZE, end).unwrap(), [x, 180.0]), "{end}");
+                }
+            }
+            let aside = [DVec3::new(-9.0, 9.0, 0.0), DVec3::new(9.0, 9.0, 0.0)];
+            assert_eq!(screen_ends(&camera, SIZE, aside), None);
+        }
+        let through =
+            screen_ends(&FRONT, SIZE, [DVec3::new(0.1, 0.0, 0.0), DVec3::new(0.1, 0.0, 9.0)]).unwrap();
+        assert!(through[1].z > 3.0 && through[1].z < 4.0, "{}", through[1]);
+    }
+
+    #[test]
+    fn ways_go_through_the_places_of_points() {
+        let point = DVec3::new(0.3, -0.2, 1.0);
+        for camera in [FRONT, FLAT] {
+            let (origin, way) = way_to(&camera, point).unwrap();
+            let place = projected(&camera, SIZE, point).unwrap();
+            let (start, direction) = ray(&camera, SIZE, place).unwrap();
+            assert!(origin.distance(start) < 1e-6 && way.normalize().distance(direction.normalize()) < 1e-6);
+            assert!((origin + way).distance(point) < 1e-12 && way_to(&camera, DVec3::Z * 9.0).is_none());
+        }
     }
 
     #[test]

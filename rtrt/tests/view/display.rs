@@ -113,7 +113,11 @@ pub struct Window<'a> {
 
 impl<'a> Window<'a> {
     pub fn open(display: &'a Display, folder: &'a Path, line: &str) -> Self {
-        let mut viewer = command(folder, line);
+        Self::run(command(folder, line), display, folder)
+    }
+
+    /// Runs a viewer.
+    pub fn run(mut viewer: Command, display: &'a Display, folder: &'a Path) -> Self {
         let output = |name| fs::File::create(folder.join(name)).unwrap();
         let viewer = viewer.env("DISPLAY", &display.name).stdout(output("stdout")).stderr(output("stderr"));
         Self { viewer: viewer.spawn().unwrap(), display, folder }

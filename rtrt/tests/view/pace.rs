@@ -1,6 +1,8 @@
 //! How soon a picture follows what a person does.
 
-use crate::display::{Display, SCREEN, Window, changed, folder, lines, pixels, present, stderr, view};
+use crate::display::{
+    Display, SCREEN, Window, changed, command, folder, lines, pixels, present, stderr, view,
+};
 use image::RgbaImage;
 use std::process::Command;
 use std::thread::sleep;
@@ -57,16 +59,27 @@ fn a_replay_at_its_own_speed_measures_the_loop() {
     let recording = format!(
         "frame 1\nmove 200 200\nbutton left down\nframe 0.1\n{moves}button left up\nframe 0\nframe 2\n"
     );
-    let line = "demo:matchbox --size 640x360 --backend cpu --live --json";
-    let printed = lines(&view(&display, &folder, line, &recording));
-    let report: serde_json::Value = serde_json::from_str(printed.last().unwrap()).unwrap();
-    println!("{report}");
-    let number =
-        |path: &str| report.pointer(&format!("/loop/{path}")).and_then(serde_json::Value::as_f64).unwrap();
-    // Other tests run at the same time; docs/viewer.md has the figures of a machine that does nothing else.
-    assert!(number("pictures") > 5.0 && number("frames_per_second") > 3.0, "{report}");
-    assert!(number("event_to_picture_ms/median") < 1000.0, "{report}");
-    assert!(number("sharp_after_ms/median") < 5000.0, "{report}");
+    let line = "demo:matchbox --size 320x180 --backend cpu --live --json";
+    let mut reports = Vec::new();
+    for _ in 0..4 {
+        let printed = lines(&view(&display, &folder, line, &recording));
+        let report: serde_json::Value = serde_json::from_str(printed.last().unwrap()).unwrap();
+        let number = |path: &str| {
+            report.pointer(&format!("/loop/{path}")).and_then(serde_json::Value::as_f64).unwrap()
+        };
+        // What docs/viewer.md promises, with some air: a picture may be waited for that a busy machine draws.
+        let is_soon = number("pictures") > 20.0
+            && number("frames_per_second") > 20.0
+            && number("event_to_begin_ms/median") < 50.0
+            && number("event_to_picture_ms/median") < 100.0
+            && number("sharp_after_ms/median") < 500.0;
+        reports.push(report);
+        if is_soon {
+            return;
+        }
+    }
+    // Other tests run at the same time.
+    panic!("never soon: {reports:#?}");
 }
 
 #[test]
@@ -74,18 +87,19 @@ fn the_cpu_draws_while_a_gpu_compiles_and_escape_closes() {
     let folder = folder("compiling");
     let Some(display) = Display::start(&folder) else { return };
     let Some(key) = keys(&display) else { return };
-    let line = "view demo:matchbox --size 800x600 --samples 1 --backend gpu";
-    let mut window = Window::open(&display, &folder, line);
+    let mut viewer = command(&folder, "view demo:matchbox --size 800x600 --samples 1 --backend gpu");
+    // Shaders that are compiled already would be ready.
+    viewer.env("MESA_SHADER_CACHE_DISABLE", "true");
+    let mut window = Window::run(viewer, &display, &folder);
     window.until("the picture is seen", || sharpness(&display.pixels(SCREEN)) > 0.5);
     let start = Instant::now();
     // The window is gone before the key could be released.
     assert!(key("keydown", "Escape"));
-    let is_black = || display.pixels(SCREEN).pixels().all(|pixel| pixel.0[..3] == [0; 3]);
-    while !is_black() {
-        assert!(start.elapsed() < Duration::from_secs(10), "the window is still there");
-        sleep(Duration::from_millis(10));
-    }
     let code = window.viewer.wait().unwrap().code();
+    // It takes a twentieth of a second, and a shader some seconds.
+    assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    let is_black = || display.pixels(SCREEN).pixels().all(|pixel| pixel.0[..3] == [0; 3]);
+    assert!(is_black(), "the window is still there");
     let said = std::fs::read_to_string(folder.join("stderr")).unwrap();
     assert_eq!(code, Some(0), "{said}");
 }

@@ -24,6 +24,8 @@ pub struct Figures {
     /// The time of the oldest event that no step has taken, and of the oldest that no picture has answered.
     queued: Option<Instant>,
     taken: Option<Instant>,
+    /// Whether a picture that answers it has begun.
+    is_begun: bool,
     /// The last change of the picture's inputs, until a picture with all pixels follows.
     changed: Option<Instant>,
     /// The presentations of the last second.
@@ -31,6 +33,7 @@ pub struct Figures {
     /// The last presentation, if things moved.
     moving: Option<Instant>,
     pictures: u64,
+    begins_ms: VecDeque<f64>,
     answers_ms: VecDeque<f64>,
     intervals_ms: VecDeque<f64>,
     sharp_ms: VecDeque<f64>,
@@ -43,6 +46,8 @@ pub struct Report {
     pictures: u64,
     /// Pictures a second while things moved.
     frames_per_second: Option<f64>,
+    /// Milliseconds from an event to the beginning of the picture that answers it.
+    event_to_begin_ms: Option<Spread>,
     /// Milliseconds from an event to the presentation of the picture that answers it.
     event_to_picture_ms: Option<Spread>,
     /// Milliseconds from the last change to a picture with all pixels.
@@ -86,13 +91,22 @@ impl Figures {
 
     /// Notes that nothing is to be rendered for the events that were taken.
     pub fn unanswered(&mut self) {
-        self.taken = None;
+        (self.taken, self.is_begun) = (None, false);
+    }
+
+    /// Notes that a picture begins.
+    pub fn begins(&mut self, at: Instant) {
+        if let Some(event) = self.taken.filter(|_| !self.is_begun) {
+            keep(&mut self.begins_ms, at.saturating_duration_since(event).as_secs_f64() * 1e3);
+            self.is_begun = true;
+        }
     }
 
     /// Notes the presentation of a new picture.
     pub fn presented(&mut self, at: Instant, picture: Presented) {
         let ms_since = |before: Instant| at.saturating_duration_since(before).as_secs_f64() * 1e3;
         self.pictures += 1;
+        self.is_begun = false;
         if let Some(event) = self.taken.take() {
             keep(&mut self.answers_ms, ms_since(event));
         }
@@ -122,6 +136,7 @@ impl Figures {
         Report {
             pictures: self.pictures,
             frames_per_second: (moving_ms > 0.0).then(|| 1e3 * self.intervals_ms.len() as f64 / moving_ms),
+            event_to_begin_ms: Spread::of(&self.begins_ms),
             event_to_picture_ms: Spread::of(&self.answers_ms),
             sharp_after_ms: Spread::of(&self.sharp_ms),
         }
@@ -153,6 +168,9 @@ mod tests {
             figures.event(at(100 * number + 10));
             figures.step();
             figures.changed(at(100 * number + 20));
+            figures.begins(at(100 * number + 30));
+            // Ended by input, and begun again.
+            figures.begins(at(100 * number + 40));
             figures.presented(at(100 * number + 50), MOVING);
         }
         figures.presented(at(700), SHARP);
@@ -160,17 +178,19 @@ mod tests {
         figures.step();
         figures.unanswered();
         figures.presented(at(900), SHARP);
-        let Report { pictures, frames_per_second, event_to_picture_ms, sharp_after_ms } = figures.report();
+        let Report { pictures, frames_per_second, event_to_begin_ms, event_to_picture_ms, sharp_after_ms } =
+            figures.report();
         let same = |ms| Some(Spread { median: ms, p95: ms, most: ms });
         assert_eq!((pictures, frames_per_second), (7, Some(10.0)));
+        assert_eq!(event_to_begin_ms, same(30.0));
         assert_eq!((event_to_picture_ms, sharp_after_ms), (same(50.0), same(280.0)));
         assert_eq!(figures.last(), (Some(50.0), Some(280.0), 7));
     }
 
     #[test]
     fn nothing_is_reported_of_nothing() {
-        let Report { pictures, frames_per_second, event_to_picture_ms, sharp_after_ms } =
-            Figures::default().report();
-        assert_eq!((pictures, frames_per_second, event_to_picture_ms, sharp_after_ms), (0, None, None, None));
+        let report = serde_json::to_value(Figures::default().report()).unwrap();
+        let numbers: Vec<_> = report.as_object().unwrap().values().filter(|value| !value.is_null()).collect();
+        assert_eq!(numbers, [&serde_json::json!(0)]);
     }
 }

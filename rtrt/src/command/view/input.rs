@@ -10,6 +10,9 @@
 //! frame 0.016666668
 //! ```
 //!
+//! `point TEXT` moves the pointer to a text that the frame before showed, `beside TEXT` to what is on its right, and
+//! `before TEXT` to what is on its left.
+//!
 //! Events stand before the frame that handles them. A frame has the seconds since the frame before it, so a
 //! file always gives the same frames. Lines that begin with # are comments.
 
@@ -46,6 +49,28 @@ pub enum Event {
     Focus(bool),
     /// A file was dropped on the window.
     Drop(PathBuf),
+    /// The pointer moved to a text. Only who writes a recording by hand has it; it is recorded as a move.
+    Point(Point),
+}
+
+/// A place in the window, named by the text that is there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Point {
+    pub text: String,
+    pub side: Side,
+}
+
+/// Where something is, seen from a text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    On,
+    Right,
+    Left,
+}
+
+impl Side {
+    const NAMES: [(&'static str, Self); 3] =
+        [("point", Self::On), ("beside", Self::Right), ("before", Self::Left)];
 }
 
 impl Event {
@@ -105,6 +130,10 @@ impl fmt::Display for Event {
             Self::Pan(x, y) => write!(f, "pan {x} {y}"),
             Self::Focus(has) => write!(f, "focus {}", if *has { "gained" } else { "lost" }),
             Self::Drop(path) => write!(f, "drop {}", path.to_string_lossy().escape_default()),
+            Self::Point(Point { text, side }) => {
+                let name = Side::NAMES.iter().find(|(_, known)| known == side);
+                write!(f, "{} {}", name.map_or("point", |(name, _)| name), text.escape_default())
+            }
         }
     }
 }
@@ -150,6 +179,9 @@ impl FromStr for Event {
             ("wheel", [notches]) => Self::Wheel(number(notches).ok_or("not a finite number")?),
             ("focus", [state]) => {
                 Self::Focus(one_of(state, ["lost", "gained"]).ok_or("focus is gained or lost")?)
+            }
+            (what, [_, ..]) if let Some((_, side)) = Side::NAMES.iter().find(|(name, _)| *name == what) => {
+                Self::Point(Point { text: unescaped(rest).ok_or("an escape is not complete")?, side: *side })
             }
             ("drop", [_, ..]) => Self::Drop(unescaped(rest).ok_or("an escape is not complete")?.into()),
             _ => return Err("no such event"),
@@ -309,6 +341,8 @@ mod tests {
                     Event::Pinch(1.25),
                     Event::Pan(-3.0, 0.5),
                     Event::Drop("/a b/c.glb".into()),
+                    Event::Point(Point { text: "tone map".into(), side: Side::Right }),
+                    Event::Point(Point { text: "a  b".into(), side: Side::On }),
                 ],
                 seconds: 0.0,
             },
@@ -354,6 +388,9 @@ mod tests {
             "leave now",
             "text \\u{110000}",
             "drop",
+            "point",
+            "beside",
+            "before",
             "jump 3",
         ];
         for bad in &bad[1..] {

@@ -45,7 +45,9 @@ impl Interface {
         let Modifiers { ctrl, shift, alt } = self.modifiers;
         let modifiers = egui::Modifiers { ctrl, shift, alt, command: ctrl, mac_cmd: false };
         Some(match event {
-            Event::Size(..) | Event::Drop(_) | Event::Pinch(_) | Event::Pan(..) => return None,
+            Event::Size(..) | Event::Drop(_) | Event::Pinch(_) | Event::Pan(..) | Event::Point(_) => {
+                return None;
+            }
             Event::Press(pressed) => key(pressed, true, modifiers),
             Event::Release(released) => key(released, false, modifiers),
             Event::Modifiers(held) => {

@@ -10,6 +10,8 @@
 //! | `window`, `system` | winit: frames, events |
 //! | `screen` | what draws the window: wgpu, or the CPU |
 //! | `interface`, `overlay`, `guides`, `panel` | egui |
+//! | `fullscreen` | the whole screen, with and without a window manager |
+//! | `seen` | text on the screen, at which a recording points |
 //! | `recent` | the files that were opened last |
 //! | `figures` | times from events to pictures |
 //! | `reproduce` | the command line that renders the current picture |
@@ -30,7 +32,10 @@
 //! - **The viewer renders on a worker thread; input waits in a queue.** Nothing changes during a frame. Input ends
 //!   a frame that refines (`Request::until`), so it waits for the few milliseconds of a block. A replay renders
 //!   on the window's thread; with `--live` it has the recording's times, and is like a person.
-//! - **While a GPU compiles, the CPU draws,** and compiling ends between two shaders.
+//! - **While a GPU compiles, the CPU draws.**
+//! - **A closed window is gone at once.** Nothing waits for a thread that compiles a shader or loads a scene: the process
+//!   ends. Files are written beside their place and renamed, so they are whole or not there.
+//! - **Files are opened on the worker thread,** so that the window answers meanwhile.
 //! - **Errors of the window are errors of the command.** winit panics where a library or an extension of
 //!   the display is missing; [`run`] catches that.
 
@@ -39,6 +44,7 @@ mod controls;
 mod engine;
 mod failure;
 mod figures;
+mod fullscreen;
 mod guides;
 mod input;
 mod interface;
@@ -49,6 +55,7 @@ mod panel;
 mod recent;
 mod reproduce;
 mod screen;
+mod seen;
 mod system;
 mod viewer;
 mod watch;
@@ -83,8 +90,11 @@ pub fn run(options: &ViewOptions) -> Result<(), Error> {
     let waker = Arc::new(move || _ = proxy.send_event(Woken::Backend));
     let viewer = Viewer::new(options, waker)?;
     let mut app = App::new(options, viewer, replay, events.create_proxy())?;
-    events.run_app(&mut app).map_err(|error| refused(reason(&error)))?;
-    app.result
+    let ran = events.run_app(&mut app).map_err(|error| refused(reason(&error)));
+    let result = std::mem::replace(&mut app.result, Ok(()));
+    // The process ends: to free a scene takes time for nothing.
+    std::mem::forget(app);
+    ran.and(result)
 }
 
 /// Reads a recording.

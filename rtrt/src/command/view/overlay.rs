@@ -47,9 +47,15 @@ fn boxed<R>(context: &Context, name: &'static str, side: Align2, content: impl F
 
 /// The keys, in as many columns as a small window needs.
 fn help(ui: &mut Ui) {
-    ui.style_mut().override_text_style = Some(egui::TextStyle::Small);
-    let line = ui.text_style_height(&egui::TextStyle::Small) + ui.spacing().item_spacing.y;
-    let lines = (((ui.ctx().content_rect().height() - 6.0 * MARGIN) / line) as usize).max(1);
+    // As large as fits into one column, else small.
+    let lines = |ui: &Ui, style| {
+        let line = ui.text_style_height(&style) + ui.spacing().item_spacing.y;
+        (((ui.ctx().content_rect().height() - 6.0 * MARGIN) / line) as usize).max(1)
+    };
+    let fits = lines(ui, egui::TextStyle::Body) >= KEYS.len();
+    let style = if fits { egui::TextStyle::Body } else { egui::TextStyle::Small };
+    let lines = lines(ui, style.clone());
+    ui.style_mut().override_text_style = Some(style);
     let columns = KEYS.len().div_ceil(lines).max(1);
     ui.horizontal_top(|ui| {
         for (number, keys) in KEYS.chunks(KEYS.len().div_ceil(columns)).enumerate() {

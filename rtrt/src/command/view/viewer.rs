@@ -25,6 +25,7 @@ use crate::command::report::Machine;
 pub use draw::Rendered;
 use engines::Engines;
 pub use engines::Waker;
+use files::Opening;
 use glam::DVec3;
 pub use pick::{Selection, textures};
 use rtrt::debug::{DebugImage, DebugView};
@@ -115,6 +116,8 @@ pub struct Viewer {
     unpainted: BTreeMap<u32, Material>,
     /// The files that were opened last.
     recent: Recent,
+    /// The files that wait to be opened.
+    openings: Vec<Opening>,
     options: Common,
     /// The options that the command of a screenshot repeats.
     passed_on: Vec<String>,
@@ -159,7 +162,14 @@ impl Viewer {
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
         let mut job = RenderJob::load(&common, SAMPLES, false, common.start(), &console)?;
-        let mut engines = Engines::open(&common.backend, options.hybrid, !is_exact, &console)?;
+        let mut tree = Tree::default();
+        // While a backend opens, so that the first press finds them.
+        let mut engines = std::thread::scope(|scope| {
+            if !is_exact {
+                scope.spawn(|| pick::grow(&mut tree, &job.scene, &console));
+            }
+            Engines::open(&common.backend, options.hybrid, !is_exact, &console)
+        })?;
         job.expose(engines.drawing_mut().backend(), &console)?;
         console.finish();
         let mut viewer = Self {
@@ -186,10 +196,11 @@ impl Viewer {
             has_own_colors: false,
             selection: None,
             selected_for: 0.0,
-            tree: Tree::default(),
-            tree_of: None,
+            tree,
+            tree_of: (!is_exact).then(|| job.scene.id()),
             unpainted: BTreeMap::new(),
             recent: Recent::read(),
+            openings: Vec::new(),
             output: options.output.clone(),
             console,
             engines,
@@ -368,7 +379,12 @@ impl Viewer {
 
     /// Whether there is work for the time in which nothing is to be drawn.
     pub fn has_spare_work(&self) -> bool {
-        !self.is_exact && self.is_settled() && self.tree_of != Some(self.job.scene.id())
+        !self.is_exact && self.is_settled() && !self.has_trees()
+    }
+
+    /// Whether the trees of the scene are there.
+    fn has_trees(&self) -> bool {
+        self.tree_of == Some(self.job.scene.id())
     }
 
     /// Builds the trees that find what a ray hits, until `stop` is true.
@@ -422,7 +438,7 @@ impl Viewer {
             }
             Action::Backend => self.switch()?,
             Action::Screenshot => self.screenshot()?,
-            Action::Open(path) => self.open(path)?,
+            Action::Open(path) => self.open(path),
             Action::Close => self.is_closed = true,
         }
         Ok(())

@@ -3,10 +3,12 @@
 use super::controls::Free;
 use super::failure::{panics_caught, reason};
 use super::figures::{Presented, Report};
+use super::fullscreen::FullScreen;
 use super::input::{Event, Replay, Step, header};
 use super::interface::Interface;
 use super::live::Live;
 use super::screen::Screen;
+use super::seen::Seen;
 use super::system::{Fingers, translated};
 use super::viewer::{Rendered, Viewer, Wanted};
 use super::watch::{self, Watch};
@@ -28,12 +30,14 @@ use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
-use winit::window::{Fullscreen, Window, WindowId};
+use winit::window::{Window, WindowId};
 
 /// The longest time step of a frame, seconds; longer ones would make jumps.
 const LONGEST: f32 = 0.1;
 /// The usual time step of a frame, seconds.
 const FRAME: f32 = 1.0 / 60.0;
+/// How long a closed window waits for the frame in progress.
+const LEAVES: Duration = Duration::from_millis(50);
 
 /// What wakes the window.
 #[derive(Debug, Clone, Copy)]
@@ -72,8 +76,9 @@ pub struct App {
     /// The events since the last frame, with their times.
     events: Vec<(Instant, Event)>,
     fingers: Fingers,
-    /// Whether the window fills the screen.
-    is_full: bool,
+    full_screen: FullScreen,
+    /// The text that the last frame showed, for a replay that points at it.
+    seen: Seen,
     /// Whether a button of the mouse is held.
     is_held: bool,
     /// The size of the picture in pixels, and the pixels per unit of the user interface.
@@ -84,6 +89,8 @@ pub struct App {
     /// Whether nothing has happened since then.
     is_idle: bool,
     source: Source,
+    /// The file of the replay.
+    replayed: Option<PathBuf>,
     record: Option<(PathBuf, File)>,
     watch: Option<Watch>,
     /// The time at which the overlay needs the next frame.
@@ -107,8 +114,18 @@ struct FrameInProgress {
     /// None if nothing is to be shown afterwards.
     frame: Option<Frame>,
     stop: Arc<AtomicBool>,
-    /// Whether input ends it.
-    yields: bool,
+    ends: Ends,
+}
+
+/// What ends the work of a thread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ends {
+    /// Any input.
+    WithInput,
+    /// Escape, in a moment.
+    WithEscape,
+    /// Nothing: it may last.
+    Itself,
 }
 
 /// What a frame shows, and when it began.
@@ -163,7 +180,8 @@ impl App {
             interface: Interface::default(),
             rows: panel::Rows::default(),
             fingers: Fingers::default(),
-            is_full: false,
+            full_screen: FullScreen::default(),
+            seen: Seen::default(),
             events: vec![(Instant::now(), Event::Size(options.common.size, 1.0))],
             is_held: false,
             size: options.common.size,
@@ -173,6 +191,7 @@ impl App {
             is_idle: true,
             reports: options.common.json && options.replay.is_some(),
             source,
+            replayed: options.replay.clone(),
             record: record.transpose()?,
             wake: None,
             result: Ok(()),
@@ -219,40 +238,48 @@ impl App {
             }
             Err(error) => return self.end(events, Err(error)),
         };
-        let wanted = viewer.next();
+        let wanted = if viewer.has_to_open() { None } else { viewer.next() };
         let frame = Frame { over, began, wanted, is_settled: viewer.is_settled() };
         let Some(wanted) = wanted else {
             viewer.figures.unanswered();
             self.finish(events, viewer, frame, Rendered::Nowhere);
             return self.use_time();
         };
+        viewer.figures.begins(began);
         let screen = self.screen.as_mut().filter(|_| viewer.is_rendered_in_place(&wanted));
         let texture = screen.and_then(|screen| screen.texture(wanted.detail.size));
         if matches!(self.source, Source::Replay(_)) {
             let rendered = viewer.render(wanted, texture, &AtomicBool::new(false));
             return self.finish(events, viewer, frame, rendered);
         }
-        let yields = frame.is_settled;
-        self.spawn(viewer, Some(frame), yields, move |viewer, stop| viewer.render(wanted, texture, stop));
+        let ends = if frame.is_settled { Ends::WithInput } else { Ends::WithEscape };
+        self.spawn(viewer, Some(frame), ends, move |viewer, stop| viewer.render(wanted, texture, stop));
     }
 
-    /// Has a thread do what can be done while nothing is to be drawn.
+    /// Has a thread open files, or do what can be done while nothing is to be drawn.
     fn use_time(&mut self) {
-        let is_open = self.screen.is_some();
-        if let Some(viewer) = self.viewer.take_if(|viewer| is_open && viewer.has_spare_work()) {
-            self.spawn(viewer, None, true, |viewer, stop| {
+        let Some(viewer) = self.viewer.take_if(|_| self.screen.is_some()) else { return };
+        if viewer.has_to_open() {
+            self.spawn(viewer, None, Ends::Itself, |viewer, _| {
+                viewer.open_files();
+                Rendered::Nowhere
+            });
+        } else if viewer.has_spare_work() {
+            self.spawn(viewer, None, Ends::WithInput, |viewer, stop| {
                 viewer.work(stop);
                 Rendered::Nowhere
             });
+        } else {
+            self.viewer = Some(viewer);
         }
     }
 
-    /// Has a thread work with the viewer. With `yields`, input ends it.
+    /// Has a thread work with the viewer.
     fn spawn(
         &mut self,
         mut viewer: Viewer,
         frame: Option<Frame>,
-        yields: bool,
+        ends: Ends,
         work: impl FnOnce(&mut Viewer, &AtomicBool) -> Rendered + Send + 'static,
     ) {
         let stop = Arc::new(AtomicBool::new(false));
@@ -262,7 +289,7 @@ impl App {
             let rendered = work(&mut viewer, &flag);
             (viewer, rendered)
         });
-        self.in_progress = Some(FrameInProgress { thread, frame, stop, yields });
+        self.in_progress = Some(FrameInProgress { thread, frame, stop, ends });
     }
 
     /// Handles the events of a step. Returns the overlay.
@@ -302,10 +329,7 @@ impl App {
             self.scene = viewer.scene().to_owned();
             screen.window.set_title(&title(&self.scene));
         }
-        if self.is_full != viewer.settings.full_screen {
-            self.is_full = viewer.settings.full_screen;
-            screen.window.set_fullscreen(self.is_full.then_some(Fullscreen::Borderless(None)));
-        }
+        self.full_screen.set(viewer.settings.full_screen, &screen.window);
         if let Some(watch) = &mut self.watch {
             watch.follow(&self.scene, viewer.job.files());
         }
@@ -344,7 +368,8 @@ impl App {
             }
         }
         let mut step = Step { events: Vec::new(), seconds };
-        for (at, event) in self.events.drain(..) {
+        for (at, event) in std::mem::take(&mut self.events) {
+            let event = self.pointed(event)?;
             // A window gets its size without a person.
             if !matches!(event, Event::Size(..)) {
                 viewer.figures.event(at);
@@ -352,10 +377,7 @@ impl App {
             step.events.push(event);
         }
         viewer.figures.step();
-        if let Some((path, file)) = &mut self.record {
-            let written = file.write_all(step.to_string().as_bytes());
-            written.map_err(|source| Error::Record { path: path.clone(), source })?;
-        }
+        self.write(&step)?;
         for event in &step.events {
             if let Event::Size(size, scale) = event {
                 (self.size, self.scale) = (*size, *scale);
@@ -369,12 +391,29 @@ impl App {
         Ok(Some(step))
     }
 
+    /// An event of a recording that points at a text, as the move to where that was seen last.
+    fn pointed(&self, event: Event) -> Result<Event, Error> {
+        let Event::Point(point) = &event else { return Ok(event) };
+        let [x, y] = self.seen.place(point).ok_or_else(|| {
+            let path = self.replayed.clone().unwrap_or_default();
+            Error::Replay { path, why: format!("nothing that is seen says {:?}", point.text) }
+        })?;
+        Ok(Event::Move(x, y))
+    }
+
+    /// Writes a step into the recording.
+    fn write(&mut self, step: &Step) -> Result<(), Error> {
+        let Some((path, file)) = &mut self.record else { return Ok(()) };
+        let written = file.write_all(step.to_string().as_bytes());
+        written.map_err(|source| Error::Record { path: path.clone(), source })
+    }
+
     /// Passes the events to the overlay, and returns it.
     fn overlay(&mut self, viewer: &mut Viewer, step: &Step) -> FullOutput {
         self.time += f64::from(step.seconds);
         let times = (self.time, step.seconds);
         let input = self.interface.input(&step.events, (self.size, self.scale), times);
-        self.context.run_ui(input, |ui| {
+        let over = self.context.run_ui(input, |ui| {
             guides::show(ui.ctx(), viewer);
             overlay::show(ui.ctx(), viewer);
             if viewer.settings.panel {
@@ -384,7 +423,11 @@ impl App {
                 panel::show_objects(ui.ctx(), viewer, &mut self.rows);
             }
             panel::show_selection(ui.ctx(), viewer);
-        })
+        });
+        if self.is_replay() {
+            self.seen = Seen::of(&over, self.scale);
+        }
+        over
     }
 
     fn is_replay(&self) -> bool {
@@ -406,13 +449,33 @@ impl App {
         self.events.push((Instant::now(), event));
     }
 
-    /// Ends the work in progress, if it yields to input, or in any case.
+    /// Ends the work in progress, if input ends it, or in any case.
     fn interrupt(&self, in_any_case: bool) {
-        if let Some(FrameInProgress { stop, yields, .. }) = &self.in_progress
-            && (in_any_case || *yields)
+        if let Some(FrameInProgress { stop, ends, .. }) = &self.in_progress
+            && (in_any_case || *ends == Ends::WithInput)
         {
             stop.store(true, Ordering::Relaxed);
         }
+    }
+
+    /// Whether Escape closes the window before the work in progress ends. What a person did before is done first, unless
+    /// that lasts; and Escape may close a part of the overlay.
+    fn closes_at_once(&self) -> bool {
+        let Some(FrameInProgress { ends, .. }) = &self.in_progress else { return false };
+        let is_deed = |event: &Event| {
+            matches!(event, Event::Press(_) | Event::Text(_) | Event::Button(..) | Event::Drop(_))
+        };
+        let waits = self.events.iter().any(|(_, event)| is_deed(event));
+        !self.is_replay() && (*ends == Ends::Itself || !waits && self.are_keys_free())
+    }
+
+    /// Closes the window by Escape.
+    fn escape(&mut self, events: &ActiveEventLoop) {
+        let rest = std::mem::take(&mut self.events).into_iter().map(|(_, event)| event);
+        let seconds = self.last.elapsed().as_secs_f32().min(LONGEST);
+        let step = Step { events: rest.chain([Event::Press(egui::Key::Escape)]).collect(), seconds };
+        let written = self.write(&step);
+        self.end(events, written);
     }
 
     /// Prints the figures of a replay.
@@ -430,9 +493,13 @@ impl App {
         // Whatever is still to end, the window is gone at once.
         self.screen = None;
         self.interrupt(true);
-        // The process must not end while a frame is in progress.
+        // A frame ends in a moment. What lasts is given up together with the process; files are whole or not there.
         if let Some(FrameInProgress { thread, .. }) = self.in_progress.take() {
-            _ = thread.join();
+            let start = Instant::now();
+            while !thread.is_finished() && start.elapsed() < LEAVES {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            rtrt::replace::abandon();
         }
         events.exit();
     }
@@ -476,6 +543,9 @@ impl ApplicationHandler<Woken> for App {
             }
             event => {
                 let translated = translated(event, &mut self.fingers);
+                if translated.contains(&Event::Press(egui::Key::Escape)) && self.closes_at_once() {
+                    return self.escape(events);
+                }
                 translated.into_iter().for_each(|event| self.queue(event));
             }
         }
@@ -516,12 +586,13 @@ impl ApplicationHandler<Woken> for App {
         let due = viewer.due().map(|seconds| self.last + Duration::from_secs_f64(seconds));
         let mut is_due = matches!(self.source, Source::Replay(_));
         if self.watch.as_mut().is_some_and(|watch| watch.has_changed(now)) {
-            viewer.load(None);
+            viewer.open_again();
             is_due = true;
         }
         self.is_idle = !is_due && due.is_none();
         let look = self.watch.as_ref().map(|_| now + watch::EVERY);
-        let wakes = [self.wake, due, next, look];
+        let fills = self.full_screen.due(now, &screen.window);
+        let wakes = [self.wake, due, next, look, fills];
         if is_due || wakes.iter().flatten().any(|wake| *wake <= now) {
             screen.window.request_redraw();
         }

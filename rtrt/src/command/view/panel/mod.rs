@@ -48,7 +48,9 @@ pub fn show_selection(context: &Context, viewer: &mut Viewer) {
     let mut is_open = true;
     let corner = context.content_rect().left_bottom() + vec2(MARGIN, -MARGIN);
     let window = Window::new("selected").open(&mut is_open).default_width(260.0);
-    let window = window.pivot(Align2::LEFT_BOTTOM).default_pos(corner).max_height(height(context));
+    // The list of objects is above.
+    let most = if viewer.settings.objects { half(context) } else { height(context) };
+    let window = window.pivot(Align2::LEFT_BOTTOM).default_pos(corner).max_height(most);
     window.show(context, |ui| {
         ScrollArea::vertical().show(ui, |ui| selection::show(ui, viewer));
     });
@@ -60,6 +62,11 @@ pub fn show_selection(context: &Context, viewer: &mut Viewer) {
 /// What a panel may have of the window's height, without its title.
 fn height(context: &Context) -> f32 {
     (context.content_rect().height() - 4.0 * MARGIN - 40.0).max(60.0)
+}
+
+/// What each of two panels above each other may have of the window's height, without its title.
+fn half(context: &Context) -> f32 {
+    (context.content_rect().height() * 0.5 - 2.0 * MARGIN - 40.0).max(60.0)
 }
 
 fn section(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
@@ -83,6 +90,6 @@ fn files(ui: &mut Ui, viewer: &mut Viewer) {
         }
     }
     if let Some(path) = chosen {
-        viewer.load(Some(path));
+        viewer.open(path);
     }
 }

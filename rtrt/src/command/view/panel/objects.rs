@@ -1,6 +1,6 @@
 //! The list of objects: a tree of nodes, and which are drawn.
 
-use super::{MARGIN, height};
+use super::{MARGIN, half, height};
 use crate::command::view::viewer::Viewer;
 use egui::{Context, ScrollArea, TextEdit, Window, vec2};
 use rtrt::import::Label;
@@ -35,7 +35,8 @@ pub fn show(context: &Context, viewer: &mut Viewer, list: &mut Rows) {
     let mut is_open = viewer.settings.objects;
     let corner = context.content_rect().left_top() + vec2(MARGIN, MARGIN);
     let window = Window::new("objects").open(&mut is_open).default_width(260.0).default_pos(corner);
-    window.max_height(height(context)).show(context, |ui| {
+    let most = if viewer.shows_selection() { half(context) } else { height(context) };
+    window.max_height(most).show(context, |ui| {
         ui.add(TextEdit::singleline(&mut list.filter).hint_text("find"));
         let wanted = list.filter.to_lowercase();
         let is_found = |row: &&Row| wanted.is_empty() || row.name.to_lowercase().contains(&wanted);

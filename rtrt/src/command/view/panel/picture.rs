@@ -7,6 +7,9 @@ use rtrt::debug::DebugView;
 use rtrt_core::backend::ToneMap;
 use rtrt_core::scene::Setup;
 
+/// The height of a menu that shows all of its entries, where the window has room.
+const ALL: f32 = 300.0;
+
 /// How the picture is made, and which one.
 pub fn picture(ui: &mut Ui, settings: &mut Settings, is_gpu: bool) {
     ui.horizontal(|ui| {
@@ -31,7 +34,8 @@ pub fn picture(ui: &mut Ui, settings: &mut Settings, is_gpu: bool) {
     let name = |view| {
         DebugView::ALL.iter().find(|(_, known)| Some(*known) == view).map_or("picture", |(name, _)| *name)
     };
-    ComboBox::from_label("shown").selected_text(name(settings.debug)).show_ui(ui, |ui| {
+    let shown = ComboBox::from_label("shown").selected_text(name(settings.debug)).height(ALL);
+    shown.show_ui(ui, |ui| {
         ui.selectable_value(&mut settings.debug, None, "picture");
         for (name, view) in DebugView::ALL {
             ui.selectable_value(&mut settings.debug, Some(view), name);

@@ -14,7 +14,7 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer) {
         if ui.button(if viewer.is_playing() { "stop" } else { "play" }).clicked() {
             viewer.toggle_play();
         }
-        if ui.add(Slider::new(&mut time, 0.0..=end).suffix(" s")).changed() {
+        if ui.add(Slider::new(&mut time, 0.0..=end).fixed_decimals(2).suffix(" s")).changed() {
             viewer.scrub(time);
         }
     });

@@ -157,12 +157,10 @@ impl Engines {
 }
 
 impl Drop for Engines {
-    /// Ends what compiles, after the shader that it is at.
+    /// Ends what compiles, after the shader that it is at. Nobody waits for that.
     fn drop(&mut self) {
-        if let Other::GettingReady(ready) = std::mem::replace(&mut self.other, Other::Closed) {
+        if let Other::GettingReady(ready) = &self.other {
             ready.stop.store(true, Ordering::Relaxed);
-            // Whatever it says, nobody is there to hear it.
-            _ = ready.thread.join();
         }
     }
 }

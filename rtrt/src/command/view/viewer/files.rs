@@ -1,6 +1,6 @@
 //! The scene's file: loading, the files beside it, environments.
 
-use super::Viewer;
+use super::{Viewer, pick};
 use crate::command::Error;
 use crate::command::job::RenderJob;
 use crate::command::options::CameraOptions;
@@ -12,15 +12,61 @@ use std::path::{Path, PathBuf};
 /// Endings of files that are environments.
 const ENVIRONMENTS: [&str; 2] = ["hdr", "exr"];
 
+/// What is to be opened.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Opening {
+    /// The scene, which may have changed.
+    Again,
+    Scene(PathBuf),
+    Environment(PathBuf),
+}
+
 impl Viewer {
     /// Opens a file: a scene, or an environment.
-    pub fn open(&mut self, path: PathBuf) -> Result<(), Error> {
+    pub fn open(&mut self, path: PathBuf) {
         let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-        if ending.is_some_and(|ending| ENVIRONMENTS.contains(&&*ending)) {
-            return self.surround(path);
+        let is_environment = ending.is_some_and(|ending| ENVIRONMENTS.contains(&&*ending));
+        self.ask(if is_environment { Opening::Environment(path) } else { Opening::Scene(path) });
+    }
+
+    /// Loads the scene again.
+    pub fn open_again(&mut self) {
+        self.ask(Opening::Again);
+    }
+
+    /// Whether files wait to be opened.
+    pub fn has_to_open(&self) -> bool {
+        !self.openings.is_empty()
+    }
+
+    /// Has a file opened: at once by a replay, else by whoever calls [`Self::open_files`]. The last scene counts.
+    fn ask(&mut self, opening: Opening) {
+        let name = match &opening {
+            Opening::Again => &self.options.scene,
+            Opening::Scene(path) | Opening::Environment(path) => path,
+        };
+        self.say(format!("opening {}", name.display()));
+        let is_environment = |opening: &Opening| matches!(opening, Opening::Environment(_));
+        let kind = is_environment(&opening);
+        self.openings.retain(|other| is_environment(other) != kind);
+        self.openings.push(opening);
+        if self.is_exact {
+            self.open_files();
         }
-        self.load(Some(path));
-        Ok(())
+    }
+
+    /// Opens the files that wait.
+    pub fn open_files(&mut self) {
+        for opening in std::mem::take(&mut self.openings) {
+            match opening {
+                Opening::Again => self.load(None),
+                Opening::Scene(path) => self.load(Some(path)),
+                Opening::Environment(path) => {
+                    let surrounded = self.surround(path);
+                    self.note(surrounded);
+                }
+            }
+        }
     }
 
     /// Surrounds the scene with a panorama.
@@ -36,14 +82,18 @@ impl Viewer {
 
     /// Opens the file so many places behind this one in its folder.
     pub fn open_beside(&mut self, places: i32) {
-        match beside(&self.options.scene, places) {
-            Some(path) => self.load(Some(path)),
+        let waits = self.openings.iter().find_map(|opening| match opening {
+            Opening::Scene(path) => Some(path),
+            _ => None,
+        });
+        match beside(waits.unwrap_or(&self.options.scene), places) {
+            Some(path) => self.open(path),
             None => self.say("no other scene in the folder".into()),
         }
     }
 
     /// Loads the scene again, or another one. On a failure the scene does not change.
-    pub fn load(&mut self, scene: Option<PathBuf>) {
+    fn load(&mut self, scene: Option<PathBuf>) {
         let is_other = scene.is_some();
         let mut options = self.options.clone();
         if let Some(scene) = scene {
@@ -66,6 +116,10 @@ impl Viewer {
                 }
                 self.job = job;
                 self.options = options;
+                if !self.is_exact {
+                    pick::grow(&mut self.tree, &self.job.scene, &self.console);
+                    self.tree_of = Some(self.job.scene.id());
+                }
                 (self.time, self.is_playing) = (self.options.start(), false);
                 (self.has_own_lights, self.has_own_colors) = (false, false);
                 (self.selection, self.controls.pivot) = (None, None);
@@ -83,8 +137,8 @@ impl Viewer {
     }
 }
 
-/// The scene so many places behind a file, among those of its folder in the order of their names; the first follows the
-/// last. None if there is no other.
+/// The scene so many places behind a file, which may be gone, among those of its folder in the order of their names; the
+/// first follows the last. None if there is no other.
 fn beside(path: &Path, places: i32) -> Option<PathBuf> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let is_scene = |path: &PathBuf| {
@@ -94,6 +148,10 @@ fn beside(path: &Path, places: i32) -> Option<PathBuf> {
     let mut files: Vec<_> =
         std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path()).filter(is_scene).collect();
     files.sort();
+    if !files.iter().any(|file| file.file_name() == path.file_name()) {
+        files.push(folder.join(path.file_name()?));
+        files.sort();
+    }
     let here = files.iter().position(|file| file.file_name() == path.file_name())?;
     let there = (here as i64 + i64::from(places)).rem_euclid(files.len() as i64) as usize;
     (there != here).then(|| files.swap_remove(there))
@@ -114,7 +172,10 @@ mod tests {
         assert_eq!(at("a.obj", 1), Some(folder.join("b.glb")));
         assert_eq!(at("c.STL", 1), Some(folder.join("a.obj")));
         assert_eq!(at("a.obj", -1), Some(folder.join("c.STL")));
-        assert_eq!((at("gone.obj", 1), at("a.obj", 3)), (None, None));
+        // One that is gone has neighbors.
+        assert_eq!(at("bb.obj", 1), Some(folder.join("c.STL")));
+        assert_eq!(at("bb.obj", -1), Some(folder.join("b.glb")));
+        assert_eq!((at("a.obj", 3), beside(&folder.join("none/a.obj"), 1)), (None, None));
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

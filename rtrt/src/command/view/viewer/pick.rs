@@ -2,6 +2,7 @@
 
 use super::Viewer;
 use crate::command::Error;
+use crate::command::console::Console;
 use crate::command::repaint::{self, Repaint};
 use crate::command::view::motion;
 use glam::{DVec3, Vec3};
@@ -9,6 +10,8 @@ use rtrt::import::Label;
 use rtrt_core::layout::Texture;
 use rtrt_core::query::{Hit, Ray, Sides, Tree};
 use rtrt_core::scene::{Material, Scene};
+use rtrt_cpu::Parallel;
+use std::time::Instant;
 
 /// An object, and where it was clicked.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +36,17 @@ pub struct Point {
     pub uv: Option<[f32; 2]>,
     /// The number of the triangle in the file.
     pub triangle: u32,
+}
+
+/// The part of the way to a point on which a surface hides it. Without the rest, surfaces hid what lies on them.
+const HIDES: f32 = 0.998;
+
+/// Makes the trees of a scene.
+pub fn grow(tree: &mut Tree, scene: &Scene, console: &Console) {
+    let start = Instant::now();
+    tree.update(scene, &Parallel);
+    let ms = start.elapsed().as_secs_f64() * 1e3;
+    console.detail(format_args!("trees for rays took {ms:.1} ms"));
 }
 
 /// The nearest surface that the camera draws, on a ray.
@@ -67,7 +81,6 @@ impl Viewer {
     fn picked(&mut self, place: [f64; 2]) -> Option<Selection> {
         let (origin, direction) = motion::ray(&self.job.camera, self.size, place)?;
         let hit = nearest(&mut self.tree, &self.job.scene, origin, direction)?;
-        self.tree_of = Some(self.job.scene.id());
         let world = self.tree.world(&self.job.scene);
         let surface = world.surface(&hit)?;
         let position = DVec3::from(surface.position.map(f64::from));
@@ -79,6 +92,23 @@ impl Viewer {
             triangle: surface.source_triangle,
         };
         Some(Selection { point: Some(point), ..self.object(hit.instance.number())? })
+    }
+
+    /// Whether the camera sees a point, or a surface is in front of it. None while the trees are not ready.
+    pub fn sight(&mut self) -> Option<impl Fn(DVec3) -> bool + '_> {
+        if !self.is_exact && !self.has_trees() {
+            return None;
+        }
+        let (camera, near) = (self.job.camera, self.job.clip[0]);
+        let world = self.tree.world(&self.job.scene);
+        Some(move |point: DVec3| {
+            let Some((origin, way)) = motion::way_to(&camera, point) else { return true };
+            let depth = crate::command::view::camera::depth(&camera, point).max(1e-9);
+            let ray = Ray::new(origin.as_vec3(), way.as_vec3()).sides(Sides::Drawn).through_holes();
+            let ray = ray.starting(near / depth as f32).until(HIDES);
+            // A ray without a direction hits nothing.
+            !world.occluded(&ray).unwrap_or(false)
+        })
     }
 
     /// Selects an object.
