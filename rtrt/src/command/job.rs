@@ -16,7 +16,7 @@ use rtrt::cache::Cache;
 use rtrt::choose::{self, ChooseError, Chosen, choose};
 use rtrt::debug::{DebugImage, DebugView, show};
 use rtrt::demo;
-use rtrt::import::{self, Animation, ImportError, Label, Loaded, NamedCamera};
+use rtrt::import::{self, Animation, ImportError, Label, Loaded, NamedCamera, Pose};
 use rtrt::layers::MOST_RAYS;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows, ToneMap};
 use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
@@ -172,8 +172,14 @@ impl RenderJob {
 
     /// Shows the animation at a time, seconds. The camera of a scene without cameras does not move.
     pub fn play(&mut self, time: f64) -> Result<(), Error> {
-        let Some(animation) = &self.animation else { return Ok(()) };
-        let pose = animation.at(time)?;
+        match &self.animation {
+            Some(animation) => self.pose(animation.at(time)?),
+            None => Ok(()),
+        }
+    }
+
+    /// Moves what an animation moves.
+    fn pose(&mut self, pose: Pose) -> Result<(), Error> {
         pose.apply(&mut self.scene)?;
         if self.own_lights {
             pose.aim(self.scene.lights_mut());
@@ -386,11 +392,14 @@ impl RenderJob {
         self.animation.as_ref().and_then(Animation::played_number)
     }
 
-    /// Chooses an animation by its number, or all at once.
-    pub fn choose_animation(&mut self, number: Option<usize>) {
+    /// Chooses an animation by its number, or all at once. What the one before has moved goes back.
+    pub fn choose_animation(&mut self, number: Option<usize>) -> Result<(), Error> {
         if let Some(animation) = &mut self.animation {
+            let pose = animation.unplayed()?;
             animation.play(number);
+            self.pose(pose)?;
         }
+        Ok(())
     }
 
     /// Looks from a camera of the file.

@@ -176,6 +176,15 @@ impl Animation {
 
     /// The deformed meshes without animation.
     pub(super) fn rest(&self) -> Result<Pose, ImportError> {
+        Ok(Pose { shapes: self.pose(None)?.shapes, path: self.path.clone(), ..Pose::default() })
+    }
+
+    /// The pose without animation, of the things that the chosen one moves: for when another one is chosen, which may leave
+    /// them alone.
+    ///
+    /// # Errors
+    /// A deformed mesh cannot be drawn.
+    pub fn unplayed(&self) -> Result<Pose, ImportError> {
         self.pose(None)
     }
 
@@ -184,9 +193,10 @@ impl Animation {
         let (mut worlds, mut moving): (Vec<DMat4>, Vec<bool>) = (vec![], vec![]);
         let from_origin = DMat4::from_translation(-self.origin);
         for node in &self.nodes {
-            let tracks: Vec<_> = self.played(node).filter(|_| time.is_some()).collect();
+            let tracks: Vec<_> = self.played(node).collect();
             let parent = node.parent.map_or(from_origin, |place| worlds[place]);
-            worlds.push(parent * node.local.at(&tracks, time.unwrap_or(0.0)).matrix());
+            let local = time.map_or(node.local, |time| node.local.at(&tracks, time));
+            worlds.push(parent * local.matrix());
             moving.push(node.parent.is_some_and(|place| moving[place]) || !tracks.is_empty());
         }
         if let Some(time) = time {

@@ -144,8 +144,8 @@ fn time_of_the_panel() {
     let inputs = [
         key("P") + &choose("time") + &set("speed", "2") + &choose("play") + &choose("stop"),
         // Near the end of the slider, in front of the number.
-        click("before 1.00 s"),
-        choose("rise") + &choose("sink") + &click("before 0.00 s"),
+        click("before 1.00"),
+        choose("rise") + &choose("sink") + &click("before 0.00"),
         choose("sink") + &choose("all"),
         key("Enter"),
     ];

@@ -38,14 +38,17 @@ impl Viewer {
         self.note(played);
     }
 
+    /// Whether the animation moves the camera: until a person does.
+    fn follows_camera(&self) -> bool {
+        self.is_at_start && self.job.has_cameras()
+    }
+
     /// Shows the scene at a time of its animation.
     pub(super) fn play(&mut self, time: f64) -> Result<(), Error> {
         let camera = self.job.camera;
         self.time = Some(time);
         let played = self.job.play(time);
-        // The animation moves the camera until a person does.
-        let leads = self.is_at_start && self.job.has_cameras();
-        if !leads {
+        if !self.follows_camera() {
             self.job.camera = camera;
         }
         self.touch();
@@ -57,7 +60,12 @@ impl Viewer {
 
     /// Chooses an animation by its number, or all at once, and starts at its beginning.
     pub fn choose_animation(&mut self, number: Option<usize>) {
-        self.job.choose_animation(number);
+        let camera = self.job.camera;
+        let chosen = self.job.choose_animation(number);
+        if !self.follows_camera() {
+            self.job.camera = camera;
+        }
+        self.note(chosen);
         self.options.animation = Some(number.map_or("all".into(), |number| number.to_string()));
         self.scrub(0.0);
     }
