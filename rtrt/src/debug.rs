@@ -88,7 +88,7 @@ pub fn show(
     request: &Request<'_>,
     picture: &Picture,
 ) -> Result<Option<DebugImage>, SetupError> {
-    let Some(layers) = Layers::new(scene, picture, request.samples) else { return Ok(None) };
+    let Some(layers) = Layers::new(scene, request, picture) else { return Ok(None) };
     let mut legend = None;
     let is_hit = |i: usize| layers.object[i] != NONE;
     let all = 0..layers.object.len();
@@ -218,7 +218,7 @@ mod tests {
             let request = Request::new(&loaded.camera, [97, 55]).samples(samples).deferred(true);
             let mut picture = Picture::default();
             cpu.render(&loaded.scene, &request, &mut picture).unwrap();
-            let layers = Layers::new(&loaded.scene, &picture, samples).unwrap();
+            let layers = Layers::new(&loaded.scene, &request, &picture).unwrap();
             let mut skipped = 0;
             for (i, found) in inspected(&loaded.scene, &request, &picture).unwrap().enumerate() {
                 let hit = found.hit;

@@ -47,6 +47,7 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
     stage.window()?;
     stage.lamp()?;
     stage.matchbox()?;
+    let labels = stage.builder.labels();
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.17, 0.175, 0.19);
     scene.background = vec3(0.60, 0.76, 0.95);
@@ -61,7 +62,7 @@ pub fn matchbox(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.85 },
     };
-    Ok(loaded(scene, "room", camera, stage.builder.bvh_build_ms))
+    Ok(loaded(scene, labels, "room", camera, stage.builder.bvh_build_ms))
 }
 
 impl<J: Join> DemoBuilder<'_, J> {
@@ -71,11 +72,11 @@ impl<J: Join> DemoBuilder<'_, J> {
         let size = high - low;
         let (x, y, z) = (Vec3::X * size.x, Vec3::Y, Vec3::Z * size.z);
         let texture = self.texture(paint::planks())?;
-        let floor = self.material([0.95; 3], 0.45, texture)?;
-        self.add(Shape::default().tiled(low, x, z, 2.4), floor)?;
+        let floor = self.material("planks", [0.95; 3], 0.45, texture)?;
+        self.add("floor", Shape::default().tiled(low, x, z, 2.4), floor)?;
 
         let texture = self.texture(paint::plaster())?;
-        let plaster = self.material([1.0; 3], 0.95, texture)?;
+        let plaster = self.material("plaster", [1.0; 3], 0.95, texture)?;
         let upper = high.y - RAIL;
         let corner = |x: f32, z: f32| vec3(x, high.y, z);
         let [open_low, open_high] = WINDOW;
@@ -90,19 +91,19 @@ impl<J: Join> DemoBuilder<'_, J> {
             .tiled(corner(low.x, open_high.z), Vec3::Z * (high.z - open_high.z), -beside, 2.0)
             .tiled(corner(low.x, open_low.z), Vec3::Z * (open_high.z - open_low.z), -above, 2.0)
             .tiled(open_low, Vec3::Z * (open_high.z - open_low.z), y * (RAIL - open_low.y), 2.0);
-        self.add(walls, plaster)?;
+        self.add("walls", walls, plaster)?;
 
         let texture = self.texture(paint::tiles())?;
-        let tiles = self.material([1.0; 3], 0.25, texture)?;
+        let tiles = self.material("tiles", [1.0; 3], 0.25, texture)?;
         let corner = |x: f32, z: f32| vec3(x, RAIL, z);
         let dado = Shape::default()
             .tiled(corner(low.x, low.z), x, y * -RAIL, 1.52)
             .tiled(corner(low.x, high.z), x, y * -RAIL, 1.52)
             .tiled(corner(low.x, low.z), z, y * -RAIL, 1.52)
             .tiled(corner(high.x, low.z), z, y * -RAIL, 1.52);
-        self.add(dado, tiles)?;
+        self.add("dado", dado, tiles)?;
 
-        let wood = self.painted([0.20, 0.10, 0.05], 0.35)?;
+        let wood = self.painted("dark wood", [0.20, 0.10, 0.05], 0.35)?;
         let mut trim = Shape::default();
         for (bottom, height, depth) in [(RAIL - 0.03, 0.07, 0.06), (0.0, 0.12, 0.04)] {
             let (bottom, top) = (Vec3::Y * bottom, Vec3::Y * (bottom + height));
@@ -111,13 +112,13 @@ impl<J: Join> DemoBuilder<'_, J> {
                 .cuboid(low + bottom, vec3(low.x + depth, 0.0, high.z) + top, 1.0)
                 .cuboid(vec3(high.x - depth, 0.0, low.z) + bottom, vec3(high.x, 0.0, high.z) + top, 1.0);
         }
-        self.add(trim, wood)?;
+        self.add("trim", trim, wood)?;
 
         let texture = self.texture(paint::landscape())?;
-        let canvas = self.material([1.0; 3], 0.8, texture)?;
-        let frame = self.painted([0.45, 0.28, 0.08], 0.3)?;
+        let canvas = self.material("landscape", [1.0; 3], 0.8, texture)?;
+        let frame = self.painted("gilded wood", [0.45, 0.28, 0.08], 0.3)?;
         let (corner, wide, tall) = (vec3(-1.95, 2.75, low.z + 0.05), Vec3::X * 1.5, Vec3::Y * -1.0);
-        self.add(Shape::default().quad(corner, wide, tall, [[0.0; 2], [1.0; 2]]), canvas)?;
+        self.add("picture", Shape::default().quad(corner, wide, tall, [[0.0; 2], [1.0; 2]]), canvas)?;
         let bar = |from: Vec3, to: Vec3| (from - vec3(0.07, 0.07, 0.05), to + vec3(0.07, 0.07, 0.04));
         let mut bars = Shape::default();
         for (from, to) in
@@ -127,12 +128,12 @@ impl<J: Join> DemoBuilder<'_, J> {
             let (from, to) = bar(from, from + to);
             bars = bars.cuboid(from, to, 1.0);
         }
-        self.add(bars, frame)
+        self.add("picture frame", bars, frame)
     }
 
     /// The frame of the window and its sill.
     fn window(&mut self) -> Result<(), ImportError> {
-        let white = self.painted([0.80, 0.78, 0.74], 0.4)?;
+        let white = self.painted("white paint", [0.80, 0.78, 0.74], 0.4)?;
         let [low, high] = WINDOW;
         let (middle, thin) = ((low + high) * 0.5, 0.035);
         let upright =
@@ -152,25 +153,25 @@ impl<J: Join> DemoBuilder<'_, J> {
         ];
         let shape =
             bars.into_iter().fold(Shape::default(), |shape, (low, high)| shape.cuboid(low, high, 1.0));
-        self.add(shape, white)
+        self.add("window", shape, white)
     }
 
     /// A bulb under a shade, on a cord.
     fn lamp(&mut self) -> Result<(), ImportError> {
-        let enamel = self.painted([0.05, 0.16, 0.13], 0.2)?;
-        let lining = self.painted([0.9, 0.88, 0.8], 0.6)?;
+        let enamel = self.painted("enamel", [0.05, 0.16, 0.13], 0.2)?;
+        let lining = self.painted("lining", [0.9, 0.88, 0.8], 0.6)?;
         let glow = Material::new([0.0; 3]).emission([1.0, 0.86, 0.6]);
-        let glow = self.builder.add_material(glow)?;
+        let glow = self.named("glow", glow)?;
         let outside = [[0.02, 0.32], [0.1, 0.28], [0.16, 0.18], [0.42, -0.06]];
         let inside = outside.map(|[radius, height]| [radius - 0.008, height - 0.008]);
         let normals = [[0.3, 1.0], [0.6, 0.8], [0.8, 0.6], [0.7, 0.7]];
-        self.add(Shape::default().turned(BULB, &outside, &normals), enamel)?;
-        self.add(Shape::default().turned(BULB, &inside, &normals), lining)?;
-        self.add(Shape::default().ellipsoid(BULB, 0.08, 0.09), glow)?;
+        self.add("lamp shade", Shape::default().turned(BULB, &outside, &normals), enamel)?;
+        self.add("lamp lining", Shape::default().turned(BULB, &inside, &normals), lining)?;
+        self.add("bulb", Shape::default().ellipsoid(BULB, 0.08, 0.09), glow)?;
         let top = vec3(BULB.x, ROOM[1].y, BULB.z);
         let cord =
             Shape::default().cuboid(BULB + vec3(-0.012, 0.3, -0.012), top + vec3(0.012, 0.0, 0.012), 1.0);
-        self.add(cord, enamel)
+        self.add("cord", cord, enamel)
     }
 
     /// Sleeve, tray and matches, and three loose matches.
@@ -185,7 +186,7 @@ impl<J: Join> DemoBuilder<'_, J> {
         let whole = [[0.0; 2], [1.0; 2]];
 
         let texture = self.texture(paint::label())?;
-        let label = self.material([1.0; 3], 0.5, texture)?;
+        let label = self.material("label", [1.0; 3], 0.5, texture)?;
         let lids = Shape::default().quad(-x + y - z, x * 2.0, z * 2.0, whole).quad(
             -x - y + z,
             x * 2.0,
@@ -193,9 +194,9 @@ impl<J: Join> DemoBuilder<'_, J> {
             whole,
         );
         let lids = self.mesh(lids)?;
-        self.place(lids, label, at)?;
+        self.place(["sleeve", "lids"], lids, label, at)?;
         let texture = self.texture(paint::striker())?;
-        let striker = self.material([1.0; 3], 0.7, texture)?;
+        let striker = self.material("striker", [1.0; 3], 0.7, texture)?;
         let strips = [[0.0; 2], [2.0, 0.5]];
         let sides = Shape::default().quad(-x + y + z, x * 2.0, y * -2.0, strips).quad(
             -x + y - z,
@@ -204,11 +205,11 @@ impl<J: Join> DemoBuilder<'_, J> {
             strips,
         );
         let sides = self.mesh(sides)?;
-        self.place(sides, striker, at)?;
+        self.place(["sleeve", "sides"], sides, striker, at)?;
 
         // The tray's floor and four walls, with room in the sleeve.
         let texture = self.texture(paint::board())?;
-        let board = self.material([1.0; 3], 0.9, texture)?;
+        let board = self.material("board", [1.0; 3], 0.9, texture)?;
         let (half, wall) = (HALF - 0.03, 0.02);
         let side = |low: Vec3, high: Vec3| (low.max(-half), high.min(half));
         let far = Vec3::splat(9.0);
@@ -223,14 +224,14 @@ impl<J: Join> DemoBuilder<'_, J> {
             walls.into_iter().fold(Shape::default(), |shape, (low, high)| shape.cuboid(low, high, 0.8));
         let tray = self.mesh(tray)?;
         let drawn = at * Mat4::from_translation(vec3(0.62, 0.0, 0.0));
-        self.place(tray, board, drawn)?;
+        self.place(["tray"; 2], tray, board, drawn)?;
 
         // A match lies along x, its head to the right.
         let stick =
             self.mesh(Shape::default().cuboid(vec3(-0.62, -0.03, -0.03), vec3(0.6, 0.03, 0.03), 1.0))?;
         let head = self.mesh(Shape::default().ellipsoid(Vec3::ZERO, 0.05, 0.085))?;
-        let wood = self.painted([0.72, 0.53, 0.30], 0.8)?;
-        let red = self.painted([0.55, 0.04, 0.03], 0.45)?;
+        let wood = self.painted("wood", [0.72, 0.53, 0.30], 0.8)?;
+        let red = self.painted("red phosphorus", [0.55, 0.04, 0.03], 0.45)?;
         let on_end = Mat4::from_translation(vec3(0.6, 0.0, 0.0)) * turned(Vec3::Z, 90.0);
         let mut matches = Vec::new();
         for number in 0..27_u32 {
@@ -250,9 +251,10 @@ impl<J: Join> DemoBuilder<'_, J> {
         matches.push(loose(vec3(1.25, 1.62, 0.5), 35.0, 48.0));
         matches.push(loose(vec3(1.62, 1.12, 0.1), -20.0, 15.0));
         matches.push(loose(vec3(1.15, 0.62, 0.7), 60.0, -28.0));
-        for place in matches {
-            self.place(stick, wood, place)?;
-            self.place(head, red, place * on_end)?;
+        for (number, place) in matches.into_iter().enumerate() {
+            let name = format!("match {number}");
+            self.place([&name, "stick"], stick, wood, place)?;
+            self.place([&name, "head"], head, red, place * on_end)?;
         }
         Ok(())
     }

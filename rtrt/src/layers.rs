@@ -3,10 +3,12 @@
 use glam::DVec3;
 use rtrt_core::backend::{Deferred, Picture, Request};
 use rtrt_core::grid::Grid;
+use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::transmittance::color;
+use rtrt_core::kernel::view::camera_ray;
 use rtrt_core::lane::{V3, Word};
-use rtrt_core::layout::{Backdrop, Hit, NONE, Surface};
+use rtrt_core::layout::{Backdrop, Hit, NONE, Surface, View};
 use rtrt_core::num::{exp2, srgb_encode};
 use rtrt_core::scene::Scene;
 use rtrt_core::stage::resolve::{average, displayed};
@@ -18,8 +20,9 @@ pub const MOST_RAYS: u64 = 1 << 26;
 
 /// Properties of each pixel, row by row from the upper left.
 ///
-/// `color`, `albedo` and `shadow` are averages over a pixel's sub-rays. The others come from its first, upper
-/// left sub-ray: an average of ids, or of normals on both sides of an edge, belongs to no surface.
+/// `color`, `normal`, `albedo` and `shadow` are averages over a pixel's sub-rays, weighted alike, as denoisers expect them of
+/// color, normal and albedo. The others come from its first, upper left sub-ray: an average of ids, or of depths on both
+/// sides of an edge, belongs to no surface. With one sub-ray, all are those of the middle of the pixel.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Layers {
     /// Pixels in a row.
@@ -35,7 +38,8 @@ pub struct Layers {
     pub is_transparent: bool,
     /// Depth along the view, world units; infinite without a hit.
     pub depth: Vec<f32>,
-    /// Unit normals towards the viewer, world space; 0 without a hit.
+    /// Normals towards the viewer, world space; 0 without a hit. Each sub-ray's has length 1, so that of a pixel is shorter
+    /// where they differ.
     pub normal: Vec<[f32; 3]>,
     /// Base color, linear RGB: material, texture and vertex color, without light.
     pub albedo: Vec<[f32; 3]>,
@@ -47,8 +51,7 @@ pub struct Layers {
     pub source: Vec<u32>,
     /// The numbers of materials ([`Scene::materials`]), or [`NONE`].
     pub material: Vec<u32>,
-    /// Where the surfaces are, world space; 0 without a hit. It is where rays from them start: off by some roundings and,
-    /// on a mesh with smooth normals, on the curved surface that these mean.
+    /// Where the surfaces are, world space; 0 without a hit: the points of the sub-rays at `depth`.
     pub position: Vec<[f32; 3]>,
     /// Barycentric weights of the triangle's second and third corner.
     pub barycentrics: Vec<[f32; 2]>,
@@ -60,10 +63,9 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// The layers of a picture of the scene with `samples` sub-rays per pixel; none without its deferred
-    /// buffers.
-    pub fn new(scene: &Scene, picture: &Picture, samples: u32) -> Option<Self> {
-        let pixels = Pixels::new(scene, picture, samples)?;
+    /// The layers of a picture of the scene for this request; none without its deferred buffers.
+    pub fn new(scene: &Scene, request: &Request<'_>, picture: &Picture) -> Option<Self> {
+        let pixels = Pixels::new(scene, request, picture)?;
         Some(Self {
             width: picture.width,
             height: picture.height,
@@ -123,17 +125,20 @@ pub struct Pixels<'a> {
     scene: &'a Scene,
     deferred: &'a Deferred,
     grid: Grid,
+    view: View,
     maps: Maps<'a>,
     lights: f32,
 }
 
 impl<'a> Pixels<'a> {
-    /// The pixels of a picture of the scene with `samples` sub-rays per pixel; none without its deferred buffers.
-    pub fn new(scene: &'a Scene, picture: &'a Picture, samples: u32) -> Option<Self> {
+    /// The pixels of a picture of the scene for this request; none without its deferred buffers.
+    pub fn new(scene: &'a Scene, request: &Request<'_>, picture: &'a Picture) -> Option<Self> {
+        let grid = Grid { width: picture.width, height: picture.height, side: request.samples.isqrt() };
         Some(Self {
             scene,
             deferred: picture.deferred.as_ref()?,
-            grid: Grid { width: picture.width, height: picture.height, side: samples.isqrt() },
+            grid,
+            view: request.camera.view(grid).ok()?,
             maps: scene.maps(),
             lights: scene.lights().len().max(1) as f32,
         })
@@ -143,9 +148,23 @@ impl<'a> Pixels<'a> {
         (0..self.grid.width * self.grid.height).map(|number| read(self, number)).collect()
     }
 
-    /// The place of the first sub-ray.
+    /// Column and row of the first sub-ray, counted in sub-rays.
+    fn place(&self, number: u32) -> [u32; 2] {
+        self.grid.pixel(number).map(|place| place * self.grid.side)
+    }
+
+    /// The place of the first sub-ray in the buffers.
     fn first(&self, number: u32) -> usize {
-        self.grid.index(self.grid.pixel(number).map(|place| place * self.grid.side)).0 as usize
+        self.grid.index(self.place(number)).0 as usize
+    }
+
+    /// The mean over the sub-rays of a pixel.
+    fn mean(&self, number: u32, read: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
+        let [x, y, z, _] = average(self.grid, self.grid.pixel(number), &|ray| {
+            let [x, y, z] = read(ray.0 as usize);
+            [x, y, z, 0.0]
+        });
+        [x, y, z]
     }
 
     fn hit(&self, number: u32) -> &Hit {
@@ -169,16 +188,12 @@ impl<'a> Pixels<'a> {
 
     /// [`Layers::normal`].
     pub fn normal(&self, number: u32) -> [f32; 3] {
-        self.surface(number).normal
+        self.mean(number, |ray| self.deferred.surfaces[ray].normal)
     }
 
     /// [`Layers::albedo`].
     pub fn albedo(&self, number: u32) -> [f32; 3] {
-        let [r, g, b, _] = average(self.grid, self.grid.pixel(number), &|ray| {
-            let [r, g, b] = albedo(&self.maps, &self.deferred.surfaces[ray.0 as usize]);
-            [r, g, b, 0.0]
-        });
-        [r, g, b]
+        self.mean(number, |ray| albedo(&self.maps, &self.deferred.surfaces[ray]))
     }
 
     /// [`Layers::object`].
@@ -206,7 +221,14 @@ impl<'a> Pixels<'a> {
 
     /// [`Layers::position`].
     pub fn position(&self, number: u32) -> [f32; 3] {
-        self.surface(number).origin
+        let hit = self.hit(number);
+        if hit.instance == NONE {
+            return [0.0; 3];
+        }
+        let [x, y] = self.place(number).map(|place| place as f32);
+        let Ray { origin, direction, .. } = camera_ray::<f32>(&self.view, x, y);
+        let [origin, direction] = [origin, direction].map(|v| DVec3::from(v.lane(0).map(f64::from)));
+        (origin + direction * f64::from(hit.t)).as_vec3().to_array()
     }
 
     /// [`Layers::barycentrics`].
@@ -222,10 +244,8 @@ impl<'a> Pixels<'a> {
 
     /// [`Layers::shadow`].
     pub fn shadow(&self, number: u32) -> f32 {
-        let sum = average(self.grid, self.grid.pixel(number), &|ray| {
-            [reached(self.deferred, ray.0 as usize), 0.0, 0.0, 0.0]
-        });
-        sum[0] / self.lights
+        let [sum, ..] = self.mean(number, |ray| [reached(self.deferred, ray), 0.0, 0.0]);
+        sum / self.lights
     }
 }
 

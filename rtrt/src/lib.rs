@@ -2,8 +2,8 @@
 //!
 //! All backends give the same bits. `choose` opens a backend, `import` reads glTF and OBJ, `demo` has
 //! scenes without files, `layers` and `debug` show the buffers of a frame, `objects` and `motion` what is
-//! seen of each object and how it moves, `pose` has cameras as matrices and lenses, `moves` moves a camera by hand, `batch` renders many views at
-//! once. `hash` compares frames
+//! seen of each object and how it moves, `pose` has cameras as matrices and lenses, `poses` those of a file, `orbit` a turntable;
+//! `moves` moves a camera by hand, `batch` renders many views at once. `hash` compares frames
 //! of two machines, `difference` two pictures; `golden` compares pictures with stored ones in tests.
 //!
 //! | feature | adds |
@@ -11,7 +11,7 @@
 //! | `gpu` | the GPUs of [`choose`](mod@choose), by `rtrt-gpu` |
 //! | `threads` | all threads of the machine for the CPU; without it one |
 //! | `simd` | many numbers at a time on the CPU; without it one |
-//! | `import` | the modules `import`, `demo`, `golden`, `motion`, `moves` and `pose` |
+//! | `import` | the modules `import`, `demo`, `golden`, `motion`, `moves`, `orbit`, `pose` and `poses` |
 //! | `command` | the `rtrt` command; includes the other two |
 //! | `viewer` | `rtrt view`, which opens a window; includes `command` |
 //!
@@ -47,5 +47,9 @@ pub mod motion;
 pub mod moves;
 pub mod objects;
 #[cfg(feature = "import")]
+pub mod orbit;
+#[cfg(feature = "import")]
 pub mod pose;
+#[cfg(feature = "import")]
+pub mod poses;
 pub mod replace;

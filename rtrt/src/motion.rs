@@ -3,13 +3,22 @@
 use crate::layers::Layers;
 use crate::pose::pixel;
 use glam::DVec3;
-use rtrt_core::layout::{Instance, NONE};
+use rtrt_core::layout::Instance;
 use rtrt_core::scene::{Camera, Scene};
+use std::sync::Arc;
 
 /// A scene and its camera as they were.
 #[derive(Debug, Clone)]
 pub struct Before {
     camera: Camera,
+    moment: Arc<Moment>,
+}
+
+/// A scene as it was.
+#[derive(Debug)]
+struct Moment {
+    /// [`Scene::id`].
+    scene: u32,
     instances: Vec<Instance>,
     positions: Vec<[f32; 3]>,
     /// Counts changes of `positions`.
@@ -19,33 +28,70 @@ pub struct Before {
 impl Before {
     /// What the next frame has to know of this one.
     pub fn new(scene: &Scene, camera: &Camera) -> Self {
-        Self {
-            camera: *camera,
+        let moment = Moment {
+            scene: scene.id(),
             instances: scene.instances().to_vec(),
             positions: scene.positions().to_vec(),
             geometry: scene.versions().geometry,
-        }
+        };
+        Self { camera: *camera, moment: Arc::new(moment) }
+    }
+
+    /// The same moment from another camera.
+    #[must_use]
+    pub fn seen_from(&self, camera: &Camera) -> Self {
+        Self { camera: *camera, moment: self.moment.clone() }
+    }
+
+    /// Whether it was this scene.
+    pub fn is_of(&self, scene: &Scene) -> bool {
+        self.moment.scene == scene.id()
     }
 }
 
-/// The motion of each pixel's surface since `before`, in pixels: where it is, less where it was, to the right and
-/// downward. It follows transforms, bent meshes and the camera. 0 without a surface; not a number for one that was
-/// behind the camera.
-pub fn motion(scene: &Scene, camera: &Camera, layers: &Layers, before: &Before) -> Vec<[f32; 2]> {
-    let size = [layers.width, layers.height];
-    let is_bent = before.geometry != scene.versions().geometry;
-    let of = |number: usize| {
-        let object = layers.object[number] as usize;
-        let (Some(now), Some(then)) = (scene.instances().get(object), before.instances.get(object)) else {
+/// A point of a surface in a picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Point {
+    /// As [`Layers::object`].
+    pub object: u32,
+    /// As [`Layers::triangle`].
+    pub triangle: u32,
+    /// As [`Layers::barycentrics`].
+    pub barycentrics: [f32; 2],
+    /// As [`Layers::position`].
+    pub position: [f32; 3],
+}
+
+/// How points of a picture of this size have moved since `before`, pixel by pixel; see [`motion`].
+#[derive(Debug)]
+pub struct Motion<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    before: &'a Before,
+    size: [u32; 2],
+    is_bent: bool,
+}
+
+impl<'a> Motion<'a> {
+    /// The motion in a picture of the scene from this camera.
+    pub fn new(scene: &'a Scene, camera: &'a Camera, size: [u32; 2], before: &'a Before) -> Self {
+        let is_bent = before.moment.geometry != scene.versions().geometry;
+        Self { scene, camera, before, size, is_bent }
+    }
+
+    /// That of a point.
+    pub fn of(&self, point: &Point) -> [f32; 2] {
+        let Self { scene, camera, before, size, is_bent } = *self;
+        let (object, then) = (point.object as usize, &before.moment.instances);
+        let (Some(now), Some(then)) = (scene.instances().get(object), then.get(object)) else {
             return [0.0; 2];
         };
-        let here = DVec3::from(layers.position[number].map(f64::from));
-        let triangle = layers.triangle[number];
-        let own = if is_bent && !now.is_sphere() && triangle < now.triangles {
-            let [u, v] = layers.barycentrics[number].map(f64::from);
-            let corners = now.corners(scene.mesh_data(), triangle);
-            let [a, b, c] =
-                corners.map(|vertex| DVec3::from(before.positions[vertex as usize].map(f64::from)));
+        let here = DVec3::from(point.position.map(f64::from));
+        let own = if is_bent && !now.is_sphere() && point.triangle < now.triangles {
+            let [u, v] = point.barycentrics.map(f64::from);
+            let corners = now.corners(scene.mesh_data(), point.triangle);
+            let positions = &before.moment.positions;
+            let [a, b, c] = corners.map(|vertex| DVec3::from(positions[vertex as usize].map(f64::from)));
             a * (1.0 - u - v) + b * u + c * v
         } else {
             let place = DVec3::from(now.to_object.map(|row| f64::from(row[3])));
@@ -56,8 +102,23 @@ pub fn motion(scene: &Scene, camera: &Camera, layers: &Layers, before: &Before) 
             (Some(here), Some(there)) => [0, 1].map(|axis| (here[axis] - there[axis]) as f32),
             _ => [f32::NAN; 2],
         }
+    }
+}
+
+/// The motion of each pixel's surface since `before`, in pixels: where it is, less where it was, to the right and
+/// downward. It follows transforms, bent meshes and the camera. 0 without a surface; not a number for one that was
+/// behind the camera.
+pub fn motion(scene: &Scene, camera: &Camera, layers: &Layers, before: &Before) -> Vec<[f32; 2]> {
+    let all = Motion::new(scene, camera, [layers.width, layers.height], before);
+    let of = |number: usize| {
+        all.of(&Point {
+            object: layers.object[number],
+            triangle: layers.triangle[number],
+            barycentrics: layers.barycentrics[number],
+            position: layers.position[number],
+        })
     };
-    (0..layers.object.len()).map(|n| if layers.object[n] == NONE { [0.0; 2] } else { of(n) }).collect()
+    (0..layers.object.len()).map(of).collect()
 }
 
 /// A vector through the first three columns of a matrix.
@@ -123,7 +184,7 @@ mod tests {
         let request = Request::new(&camera, [64, 64]).deferred(true);
         let mut cpu = rtrt_cpu::Cpu::new(rtrt_cpu::Options { lanes: Some(1), threads: Some(1) }).unwrap();
         cpu.render(&scene, &request, &mut picture).unwrap();
-        let layers = Layers::new(&scene, &picture, 1).unwrap();
+        let layers = Layers::new(&scene, &request, &picture).unwrap();
         let all = motion(&scene, &camera, &layers, &before);
         assert_eq!(all[0], [0.0; 2]);
         all[32 * 64 + 32]

@@ -5,6 +5,7 @@ use numpy::{PyArrayDyn, PyReadwriteArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rtrt::layers::Pixels;
+use rtrt::motion::{Before, Motion, Point};
 use rtrt_core::backend::{Picture, Request};
 use rtrt_core::scene::Scene;
 
@@ -23,11 +24,13 @@ enum Read {
     Two(fn(&Pixels<'_>, u32) -> [f32; 2]),
     Three(fn(&Pixels<'_>, u32) -> [f32; 3]),
     Four(fn(&Pixels<'_>, u32) -> [f32; 4]),
+    /// How far it moved, two numbers.
+    Motion,
     /// A number of a thing, −1 for none.
     Id(fn(&Pixels<'_>, u32) -> u32),
 }
 
-const ALL: [Aov; 13] = [
+const ALL: [Aov; 14] = [
     Aov { name: "rgba", read: Read::Picture },
     Aov { name: "color", read: Read::Four(|pixels, n| pixels.color(n)) },
     Aov { name: "depth", read: Read::Number(|pixels, n| pixels.depth(n)) },
@@ -41,6 +44,7 @@ const ALL: [Aov; 13] = [
     Aov { name: "uv", read: Read::Two(|pixels, n| pixels.uv(n)) },
     Aov { name: "position", read: Read::Three(|pixels, n| pixels.position(n)) },
     Aov { name: "shadow", read: Read::Number(|pixels, n| pixels.shadow(n)) },
+    Aov { name: "motion", read: Read::Motion },
 ];
 
 /// The names of all.
@@ -62,11 +66,16 @@ impl Aov {
         !matches!(self.read, Read::Picture)
     }
 
+    /// Whether it needs to know how the scene was before.
+    pub fn is_motion(self) -> bool {
+        matches!(self.read, Read::Motion)
+    }
+
     /// Numbers a pixel.
     fn components(self) -> usize {
         match self.read {
             Read::Number(_) | Read::Id(_) => 1,
-            Read::Two(_) => 2,
+            Read::Two(_) | Read::Motion => 2,
             Read::Three(_) => 3,
             Read::Four(_) | Read::Picture => 4,
         }
@@ -144,14 +153,14 @@ impl Memory<'_> {
 }
 
 impl Part<'_> {
-    /// Fills it with what the picture gives.
-    pub fn fill(&mut self, scene: &Scene, request: &Request<'_>, picture: &Picture) {
+    /// Fills it with what the picture gives. What of motion there is, is that since `before`.
+    pub fn fill(&mut self, scene: &Scene, request: &Request<'_>, picture: &Picture, before: Option<&Before>) {
         if let Part::Bytes(part) = self {
             part.copy_from_slice(&picture.bytes());
             return;
         }
         // What needs them has asked for the deferred buffers.
-        let Some(pixels) = Pixels::new(scene, picture, request.samples) else { return };
+        let Some(pixels) = Pixels::new(scene, request, picture) else { return };
         match self {
             Part::Bytes(_) => {}
             Part::Floats(aov, part) => match aov.read {
@@ -161,6 +170,18 @@ impl Part<'_> {
                 Read::Two(read) => each(part, &pixels, read),
                 Read::Three(read) => each(part, &pixels, read),
                 Read::Four(read) => each(part, &pixels, read),
+                Read::Motion => {
+                    let Some(before) = before else { return };
+                    let motion = Motion::new(scene, request.camera, request.size, before);
+                    each(part, &pixels, |pixels, n| {
+                        motion.of(&Point {
+                            object: pixels.object(n),
+                            triangle: pixels.triangle(n),
+                            barycentrics: pixels.barycentrics(n),
+                            position: pixels.position(n),
+                        })
+                    });
+                }
                 Read::Picture | Read::Id(_) => {}
             },
             Part::Ids(aov, part) => {
@@ -172,7 +193,7 @@ impl Part<'_> {
     }
 }
 
-fn each<const N: usize>(part: &mut [f32], pixels: &Pixels<'_>, read: fn(&Pixels<'_>, u32) -> [f32; N]) {
+fn each<const N: usize>(part: &mut [f32], pixels: &Pixels<'_>, read: impl Fn(&Pixels<'_>, u32) -> [f32; N]) {
     (0..).zip(part.as_chunks_mut::<N>().0).for_each(|(n, values)| *values = read(pixels, n));
 }
 

@@ -7,6 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rtrt::import::NamedCamera;
 use rtrt::pose::{Pinhole, pixel, placed, to_world};
+use rtrt::poses::Pose;
 use rtrt_core::scene::{Camera as CoreCamera, Projection};
 
 /// Where a picture is taken from, and through which lens.
@@ -26,6 +27,10 @@ use rtrt_core::scene::{Camera as CoreCamera, Projection};
 pub struct Camera {
     named: NamedCamera,
     lens: Option<Lens>,
+    /// The size of its picture, if it has one of its own.
+    size: Option<[u32; 2]>,
+    /// Its time, seconds.
+    time: Option<f64>,
 }
 
 /// A lens in pixels; without a principal point it is the middle.
@@ -101,11 +106,32 @@ impl Arguments {
 impl Camera {
     /// A camera of a file.
     pub fn of(named: NamedCamera) -> Self {
-        Self { named, lens: None }
+        Self { named, lens: None, size: None, time: None }
+    }
+
+    /// A camera that draws surfaces at any depth.
+    pub fn around(camera: CoreCamera, name: String) -> Self {
+        Self::of(NamedCamera { name, camera, aspect: None, clip: [0.0, f32::INFINITY] })
+    }
+
+    /// A camera of a file of cameras, in a scene whose coordinates are relative to this origin.
+    pub fn posed(pose: &Pose, origin: DVec3) -> Self {
+        let around = Self::around(pose.camera(origin), pose.name.clone()).sized(pose.size);
+        Self { time: pose.time, ..around }
+    }
+
+    /// The camera for pictures of this size.
+    pub fn sized(self, size: [u32; 2]) -> Self {
+        Self { size: Some(size), ..self }
+    }
+
+    /// The size of its picture, if it has one of its own.
+    pub fn own_size(&self) -> Option<[u32; 2]> {
+        self.size
     }
 
     fn new(camera: CoreCamera, lens: Option<Lens>, clip: [f32; 2]) -> Self {
-        Self { named: NamedCamera { name: String::new(), camera, aspect: None, clip }, lens }
+        Self { lens, ..Self::of(NamedCamera { name: String::new(), camera, aspect: None, clip }) }
     }
 
     /// The camera for a picture of this size.
@@ -196,6 +222,24 @@ impl Camera {
     #[getter]
     fn name(&self) -> &str {
         &self.named.name
+    }
+
+    /// The size of its picture (width, height), for a camera of a file of cameras or of an orbit; else None.
+    #[getter]
+    fn size(&self) -> Option<(u32, u32)> {
+        self.size.map(|[width, height]| (width, height))
+    }
+
+    /// Its time of the animation, seconds, if a file of cameras says so; else None. See `Scene.play`.
+    #[getter]
+    fn time(&self) -> Option<f64> {
+        self.time
+    }
+
+    /// The depths of its near and its far plane, between which surfaces are drawn.
+    #[getter]
+    fn clip(&self) -> (f32, f32) {
+        self.named.clip.into()
     }
 
     /// Where it is.

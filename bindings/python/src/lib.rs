@@ -23,7 +23,7 @@ mod _native {
     #[pymodule_export]
     use super::light::Light;
     #[pymodule_export]
-    use super::render::{meter, render};
+    use super::render::{Before, meter, render};
     #[pymodule_export]
     use super::scene::Scene;
 

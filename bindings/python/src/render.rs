@@ -9,6 +9,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rtrt::layers::MOST_RAYS;
+use rtrt::motion::Before as Moment;
 use rtrt_core::backend::{LAYERS, RenderError, Request, Shadows, ToneMap};
 
 // What the signature of `render` says.
@@ -62,20 +63,106 @@ fn raised(error: &RenderError, before: &str) -> PyErr {
     }
 }
 
-/// The cameras of an argument, and whether they are many.
-fn cameras(scene: &Scene, camera: Option<&Bound<'_, PyAny>>, size: [u32; 2]) -> PyResult<(Vec<View>, bool)> {
-    let Some(value) = camera.filter(|camera| !camera.is_none()) else {
-        return Ok((vec![scene.usual_camera(size)], false));
-    };
-    if let Ok(camera) = value.cast::<Camera>() {
-        return Ok((vec![camera.get().at(size)], false));
+/// The size of pictures that have none of their own.
+const SIZE: [u32; 2] = [640, 360];
+
+/// The cameras of an argument.
+enum Cameras {
+    Usual,
+    One(Camera),
+    Many(Vec<Camera>),
+}
+
+impl Cameras {
+    fn new(camera: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let Some(value) = camera.filter(|camera| !camera.is_none()) else { return Ok(Self::Usual) };
+        if let Ok(camera) = value.cast::<Camera>() {
+            return Ok(Self::One(camera.get().clone()));
+        }
+        let wrong = || PyTypeError::new_err("camera is neither a Camera nor a sequence of them");
+        let mut all = Vec::new();
+        for camera in value.try_iter().map_err(|_| wrong())? {
+            all.push(camera?.cast::<Camera>().map_err(|_| wrong())?.get().clone());
+        }
+        Ok(Self::Many(all))
     }
-    let wrong = || PyTypeError::new_err("camera is neither a Camera nor a sequence of them");
-    let mut all = Vec::new();
-    for camera in value.try_iter().map_err(|_| wrong())? {
-        all.push(camera?.cast::<Camera>().map_err(|_| wrong())?.get().at(size));
+
+    fn all(&self) -> &[Camera] {
+        match self {
+            Self::Usual => &[],
+            Self::One(camera) => std::slice::from_ref(camera),
+            Self::Many(all) => all,
+        }
     }
-    Ok((all, true))
+
+    /// The size of their pictures: the one that is asked for, or their own.
+    fn size(&self, asked: Option<(i64, i64)>) -> PyResult<[u32; 2]> {
+        if let Some(size) = asked {
+            return camera::size(size.into());
+        }
+        let sizes = || self.all().iter().map(|camera| camera.own_size().unwrap_or(SIZE));
+        let first = sizes().next().unwrap_or(SIZE);
+        match sizes().position(|size| size != first) {
+            None => Ok(first),
+            Some(number) => Err(PyValueError::new_err(format!(
+                "camera {number} has another size than camera 0; name a size for all, or render them one by one"
+            ))),
+        }
+    }
+
+    /// The views of pictures of this size, one or more.
+    fn views(&self, scene: &Scene, size: [u32; 2]) -> Vec<View> {
+        match self {
+            Self::Usual => vec![scene.usual_camera(size)],
+            _ => self.all().iter().map(|camera| camera.at(size)).collect(),
+        }
+    }
+}
+
+/// A scene and its cameras as they are now, for the aov "motion" of pictures after it has changed.
+///
+/// Args:
+///     scene: The scene.
+///     camera: A Camera or several, as those of `render` later; the file's first one if not given.
+#[pyclass(frozen, module = "rtrt")]
+pub struct Before {
+    moment: Moment,
+    cameras: Vec<Camera>,
+}
+
+#[pymethods]
+impl Before {
+    #[new]
+    #[pyo3(signature = (scene, camera = None))]
+    fn new(scene: &Scene, camera: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let cameras = match Cameras::new(camera)? {
+            Cameras::Usual => vec![scene.first_camera().ok_or_else(|| {
+                PyValueError::new_err("camera is missing: the scene has no camera of a file")
+            })?],
+            cameras => cameras.all().to_vec(),
+        };
+        // Each picture puts a camera in the place of this one.
+        let camera = scene.usual_camera(SIZE).camera;
+        Ok(Self { moment: Moment::new(&scene.scene, &camera), cameras })
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<rtrt.Before with {} cameras>", self.cameras.len())
+    }
+}
+
+impl Before {
+    /// How each of `count` pictures of the scene was.
+    fn all(&self, scene: &Scene, count: usize, size: [u32; 2]) -> PyResult<Vec<Moment>> {
+        if !self.moment.is_of(&scene.scene) {
+            return Err(PyValueError::new_err("before is of another scene"));
+        }
+        if self.cameras.len() != count {
+            let has = self.cameras.len();
+            return Err(PyValueError::new_err(format!("before has {has} cameras, but there are {count}")));
+        }
+        Ok(self.cameras.iter().map(|camera| self.moment.seen_from(&camera.at(size).camera)).collect())
+    }
 }
 
 /// The names of the requested arrays.
@@ -121,14 +208,16 @@ fn aovs(aov: Option<&Bound<'_, PyAny>>, out: Option<&Bound<'_, PyDict>>) -> PyRe
 /// | barycentrics, uv | float32, 2 | on the triangle; texture coordinates |
 /// | position | float32, 3 | world space |
 /// | shadow | float32 | the share of the scene's lights that arrives |
+/// | motion | float32, 2 | pixels to the right and downward since `before`; NaN for what was behind the camera |
 ///
-/// rgba, color, albedo and shadow are means over a pixel's samples; the others come from the first, which with 1 sample is
-/// in the middle of the pixel.
+/// rgba, color, normal, albedo and shadow are means over a pixel's samples, so that a normal is shorter than 1 at edges. The
+/// others come from the first sample, the upper left one; with 1 sample all are those of the middle of the pixel. position is
+/// the point of that sample's ray at depth.
 ///
 /// Args:
 ///     scene: The scene.
 ///     camera: A Camera, or several; the file's first one, or one that sees everything, if not given.
-///     size: Width and height.
+///     size: Width and height; the camera's own, or 640 x 360, if not given.
 ///     aov: A name or names; those in `out`, or "rgba", if not given.
 ///     out: A dict of arrays that are filled and returned, such as the result of an earlier call. Names that it lacks are
 ///         added.
@@ -137,15 +226,16 @@ fn aovs(aov: Option<&Bound<'_, PyAny>>, out: Option<&Bound<'_, PyDict>>) -> PyRe
 ///     layers: The most transparent surfaces that a ray passes.
 ///     exposure: Stops; see `meter`.
 ///     tone_map: "neutral", "agx", "aces" or "none".
+///     before: A Before, for the aov "motion", with as many cameras as `camera`.
 ///     backend: A Backend; one for all calls if not given, on the first GPU that works, else on the processor.
 #[pyfunction]
-#[pyo3(signature = (scene, camera = None, size = (640, 360), aov = None, *, out = None, samples = 4, shadows = "soft", layers = 8, exposure = 0.0, tone_map = "neutral", backend = None))]
+#[pyo3(signature = (scene, camera = None, size = None, aov = None, *, out = None, samples = 4, shadows = "soft", layers = 8, exposure = 0.0, tone_map = "neutral", before = None, backend = None))]
 #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
 pub fn render<'py>(
     py: Python<'py>,
     scene: &Scene,
     camera: Option<&Bound<'py, PyAny>>,
-    size: (i64, i64),
+    size: Option<(i64, i64)>,
     aov: Option<&Bound<'py, PyAny>>,
     out: Option<Bound<'py, PyDict>>,
     samples: i64,
@@ -153,12 +243,21 @@ pub fn render<'py>(
     layers: i64,
     exposure: f32,
     tone_map: &str,
+    before: Option<&Before>,
     backend: Option<&Bound<'py, Backend>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let quality = Quality::new(samples, shadows, layers, exposure, tone_map)?;
-    let (size, aovs) = (camera::size(size.into())?, aovs(aov, out.as_ref())?);
-    let (cameras, are_many) = cameras(scene, camera, size)?;
-    let before = are_many.then_some(cameras.len());
+    let (cameras, aovs) = (Cameras::new(camera)?, aovs(aov, out.as_ref())?);
+    let size = cameras.size(size)?;
+    let (views, are_many) = (cameras.views(scene, size), matches!(cameras, Cameras::Many(_)));
+    let count = are_many.then_some(views.len());
+    let moments = match before {
+        Some(before) => before.all(scene, views.len(), size)?,
+        None if aovs.iter().any(|aov| aov.is_motion()) => {
+            return Err(PyValueError::new_err("the aov motion needs before: a Before of the scene"));
+        }
+        None => vec![],
+    };
     let deferred = aovs.iter().any(|aov| aov.is_deferred());
     let rays = size.map(u64::from).iter().product::<u64>() * u64::from(quality.samples);
     if deferred && rays > MOST_RAYS {
@@ -174,26 +273,27 @@ pub fn render<'py>(
         let array = match out.get_item(aov.name)? {
             Some(array) => array,
             None => {
-                let array = aov.zeros(py, before, size)?;
+                let array = aov.zeros(py, count, size)?;
                 out.set_item(aov.name, &array)?;
                 array
             }
         };
-        memories.push(aov.memory(&array, before, size)?);
+        memories.push(aov.memory(&array, count, size)?);
     }
     let pixels = size[0] as usize * size[1] as usize;
-    let mut jobs: Vec<(Request<'_>, Vec<Part<'_>>)> =
-        cameras.iter().map(|camera| (quality.request(camera, size, deferred), Vec::new())).collect();
+    type Wanted<'a> = (Vec<Part<'a>>, Option<&'a Moment>);
+    let job = |(number, view)| (quality.request(view, size, deferred), (Vec::new(), moments.get(number)));
+    let mut jobs: Vec<(Request<'_>, Wanted<'_>)> = views.iter().enumerate().map(job).collect();
     for memory in &mut memories {
-        for ((_, parts), part) in jobs.iter_mut().zip(memory.parts(pixels)?) {
+        for ((_, (parts, _)), part) in jobs.iter_mut().zip(memory.parts(pixels)?) {
             parts.push(part);
         }
     }
     let core = &scene.scene;
     let result = py.detach(|| {
         machine.with(|batch| {
-            batch.render(core, &mut jobs, |request, picture, parts| {
-                parts.iter_mut().for_each(|part| part.fill(core, request, picture));
+            batch.render(core, &mut jobs, |request, picture, (parts, before)| {
+                parts.iter_mut().for_each(|part| part.fill(core, request, picture, *before));
             })
         })
     })?;
@@ -212,17 +312,17 @@ pub fn render<'py>(
 /// Args:
 ///     scene, camera, size, shadows, backend: See `render`; one camera.
 #[pyfunction]
-#[pyo3(signature = (scene, camera = None, size = (640, 360), *, shadows = "soft", backend = None))]
+#[pyo3(signature = (scene, camera = None, size = None, *, shadows = "soft", backend = None))]
 pub fn meter(
     py: Python<'_>,
     scene: &Scene,
     camera: Option<&Camera>,
-    size: (i64, i64),
+    size: Option<(i64, i64)>,
     shadows: &str,
     backend: Option<&Bound<'_, Backend>>,
 ) -> PyResult<f32> {
     let quality = Quality::new(4, shadows, i64::from(LAYERS), 0.0, "none")?;
-    let size = camera::size(size.into())?;
+    let size = camera.map_or(Cameras::Usual, |camera| Cameras::One(camera.clone())).size(size)?;
     let camera = camera.map_or_else(|| scene.usual_camera(size), |camera| camera.at(size));
     let (machine, core) = (machine(py, backend)?, &scene.scene);
     let stops = py.detach(|| {

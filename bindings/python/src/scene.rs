@@ -7,8 +7,10 @@ use crate::camera::{self, Camera, View};
 use crate::light::Light;
 use crate::material::changed;
 use crate::rays::{self, Question};
-use glam::{Mat4, Quat, Vec3};
-use pyo3::exceptions::{PyFileNotFoundError, PyIndexError, PyOSError, PyRuntimeError, PyValueError};
+use glam::{DVec3, Mat4, Quat, Vec3};
+use pyo3::exceptions::{
+    PyFileNotFoundError, PyIndexError, PyOSError, PyRuntimeError, PyUserWarning, PyValueError,
+};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rtrt::demo;
@@ -17,6 +19,8 @@ use rtrt::import::{
 };
 use rtrt::layers::Layers;
 use rtrt::objects::{Seen, seen};
+use rtrt::orbit::orbit;
+use rtrt::poses::{self, Poses};
 use rtrt_core::query::Tree;
 use rtrt_core::scene::{
     Attribute, Backdrop, Bvh, Content, Image, InstanceIndex, Material, MaterialIndex, Mesh, MeshIndex,
@@ -25,6 +29,7 @@ use rtrt_core::scene::{
 use rtrt_cpu::Parallel;
 use std::cell::Cell;
 use std::collections::BTreeMap;
+use std::ffi::CString;
 use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -43,6 +48,10 @@ pub struct Scene {
     meshes: Vec<MeshIndex>,
     materials: BTreeMap<u32, MaterialIndex>,
     textures: Vec<Texture>,
+    mesh_names: Vec<String>,
+    material_names: BTreeMap<u32, String>,
+    /// What coordinates are relative to, in those of the file.
+    origin: DVec3,
     labels: Vec<Label>,
     cameras: Vec<NamedCamera>,
     animation: Option<Animation>,
@@ -81,6 +90,7 @@ impl Scene {
             }
         }
         (found.labels, found.cameras, found.animation) = (labels, cameras, animation);
+        found.origin = origin;
         (found.warnings, found.files) = (warnings, files);
         found
     }
@@ -92,6 +102,9 @@ impl Scene {
             meshes: vec![],
             materials: BTreeMap::new(),
             textures: vec![],
+            mesh_names: vec![],
+            material_names: BTreeMap::new(),
+            origin: DVec3::ZERO,
             labels: vec![],
             cameras: vec![],
             animation: None,
@@ -106,8 +119,13 @@ impl Scene {
         let aspect = size[0] as f32 / size[1] as f32;
         match self.cameras.first() {
             Some(named) => Camera::of(named.clone()).at(size),
-            None => View { camera: framing(&self.scene, aspect), clip: [0.0, f32::INFINITY] },
+            None => Camera::around(framing(&self.scene, aspect), String::new()).at(size),
         }
+    }
+
+    /// The first camera of the file.
+    pub fn first_camera(&self) -> Option<Camera> {
+        self.cameras.first().cloned().map(Camera::of)
     }
 
     fn object(&self, number: i64) -> PyResult<InstanceIndex> {
@@ -132,11 +150,23 @@ impl Scene {
         })
     }
 
-    /// Remembers what an object that was just added is called.
-    fn label(&mut self, object: InstanceIndex, node: Option<String>) -> u32 {
-        self.labels.resize_with(object.number() as usize + 1, Label::default);
-        self.labels[object.number() as usize].node = node.unwrap_or_default();
-        object.number()
+    /// Remembers what an object that was just added is called. What has no name has its number.
+    fn label(
+        &mut self,
+        object: InstanceIndex,
+        node: Option<String>,
+        mesh: String,
+        material: MaterialIndex,
+    ) -> u32 {
+        let number = object.number();
+        let material = match self.material_names.get(&material.number()) {
+            Some(name) => name.clone(),
+            None => format!("material {}", material.number()),
+        };
+        self.labels.resize_with(number as usize + 1, Label::default);
+        let node = node.unwrap_or_else(|| format!("object {number}"));
+        self.labels[number as usize] = Label { node, mesh, material, path: String::new() };
+        number
     }
 }
 
@@ -282,7 +312,8 @@ impl Scene {
     ///     colors: Linear RGB or RGBA of vertices, uint8, (n, 3) or (n, 4); multiplied with that of the material.
     ///     tangents: Directions of u and the sign of the bitangent, (n, 4), for normal maps; made from uvs if not given and
     ///         `make_tangents`.
-    #[pyo3(signature = (positions, triangles = None, *, normals = None, uvs = None, colors = None, tangents = None, make_tangents = false))]
+    ///     name: What `labels` calls it; its number if not given.
+    #[pyo3(signature = (positions, triangles = None, *, normals = None, uvs = None, colors = None, tangents = None, make_tangents = false, name = None))]
     #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
     fn add_mesh(
         &mut self,
@@ -294,6 +325,7 @@ impl Scene {
         colors: Option<&Bound<'_, PyAny>>,
         tangents: Option<&Bound<'_, PyAny>>,
         make_tangents: bool,
+        name: Option<String>,
     ) -> PyResult<usize> {
         let mut mesh = mesh(positions, triangles, normals, uvs, colors)?;
         if let Some(tangents) = tangents {
@@ -307,6 +339,7 @@ impl Scene {
             let tree = threads()?.install(|| Bvh::build(&mesh, &Parallel));
             scene.add_mesh(&mesh, &tree).map_err(refused)
         })?;
+        self.mesh_names.push(name.unwrap_or_else(|| format!("mesh {}", self.meshes.len())));
         self.meshes.push(index);
         Ok(self.meshes.len() - 1)
     }
@@ -352,14 +385,21 @@ impl Scene {
     }
 
     /// Adds a material, and returns its number; without arguments it is white and matte. Its arguments are those of glTF's
-    /// metallic-roughness; see the type stub. Colors are linear RGB, maps are numbers of textures.
-    #[pyo3(signature = (**properties))]
-    fn add_material(&mut self, properties: Option<&Bound<'_, PyDict>>) -> PyResult<u32> {
+    /// metallic-roughness; see the type stub. Colors are linear RGB, maps are numbers of textures; `labels` calls it by its
+    /// `name`, or its number.
+    #[pyo3(signature = (*, name = None, **properties))]
+    fn add_material(
+        &mut self,
+        name: Option<String>,
+        properties: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<u32> {
         let material = changed(Material::default(), properties, &self.textures)?;
         let index = self.scene.add_material(material).map_err(refused)?;
-        let number = self.scene.materials().len() as u32 - 1;
-        self.materials.insert(number, index);
-        Ok(number)
+        self.materials.insert(index.number(), index);
+        if let Some(name) = name {
+            self.material_names.insert(index.number(), name);
+        }
+        Ok(index.number())
     }
 
     /// Changes a material; what is not named stays.
@@ -376,7 +416,7 @@ impl Scene {
     /// Args:
     ///     mesh, material: Their numbers.
     ///     transform: The matrix from the mesh's space to the world, 4 x 4 or 3 x 4; the identity if not given.
-    ///     name: What `labels` calls it.
+    ///     name: What `labels` calls it; its number if not given.
     #[pyo3(signature = (mesh, material, transform = None, *, name = None))]
     fn add_instance(
         &mut self,
@@ -385,9 +425,10 @@ impl Scene {
         transform: Option<&Bound<'_, PyAny>>,
         name: Option<String>,
     ) -> PyResult<u32> {
-        let (mesh, material) = (self.mesh_index(mesh)?, self.material_index(material)?);
-        let object = self.scene.add_instance(mesh, material, place(transform)?).map_err(refused)?;
-        Ok(self.label(object, name))
+        let (index, material) = (self.mesh_index(mesh)?, self.material_index(material)?);
+        let object = self.scene.add_instance(index, material, place(transform)?).map_err(refused)?;
+        let mesh = self.mesh_names[mesh as usize].clone();
+        Ok(self.label(object, name, mesh, material))
     }
 
     /// Adds a sphere, round however close one looks, and returns the number of the object.
@@ -396,7 +437,7 @@ impl Scene {
     ///     material: Its number.
     ///     center, radius: Where it is.
     ///     transform: Instead, the matrix that places a sphere of radius 1 around the origin, and may make an ellipsoid of it.
-    ///     name: What `labels` calls it.
+    ///     name: What `labels` calls it; its number if not given.
     #[pyo3(signature = (material, center = None, radius = None, *, transform = None, name = None))]
     fn add_sphere(
         &mut self,
@@ -424,7 +465,7 @@ impl Scene {
             }
         };
         let object = self.scene.add_sphere(material, to_world).map_err(refused)?;
-        Ok(self.label(object, name))
+        Ok(self.label(object, name, "sphere".into(), material))
     }
 
     /// Moves an object; one that was hidden is seen again.
@@ -609,7 +650,55 @@ impl Scene {
             None => framing(&self.scene, aspect),
             Some(direction) => framing_from(&self.scene, aspect, vector("direction", direction)?.into()),
         };
-        Ok(Camera::of(NamedCamera { name: String::new(), camera, aspect: None, clip: [0.0, f32::INFINITY] }))
+        Ok(Camera::around(camera, String::new()))
+    }
+
+    /// The cameras of a file of cameras, as the option `--cameras` of the command reads it: rtrt's JSON, or NeRF's
+    /// transforms.json. Each has a `name`, a `size`, and perhaps a `time`.
+    ///
+    /// Args:
+    ///     path: The file.
+    ///     size: Width and height of pictures of which the file does not say them.
+    #[pyo3(signature = (path, size = (640, 360)))]
+    fn load_cameras(&self, py: Python<'_>, path: PathBuf, size: (i64, i64)) -> PyResult<Vec<Camera>> {
+        let read = poses::read(&path, camera::size(size.into())?);
+        let Poses { poses, warnings } = read.map_err(|error| {
+            let why = error.to_string();
+            if error.is_missing { PyFileNotFoundError::new_err(why) } else { PyValueError::new_err(why) }
+        })?;
+        for warning in warnings {
+            let text = CString::new(format!("{}: {warning}", path.display())).unwrap_or_default();
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
+        }
+        Ok(poses.iter().map(|pose| Camera::posed(pose, self.origin)).collect())
+    }
+
+    /// Cameras evenly around the point that one looks at, as the option `--orbit` of the command has them: the first is that
+    /// one, and the others follow counterclockwise, seen from above.
+    ///
+    /// Args:
+    ///     count: How many.
+    ///     camera: The first; the file's first one, or one that sees everything, as all others then do, if not given.
+    ///     size: Width and height of the pictures that they see everything in.
+    #[pyo3(signature = (count, camera = None, size = (640, 360)))]
+    fn orbit(&self, count: i64, camera: Option<&Camera>, size: (i64, i64)) -> PyResult<Vec<Camera>> {
+        let size = camera::size(size.into())?;
+        let count = u32::try_from(count).ok().filter(|count| (1..=1_000_000).contains(count));
+        let count = count.ok_or_else(|| PyValueError::new_err("count is not within 1 .. 1000000"))?;
+        let is_framed = camera.is_none() && self.cameras.is_empty();
+        let aspect = is_framed.then(|| size[0] as f32 / size[1] as f32);
+        let first = camera.map_or_else(|| self.usual_camera(size), |camera| camera.at(size));
+        let all = orbit(&self.scene, &first.camera, count, aspect);
+        let name = |number: usize| format!("orbit-{number:04}");
+        let all = all.into_iter().enumerate();
+        Ok(all.map(|(number, camera)| Camera::around(camera, name(number)).sized(size)).collect())
+    }
+
+    /// What coordinates are relative to, in those of the file: 0, 0, 0 unless that is so far away that single precision would
+    /// round them.
+    #[getter]
+    fn origin(&self) -> (f64, f64, f64) {
+        self.origin.into()
     }
 
     /// What is known of each object: a list of dicts with its number `object`, its `node`, `mesh` and `material` as the file

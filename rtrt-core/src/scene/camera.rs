@@ -10,12 +10,13 @@ use bytemuck::Zeroable;
 use glam::DVec3;
 
 impl Camera {
-    /// The camera's view for a frame of this size, computed in `f64`.
+    /// The camera's view for a frame of this size, computed in `f64`. Its rays
+    /// ([`camera_ray`](crate::kernel::view::camera_ray)) are those of the frame.
     ///
     /// # Errors
     /// [`SetupError::Camera`] where eye and target coincide, `up` is along the view, or a
     /// number is out of range.
-    pub(crate) fn view(&self, grid: Grid) -> Result<View, SetupError> {
+    pub fn view(&self, grid: Grid) -> Result<View, SetupError> {
         let error = |why| SetupError::Camera { why };
         let eye = self.eye.map(floored).as_dvec3();
         if !(eye.is_finite() && self.look_at.is_finite() && self.up.is_finite()) {

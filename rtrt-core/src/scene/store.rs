@@ -38,6 +38,14 @@ pub struct MaterialIndex {
     /// [`Scene::id`].
     pub(super) scene: u32,
 }
+impl MaterialIndex {
+    /// The number of the material, from 0 in the order in which materials were added: its place in
+    /// [`Scene::materials`].
+    pub fn number(self) -> u32 {
+        self.number
+    }
+}
+
 /// An instance of one scene; other scenes refuse it. Equal hits are decided by it: the lower one wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct InstanceIndex {

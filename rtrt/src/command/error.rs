@@ -3,6 +3,7 @@
 use super::parse::ends_in;
 use rtrt::choose::ChooseError;
 use rtrt::import::ImportError;
+use rtrt::poses::PosesError;
 use rtrt_core::backend::RenderError;
 use rtrt_core::scene::SetupError;
 use std::io;
@@ -64,13 +65,8 @@ pub enum Error {
         hint: String,
     },
     /// The file of `--cameras` is invalid.
-    #[error("cameras refused: {}: {why}", path.display())]
-    Poses {
-        /// The file.
-        path: PathBuf,
-        /// The camera, and the reason.
-        why: String,
-    },
+    #[error(transparent)]
+    Poses(#[from] PosesError),
     /// The film could not be made.
     #[error("cannot make the film: {}: {why}", path.display())]
     Video {
@@ -247,7 +243,7 @@ impl Error {
             | Self::Defaults { .. }
             | Self::SameName { .. }
             | Self::Usage(_) => 2,
-            Self::Import(_) | Self::Blank { .. } | Self::Reference { .. } | Self::Poses { .. } => 3,
+            Self::Import(_) | Self::Blank { .. } | Self::Reference { .. } | Self::Poses(_) => 3,
             Self::Strict { code, .. } => *code,
             #[cfg(feature = "viewer")]
             Self::Record { .. } => 1,
@@ -277,7 +273,7 @@ impl Error {
             }
             Self::Number { .. } => "`rtrt render --report FILE` has the numbers of objects and materials",
             Self::Animation { .. } => "--animation takes a number, a name, or all",
-            Self::Poses { .. } => "README.md, \"Many views\", has the keys of that file",
+            Self::Poses(_) => "README.md, \"Many views\", has the keys of that file",
             Self::Video { .. } => "a film needs ffmpeg; -o - writes frames for another program",
             Self::SameName { .. } => "names of files may contain {scene}, {camera}, {frame} and {n}",
             Self::Defaults { .. } => {

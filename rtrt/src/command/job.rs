@@ -19,6 +19,7 @@ use rtrt::demo;
 use rtrt::import::{self, Animation, ImportError, Label, Loaded, NamedCamera, Pose};
 use rtrt::layers::MOST_RAYS;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows, ToneMap};
+use rtrt_core::layout::Kind;
 use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
 use std::collections::BTreeMap;
@@ -98,7 +99,7 @@ impl RenderJob {
         let camera_number = camera_number(common, &loaded.cameras)?;
         let camera = camera(common, &mut loaded, camera_number, time.is_some())?;
         let clip = clip(&common.camera, loaded.cameras.get(camera_number));
-        let Loaded { mut scene, origin, cameras, labels, animation, files, bvh_build_ms, .. } = loaded;
+        let Loaded { mut scene, origin, cameras, mut labels, animation, files, bvh_build_ms, .. } = loaded;
         let own_lights = common.lights.is_empty() && !scene.lights().is_empty();
         if !common.lights.is_empty() {
             *scene.lights_mut() = common.lights.iter().map(|light| light.relative_to(origin)).collect();
@@ -122,8 +123,9 @@ impl RenderJob {
         }
         if common.surroundings.ground {
             let path = &common.scene;
-            import::add_ground(&mut scene)
+            let ground = import::add_ground(&mut scene)
                 .map_err(|source| ImportError::Scene { path: path.clone(), source })?;
+            labels.extend(ground.map(|_| added("ground")));
         }
         scene.mip = common.mip;
         scene.occluders = common.sun_shadows;
@@ -243,6 +245,15 @@ impl RenderJob {
             }
         }
         Ok(())
+    }
+
+    /// What an object is called.
+    pub fn label(&self, number: usize) -> Label {
+        let kind = self.scene.instances().get(number).map_or(0, |instance| instance.kind);
+        match kind.checked_sub(Kind::Light as u32) {
+            Some(light) => added(&format!("light {light}")),
+            None => self.labels.get(number).cloned().unwrap_or_default(),
+        }
     }
 
     /// The names of the file's cameras.
@@ -481,6 +492,11 @@ fn choose_animation(
         }
     }
     Ok(())
+}
+
+/// The label of an object that is in no file.
+fn added(name: &str) -> Label {
+    Label { node: name.into(), mesh: name.into(), material: name.into(), path: String::new() }
 }
 
 /// Hides an object.

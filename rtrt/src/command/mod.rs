@@ -17,7 +17,6 @@ mod npy;
 mod options;
 mod output;
 mod parse;
-mod poses;
 mod render;
 mod repaint;
 mod report;

@@ -12,7 +12,6 @@ use super::npy::{Array, npz};
 use super::options::RenderOptions;
 use super::output::{self, png};
 use super::parse::{Background, Stream, ends_in, is_standard};
-use super::poses::{self, Pose};
 use super::report::{Machine, PerStage, buffer_hashes};
 use super::run_report::{RunReport, Shot};
 use super::sinks::Sinks;
@@ -23,6 +22,7 @@ use image::ExtendedColorType::{Rgba8, Rgba16};
 use rtrt::hash;
 use rtrt::layers::Layers;
 use rtrt::motion::{Before, motion};
+use rtrt::poses::{self, Pose};
 use rtrt_core::backend::{Backend, Picture, little_endian};
 use rtrt_core::layout::Backdrop;
 use rtrt_core::schedule::Stage;
@@ -39,8 +39,10 @@ pub const SAMPLES: u32 = 4;
 struct RenderReport<'a> {
     #[serde(flatten)]
     machine: Machine,
+    scene: &'a Path,
+    #[serde(flatten)]
+    shot: &'a Shot,
     size: [u32; 2],
-    samples: u32,
     stages_ms: PerStage<f64>,
     /// Wall-clock time of the frame, including the upload of the scene.
     frame_ms: f64,
@@ -218,7 +220,8 @@ impl Run<'_> {
         let stages_ms = stages(&self.picture);
         console.detail(format_args!("frame {number} of {}: {frame_ms:.1} ms, in {stages_ms}", view.name));
         let shot = Shot::new(job, &view.name, number, frame.time);
-        let layers = needs_layers(options).then(|| Layers::new(&job.scene, &self.picture, job.samples));
+        let layers =
+            needs_layers(options).then(|| Layers::new(&job.scene, &job.request(true), &self.picture));
         // What needs them has asked for the deferred buffers.
         let layers = layers.flatten().unwrap_or_default();
         if let Some(path) = &aov {
@@ -246,7 +249,14 @@ impl Run<'_> {
             console.say(format_args!("equal to {}", reference.display()));
         }
         if let Some(report) = report {
-            report.add_frame(shot, [output.as_deref(), aov.as_deref()], job, picture, &layers, frame_ms);
+            report.add_frame(
+                shot.clone(),
+                [output.as_deref(), aov.as_deref()],
+                job,
+                picture,
+                &layers,
+                frame_ms,
+            );
         }
         if !options.common.json && !options.hash {
             return Ok(());
@@ -258,8 +268,9 @@ impl Run<'_> {
         }
         console.print(output::json(&RenderReport {
             machine: machine.clone(),
+            scene: frame.scene,
+            shot: &shot,
             size: job.size,
-            samples: job.samples,
             stages_ms: PerStage(picture.stages_ms),
             frame_ms,
             bvh_build_ms: job.bvh_build_ms,

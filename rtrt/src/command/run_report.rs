@@ -1,12 +1,13 @@
 //! What a run has rendered: the JSON of `--report`, and the header of EXR files.
 //!
-//! Its list `frames` has the keys of [`super::poses`], so that `--cameras` renders the same views again.
+//! Its list `frames` has the keys of [`rtrt::poses`], so that `--cameras` renders the same views again.
 
 use super::job::RenderJob;
 use super::memory::peak_rss_bytes;
 use super::report::{Machine, PerStage};
 use glam::{DMat4, DVec3};
 use rtrt::hash;
+use rtrt::import::Label;
 use rtrt::layers::Layers;
 use rtrt::objects::seen;
 use rtrt::pose::{Pinhole, to_world};
@@ -93,7 +94,7 @@ struct SeenReport {
 }
 
 /// How the light of a picture was taken: nothing that differs from run to run, and nothing of its display.
-#[derive(Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Shot {
     camera: String,
     frame: u32,
@@ -179,8 +180,7 @@ impl RunReport {
     /// Adds a scene, to which the next frames belong.
     pub fn add_scene(&mut self, path: &Path, job: &RenderJob) {
         let object = |(id, instance): (usize, &rtrt_core::layout::Instance)| {
-            let label = job.labels.get(id).cloned().unwrap_or_default();
-            let (node, mesh, material) = (label.node, label.mesh, label.material);
+            let Label { node, mesh, material, .. } = job.label(id);
             ObjectReport { id, node, mesh, material, material_id: instance.material }
         };
         self.scenes.push(SceneReport {

@@ -1,14 +1,12 @@
 //! `demo:glass`: light through colored panes.
 
-use super::builder::loaded;
+use super::builder::{DemoBuilder, loaded};
 use super::noise::hash;
 use super::shape::Shape;
-use crate::import::builder::Builder;
-use crate::import::{ImportError, Loaded, Options};
-use glam::{Mat4, Vec3, vec3};
+use crate::import::{ImportError, Loaded};
+use glam::{Vec3, vec3};
 use rtrt_core::scene::{Camera, Join, Light, Material, MaterialIndex, Projection};
 use std::f32::consts::PI;
-use std::path::Path;
 
 /// The lower and the upper corner of the room.
 const ROOM: [Vec3; 2] = [vec3(-1.9, 0.0, -2.2), vec3(2.6, 3.4, 4.6)];
@@ -16,13 +14,13 @@ const ROOM: [Vec3; 2] = [vec3(-1.9, 0.0, -2.2), vec3(2.6, 3.4, 4.6)];
 pub const GLASS: &str = "demo:glass";
 
 /// The colors of the panes.
-const COLORS: [[f32; 3]; 6] = [
-    [0.95, 0.04, 0.03],
-    [0.02, 0.12, 0.90],
-    [0.98, 0.62, 0.02],
-    [0.02, 0.60, 0.12],
-    [0.55, 0.03, 0.70],
-    [0.02, 0.65, 0.75],
+const COLORS: [(&str, [f32; 3]); 6] = [
+    ("red", [0.95, 0.04, 0.03]),
+    ("blue", [0.02, 0.12, 0.90]),
+    ("yellow", [0.98, 0.62, 0.02]),
+    ("green", [0.02, 0.60, 0.12]),
+    ("violet", [0.55, 0.03, 0.70]),
+    ("cyan", [0.02, 0.65, 0.75]),
 ];
 /// Panes beside and above one another.
 const PANES: [u32; 2] = [6, 7];
@@ -37,10 +35,11 @@ const CORNER: Vec3 = vec3(-1.9, 0.35, -1.35);
 /// # Errors
 /// Those of [`crate::import::load`]; the scene causes none.
 pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut stage = GlassBuilder { builder: Builder::new(Path::new(GLASS), join, &Options::default()) };
-    stage.room()?;
-    stage.window()?;
+    let mut stage = DemoBuilder::new(GLASS, join);
+    stage.glass_room()?;
+    stage.stained_window()?;
     stage.sheets()?;
+    let labels = stage.builder.labels();
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.15, 0.155, 0.17);
     scene.background = vec3(0.55, 0.70, 0.90);
@@ -52,37 +51,30 @@ pub fn glass(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.80 },
     };
-    Ok(loaded(scene, "window", camera, stage.builder.bvh_build_ms))
+    Ok(loaded(scene, labels, "window", camera, stage.builder.bvh_build_ms))
 }
 
-/// The scene that is being built.
-struct GlassBuilder<'a, J> {
-    builder: Builder<'a, J>,
-}
-
-impl<J: Join> GlassBuilder<'_, J> {
-    fn opaque(&mut self, color: [f32; 3], roughness: f32) -> Result<MaterialIndex, ImportError> {
-        self.builder.add_material(Material::new(color).roughness(roughness))
-    }
+impl<J: Join> DemoBuilder<'_, J> {
     /// Glass with a glow in its color, as light that passes through would give it.
-    fn glass(&mut self, color: [f32; 3], alpha: f32, glow: f32) -> Result<MaterialIndex, ImportError> {
+    fn glowing(
+        &mut self,
+        name: &str,
+        color: [f32; 3],
+        alpha: f32,
+        glow: f32,
+    ) -> Result<MaterialIndex, ImportError> {
         let glass = Material::new(color).roughness(0.15).emission(color.map(|c| c * glow));
-        self.builder.add_material(glass.blend(alpha))
-    }
-    fn add(&mut self, shape: Shape, material: MaterialIndex) -> Result<(), ImportError> {
-        let mesh = self.builder.add_mesh(GLASS, shape.0)?;
-        self.builder.add_instance(GLASS, mesh, material, Mat4::IDENTITY)?;
-        Ok(())
+        self.named(name, glass.blend(alpha))
     }
 
     /// A closed room with an opening for the window.
-    fn room(&mut self) -> Result<(), ImportError> {
-        let floor = self.opaque([0.60, 0.56, 0.50], 0.7)?;
-        let wall = self.opaque([0.80, 0.78, 0.74], 0.95)?;
+    fn glass_room(&mut self) -> Result<(), ImportError> {
+        let floor = self.painted("floor", [0.60, 0.56, 0.50], 0.7)?;
+        let wall = self.painted("wall", [0.80, 0.78, 0.74], 0.95)?;
         let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
         let [low, high] = ROOM;
         let size = high - low;
-        self.add(Shape::default().tiled(low, x * size.x, z * size.z, 1.0), floor)?;
+        self.add("floor", Shape::default().tiled(low, x * size.x, z * size.z, 1.0), floor)?;
         let (from, to) = (CORNER, CORNER + vec3(0.0, PANES[1] as f32, PANES[0] as f32) * PANE);
         let left = |z: f32, y: f32| vec3(low.x, y, z);
         let walls = Shape::default()
@@ -95,12 +87,12 @@ impl<J: Join> GlassBuilder<'_, J> {
             .tiled(left(to.z, low.y), z * (high.z - to.z), y * size.y, 1.0)
             .tiled(left(from.z, low.y), z * (to.z - from.z), y * (from.y - low.y), 1.0)
             .tiled(left(from.z, to.y), z * (to.z - from.z), y * (high.y - to.y), 1.0);
-        self.add(walls, wall)
+        self.add("walls", walls, wall)
     }
 
     /// Panes between bars of lead.
-    fn window(&mut self) -> Result<(), ImportError> {
-        let lead = self.opaque([0.03; 3], 0.4)?;
+    fn stained_window(&mut self) -> Result<(), ImportError> {
+        let lead = self.painted("lead", [0.03; 3], 0.4)?;
         let size = Vec3::new(0.0, PANES[1] as f32 * PANE, PANES[0] as f32 * PANE);
         let mut panes: [Shape; COLORS.len()] = Default::default();
         for row in 0..PANES[1] {
@@ -111,9 +103,9 @@ impl<J: Join> GlassBuilder<'_, J> {
                 panes[color] = pane.tiled(corner, Vec3::Z * PANE, Vec3::Y * PANE, 1.0);
             }
         }
-        for (shape, color) in panes.into_iter().zip(COLORS) {
-            let glass = self.glass(color, 0.88, 0.4)?;
-            self.add(shape, glass)?;
+        for (shape, (name, color)) in panes.into_iter().zip(COLORS) {
+            let glass = self.glowing(&format!("{name} glass"), color, 0.88, 0.4)?;
+            self.add(&format!("{name} panes"), shape, glass)?;
         }
         let bar = |from: Vec3, to: Vec3, half: f32| (from - Vec3::splat(half), to + Vec3::splat(half));
         let mut bars = Shape::default();
@@ -129,20 +121,20 @@ impl<J: Join> GlassBuilder<'_, J> {
             let (low, high) = bar(from, from + Vec3::Y * size.y, half);
             bars = bars.cuboid(low, high, 1.0);
         }
-        self.add(bars, lead)
+        self.add("bars", bars, lead)
     }
 
     /// Two overlapping sheets on the floor, and a ball within a ball of glass.
     fn sheets(&mut self) -> Result<(), ImportError> {
-        let (red, blue) =
-            (self.glass([0.95, 0.15, 0.05], 0.5, 0.1)?, self.glass([0.05, 0.25, 0.95], 0.5, 0.1)?);
-        let up = Vec3::Y * 0.9;
-        self.add(Shape::default().tiled(vec3(0.15, 0.0, 0.95), vec3(0.75, 0.0, 0.35), up, 1.0), red)?;
-        self.add(Shape::default().tiled(vec3(0.35, 0.0, 1.35), vec3(0.80, 0.0, -0.45), up, 1.0), blue)?;
-        let clear = self.glass([0.75, 0.95, 0.85], 0.25, 0.0)?;
-        let gold = self.opaque([0.85, 0.55, 0.12], 0.3)?;
+        let red = self.glowing("red sheet", [0.95, 0.15, 0.05], 0.5, 0.1)?;
+        let blue = self.glowing("blue sheet", [0.05, 0.25, 0.95], 0.5, 0.1)?;
+        let (up, sheet) = (Vec3::Y * 0.9, Shape::default);
+        self.add("red sheet", sheet().tiled(vec3(0.15, 0.0, 0.95), vec3(0.75, 0.0, 0.35), up, 1.0), red)?;
+        self.add("blue sheet", sheet().tiled(vec3(0.35, 0.0, 1.35), vec3(0.80, 0.0, -0.45), up, 1.0), blue)?;
+        let clear = self.glowing("clear glass", [0.75, 0.95, 0.85], 0.25, 0.0)?;
+        let gold = self.painted("gold", [0.85, 0.55, 0.12], 0.3)?;
         let middle = vec3(1.55, 0.36, 0.2);
-        self.add(Shape::default().ellipsoid(middle, 0.36, 0.36), clear)?;
-        self.add(Shape::default().ellipsoid(middle - Vec3::Y * 0.12, 0.17, 0.17), gold)
+        self.add("glass ball", Shape::default().ellipsoid(middle, 0.36, 0.36), clear)?;
+        self.add("gold ball", Shape::default().ellipsoid(middle - Vec3::Y * 0.12, 0.17, 0.17), gold)
     }
 }

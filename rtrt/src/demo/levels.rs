@@ -1,15 +1,13 @@
 //! `demo:levels`: objects with levels of detail.
 
-use super::builder::loaded;
+use super::builder::{DemoBuilder, loaded};
 use super::shape::Shape;
-use crate::import::builder::Builder;
 use crate::import::geometry::Geometry;
-use crate::import::{ImportError, Loaded, Options};
+use crate::import::{ImportError, Loaded};
 use glam::{Mat4, Vec3, vec3};
 use rtrt_core::layout::Attribute;
-use rtrt_core::scene::{Camera, Join, Light, Material, Projection};
+use rtrt_core::scene::{Camera, Join, Light, Projection};
 use std::f32::consts::PI;
-use std::path::Path;
 
 /// The name of the scene in place of a path.
 pub const LEVELS: &str = "demo:levels";
@@ -28,26 +26,27 @@ const STEPS: [(f32, u32, [f32; 3]); 4] = [
 /// # Errors
 /// Those of [`crate::import::load`]; the scene causes none.
 pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
-    let mut builder = Builder::new(Path::new(LEVELS), join, &Options::default());
-    let floor = builder.add_material(Material::new([0.5, 0.48, 0.45]).roughness(0.9))?;
+    let mut stage = DemoBuilder::new(LEVELS, join);
+    let floor = stage.painted("ground", [0.5, 0.48, 0.45], 0.9)?;
     let shape = Shape::default().tiled(vec3(-60.0, 0.0, -120.0), Vec3::X * 120.0, Vec3::Z * 130.0, 1.0);
-    let mesh = builder.add_mesh(LEVELS, shape.0)?;
-    builder.add_instance(LEVELS, mesh, floor, Mat4::IDENTITY)?;
-    let white = builder.add_material(Material::new([0.9; 3]).roughness(0.4))?;
+    stage.add("ground", shape, floor)?;
+    let white = stage.painted("white", [0.9; 3], 0.4)?;
     let mut meshes = Vec::new();
     for (from, rings, color) in STEPS {
-        meshes.push((from, builder.add_mesh(LEVELS, ball(rings, color))?));
+        meshes.push((from, stage.mesh(ball(rings, color))?));
     }
     for number in 0..32 * 40 {
         let (column, row) = ((number % 32) as f32, (number / 32) as f32);
         let center = vec3((column - 15.5) * 2.0, 0.6, 2.0 - row * 2.2);
         let place = Mat4::from_translation(center) * Mat4::from_scale(Vec3::splat(0.6));
-        if let Some(object) = builder.add_instance(LEVELS, meshes[0].1, white, place)? {
-            let set = builder.scene.set_levels(object, &meshes[1..]);
+        let name = format!("ball {number}");
+        if let Some(object) = stage.place([&name, "ball"], meshes[0].1, white, place)? {
+            let set = stage.builder.scene.set_levels(object, &meshes[1..]);
             set.map_err(|source| ImportError::Scene { path: LEVELS.into(), source })?;
         }
     }
-    let mut scene = builder.scene;
+    let labels = stage.builder.labels();
+    let mut scene = stage.builder.scene;
     scene.background = vec3(0.55, 0.70, 0.90);
     scene.ambient = vec3(0.2, 0.21, 0.23);
     scene.add_light(Light::sun(vec3(-0.6, -1.0, -0.7)).color(vec3(1.0, 0.96, 0.88) * PI));
@@ -57,11 +56,11 @@ pub fn levels(join: &impl Join) -> Result<Loaded, ImportError> {
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.7 },
     };
-    Ok(loaded(scene, "field", camera, builder.bvh_build_ms))
+    Ok(loaded(scene, labels, "field", camera, stage.builder.bvh_build_ms))
 }
 
 /// A ball: so many rings of as many quads.
-fn ball(rings: u32, color: [f32; 3]) -> Geometry {
+fn ball(rings: u32, color: [f32; 3]) -> Shape {
     let [r, g, b] = color.map(|channel| channel / 255.0);
     let color = Attribute::pack_color([r, g, b, 1.0]);
     let mut ball = Geometry::default();
@@ -82,5 +81,5 @@ fn ball(rings: u32, color: [f32; 3]) -> Geometry {
             ball.indices.extend([above, above + 1, below + 1, above, below + 1, below]);
         }
     }
-    ball
+    Shape(ball)
 }

@@ -38,11 +38,11 @@ struct Goods {
 pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut stage = DemoBuilder::new(MOVING, join);
     let planks = stage.texture(paint::planks())?;
-    let floor = stage.material([0.95; 3], 0.6, planks)?;
+    let floor = stage.material("planks", [0.95; 3], 0.6, planks)?;
     let shape = Shape::default().tiled(vec3(-16.0, 0.0, -9.0), Vec3::X * 32.0, Vec3::Z * 18.0, 2.4);
-    let mesh = stage.builder.add_mesh(MOVING, shape.0)?;
-    stage.builder.add_instance(MOVING, mesh, floor, Mat4::IDENTITY)?;
+    stage.add("floor", shape, floor)?;
     let motions = stage.lanes()?;
+    let labels = stage.builder.labels();
     let mut scene = stage.builder.scene;
     scene.ambient = vec3(0.16, 0.17, 0.19);
     scene.background = vec3(0.55, 0.70, 0.90);
@@ -55,21 +55,25 @@ pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
         projection: Projection::Perspective { fov_y: 0.75 },
     };
     let animation = Some(Animation::of_motions(MOVING, motions, END));
-    Ok(Loaded { animation, ..loaded(scene, "lanes", camera, stage.builder.bvh_build_ms) })
+    Ok(Loaded { animation, ..loaded(scene, labels, "lanes", camera, stage.builder.bvh_build_ms) })
 }
 
 impl<J: Join> DemoBuilder<'_, J> {
     /// The objects with their starts and motions.
     fn lanes(&mut self) -> Result<Vec<(InstanceIndex, Mat4, Motion)>, ImportError> {
         let board = self.texture(paint::board())?;
-        let tints = [[0.9, 0.25, 0.15], [0.15, 0.7, 0.3], [0.15, 0.35, 0.9]];
-        let [red, green, blue] = tints.map(|tint| self.glass(tint, 0.35));
+        let tints = [
+            ("red glass", [0.9, 0.25, 0.15]),
+            ("green glass", [0.15, 0.7, 0.3]),
+            ("blue glass", [0.15, 0.35, 0.9]),
+        ];
+        let [red, green, blue] = tints.map(|(name, tint)| self.glass(name, tint, 0.35));
         let goods = Goods {
             cube: self
                 .builder
                 .add_mesh(MOVING, Shape::default().cuboid(Vec3::splat(-1.0), Vec3::ONE, 0.8).0)?,
-            board: self.material([1.0; 3], 0.8, board)?,
-            metal: self.builder.add_material(Material::new([0.9, 0.7, 0.4]).metallic(1.0).roughness(0.3))?,
+            board: self.material("board", [1.0; 3], 0.8, board)?,
+            metal: self.named("metal", Material::new([0.9, 0.7, 0.4]).metallic(1.0).roughness(0.3))?,
             glass: [red?, green?, blue?],
         };
         let mut motions = Vec::new();
@@ -86,8 +90,10 @@ impl<J: Join> DemoBuilder<'_, J> {
                     axis,
                     rate: 0.5 + 1.5 * random(6),
                 };
-                let (object, start) = self.flying(&goods, lane + number, center)?;
-                motions.push((object, start, motion));
+                let name = format!("lane {lane}, {number}");
+                if let Some((object, start)) = self.flying(&name, &goods, lane + number, center)? {
+                    motions.push((object, start, motion));
+                }
             }
         }
         Ok(motions)
@@ -96,22 +102,21 @@ impl<J: Join> DemoBuilder<'_, J> {
     /// A box, an ellipsoid, or a pane.
     fn flying(
         &mut self,
+        name: &str,
         goods: &Goods,
         number: u32,
         center: Vec3,
-    ) -> Result<(InstanceIndex, Mat4), ImportError> {
+    ) -> Result<Option<(InstanceIndex, Mat4)>, ImportError> {
         let at = |size| Mat4::from_scale_rotation_translation(size, Quat::IDENTITY, center);
         let (material, start) = match number % 3 {
             0 => (goods.board, at(Vec3::splat(0.36))),
             1 => (goods.metal, at(vec3(0.5, 0.3, 0.3))),
             _ => (goods.glass[(number / 3 % 3) as usize], at(vec3(0.5, 0.4, 0.03))),
         };
-        let scene = &mut self.builder.scene;
-        let added = match number % 3 {
-            1 => scene.add_sphere(material, start),
-            _ => scene.add_instance(goods.cube, material, start),
+        let object = match number % 3 {
+            1 => Some(self.sphere(name, material, start)?),
+            _ => self.place([name, "cube"], goods.cube, material, start)?,
         };
-        let object = added.map_err(|source| ImportError::Scene { path: MOVING.into(), source })?;
-        Ok((object, start))
+        Ok(object.map(|object| (object, start)))
     }
 }

@@ -154,7 +154,10 @@ impl<'a, J: Join> Builder<'a, J> {
     /// Adds a copy of a material that shows its base color as it is, without light.
     pub fn add_unlit(&mut self, material: MaterialIndex) -> Result<MaterialIndex, ImportError> {
         let unlit = self.scene.material(material).cloned().unwrap_or_default().unlit(true);
-        self.add_material(unlit)
+        let name = self.materials.get(material.number() as usize).cloned().unwrap_or_default();
+        let unlit = self.add_material(unlit)?;
+        self.name_material(name);
+        Ok(unlit)
     }
 
     /// Names the material that was added last.
@@ -177,6 +180,19 @@ impl<'a, J: Join> Builder<'a, J> {
         if let Some(label) = self.labels.get_mut(object.number() as usize) {
             label.path = path.into();
         }
+    }
+
+    /// Labels an instance that is all there is of a kind in a file whose objects have no names.
+    pub fn label_file(&mut self, object: Option<InstanceIndex>, mesh: &str) {
+        if let Some(object) = object {
+            self.label(object, self.stem(), mesh.into());
+        }
+    }
+
+    /// What a scene without a name of its own is called: its file without folder and ending.
+    fn stem(&self) -> String {
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+        if stem == "-" { "stdin".into() } else { stem.into_owned() }
     }
 
     /// The labels of all instances.

@@ -52,7 +52,9 @@ impl NamedCamera {
     }
 }
 
-/// What a file calls an object. What has no name there has its number: `node 3`.
+/// What a file calls an object. What has no name in glTF has its number: `node 3`. OBJ, STL and PLY have objects by material
+/// or kind: their node is the name of the file, and their mesh what they are made of: `faces`, `facets`, `points`, `edges`,
+/// `lines`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Label {
     /// The node, or group.
@@ -80,7 +82,6 @@ pub struct Loaded {
     /// [`framing`](super::framing) for a picture of 16 to 9.
     pub camera: Camera,
     /// What the file calls each instance, in the order of their numbers, which are the same whenever the file is loaded.
-    /// Empty words where it has none.
     pub labels: Vec<Label>,
     /// The animations of the file, if it has any; see [`Animation::play`]. The scene is at rest.
     pub animation: Option<Animation>,

@@ -66,6 +66,14 @@ pub(super) fn bounds(positions: impl IntoIterator<Item = [f32; 3]>) -> (DVec3, D
 }
 
 impl Marks {
+    /// What they are called.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Points(_) => "points",
+            Self::Lines(_) => "lines",
+        }
+    }
+
     pub fn is_empty(&self) -> bool {
         self.count() == 0
     }

@@ -52,7 +52,9 @@ pub(super) fn load<J: Join>(builder: &mut Builder<'_, J>, bytes: &[u8]) -> Resul
     let name = "the facets";
     let mesh = builder.add_mesh(name, geometry(&stl.facets))?;
     let material = builder.add_material(Material::new([0.7; 3]).roughness(0.8))?;
-    builder.add_instance(name, mesh, material, Mat4::IDENTITY)?;
+    builder.name_material("default".into());
+    let object = builder.add_instance(name, mesh, material, Mat4::IDENTITY)?;
+    builder.label_file(object, "facets");
     Ok(())
 }
 

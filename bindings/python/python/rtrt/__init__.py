@@ -6,6 +6,6 @@
 (360, 640, 4)
 """
 
-from ._native import AOVS, Backend, Camera, Light, Scene, __version__, meter, render
+from ._native import AOVS, Backend, Before, Camera, Light, Scene, __version__, meter, render
 
-__all__ = ["AOVS", "Backend", "Camera", "Light", "Scene", "__version__", "meter", "render"]
+__all__ = ["AOVS", "Backend", "Before", "Camera", "Light", "Scene", "__version__", "meter", "render"]

@@ -11,7 +11,7 @@ AOVS: list[str]
 
 _Aov = Literal[
     "rgba", "color", "depth", "normal", "albedo", "object", "material", "triangle", "source", "barycentrics", "uv",
-    "position", "shadow",
+    "position", "shadow", "motion",
 ]
 _Shadows = Literal["off", "hard", "soft", "area"]
 _ToneMap = Literal["neutral", "agx", "aces", "none"]
@@ -85,11 +85,21 @@ class Camera:
     @property
     def name(self) -> str: ...
     @property
+    def size(self) -> _Size | None: ...
+    @property
+    def time(self) -> float | None: ...
+    @property
+    def clip(self) -> tuple[float, float]: ...
+    @property
     def eye(self) -> NDArray[np.float32]: ...
     @property
     def matrix(self) -> NDArray[np.float64]: ...
     def intrinsics(self, size: _Size) -> tuple[float, float, float, float] | None: ...
     def project(self, points: ArrayLike, size: _Size) -> NDArray[np.float64]: ...
+
+@final
+class Before:
+    def __new__(cls, scene: Scene, camera: Camera | Iterable[Camera] | None = None) -> Before: ...
 
 @final
 class Light:
@@ -145,6 +155,7 @@ class Scene:
         colors: ArrayLike | None = None,
         tangents: ArrayLike | None = None,
         make_tangents: bool = False,
+        name: str | None = None,
     ) -> int: ...
     def reshape(
         self,
@@ -164,6 +175,7 @@ class Scene:
     def add_material(
         self,
         *,
+        name: str | None = None,
         base_color: ArrayLike = (1.0, 1.0, 1.0),
         base_color_map: int | None = None,
         metallic: float = 0.0,
@@ -247,6 +259,10 @@ class Scene:
     ) -> None: ...
     @property
     def cameras(self) -> list[Camera]: ...
+    def load_cameras(self, path: str | PathLike[str], size: _Size = (640, 360)) -> list[Camera]: ...
+    def orbit(self, count: int, camera: Camera | None = None, size: _Size = (640, 360)) -> list[Camera]: ...
+    @property
+    def origin(self) -> tuple[float, float, float]: ...
     def framing(self, size: _Size, direction: ArrayLike | None = None) -> Camera: ...
     @property
     def labels(self) -> list[_Label]: ...
@@ -287,7 +303,7 @@ class Scene:
 def render(
     scene: Scene,
     camera: Camera | Iterable[Camera] | None = None,
-    size: _Size = (640, 360),
+    size: _Size | None = None,
     aov: _Aov | Sequence[_Aov] | None = None,
     *,
     out: dict[str, NDArray[Any]] | None = None,
@@ -296,12 +312,13 @@ def render(
     layers: int = 8,
     exposure: float = 0.0,
     tone_map: _ToneMap = "neutral",
+    before: Before | None = None,
     backend: Backend | None = None,
 ) -> dict[str, NDArray[Any]]: ...
 def meter(
     scene: Scene,
     camera: Camera | None = None,
-    size: _Size = (640, 360),
+    size: _Size | None = None,
     *,
     shadows: _Shadows = "soft",
     backend: Backend | None = None,

@@ -65,7 +65,7 @@ impl<'a> Materials<'a> {
             }
             None => &none,
         };
-        let name = index.map_or(String::new(), |index| {
+        let name = index.map_or("default".into(), |index| {
             source.name.clone().unwrap_or_else(|| format!("material {}", index.value()))
         });
         let mut coordinates = Coordinates::default();

@@ -59,7 +59,7 @@ pub(super) fn load<J: Join>(
         let source = name.as_ref().and_then(|name| materials.find(name));
         unknown += usize::from(name.is_some() && source.is_none());
         let (material, has_normal_map) = materials.add(builder, source.as_ref(), !obj.colors.is_empty())?;
-        builder.name_material(name.clone().unwrap_or_default());
+        builder.name_material(name.clone().unwrap_or("default".into()));
         let name = name.map_or("the polygons without a material".into(), |name| quoted(&name));
         for shapes in marks_here {
             // They have no normals, so their colors are shown as they are.
@@ -67,7 +67,8 @@ pub(super) fn load<J: Join>(
             let drawn =
                 shapes.geometry(&marks.vertices, marks.diameter).map_err(|why| builder.invalid(why))?;
             let mesh = builder.add_mesh(&name, drawn)?;
-            builder.add_instance(&name, mesh, unlit, Mat4::IDENTITY)?;
+            let object = builder.add_instance(&name, mesh, unlit, Mat4::IDENTITY)?;
+            builder.label_file(object, shapes.kind());
         }
         if polygons.is_empty() {
             continue;
@@ -78,9 +79,7 @@ pub(super) fn load<J: Join>(
         let tangents = if has_normal_map { Tangents::Made { second: false } } else { Tangents::None };
         let mesh = builder.add_mesh(&name, Geometry { tangents, ..geometry(&obj, &polygons) })?;
         let object = builder.add_instance(&name, mesh, material, Mat4::IDENTITY)?;
-        if let Some(object) = object {
-            builder.label(object, String::new(), String::new());
-        }
+        builder.label_file(object, "faces");
     }
     if unknown > 0 {
         builder.warn(format!("{unknown} materials are in no material library; they are drawn gray"));

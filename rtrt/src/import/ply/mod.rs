@@ -69,9 +69,10 @@ pub(super) fn load<J: Join>(builder: &mut Builder<'_, J>, bytes: &[u8]) -> Resul
     let is_colored = texture.is_some() || !ply.colors.is_empty() || !ply.faces.colors.is_empty();
     let dull = Material::new([if is_colored { 1.0 } else { 0.7 }; 3]).roughness(0.8).base_color_map(texture);
     let material = builder.add_material(if is_see_through(&geometry) { dull.blend(1.0) } else { dull })?;
-    let name = "the faces";
-    let mesh = builder.add_mesh(name, geometry)?;
-    builder.add_instance(name, mesh, material, Mat4::IDENTITY)?;
+    builder.name_material("faces".into());
+    let mesh = builder.add_mesh("the faces", geometry)?;
+    let object = builder.add_instance("the faces", mesh, material, Mat4::IDENTITY)?;
+    builder.label_file(object, "faces");
     Ok(())
 }
 
@@ -80,7 +81,7 @@ pub(super) fn load<J: Join>(builder: &mut Builder<'_, J>, bytes: &[u8]) -> Resul
 /// Points with colors and without normals show their colors as they are: scanners measure those under light.
 fn add_marks<J: Join>(builder: &mut Builder<'_, J>, ply: &Ply) -> Result<(), ImportError> {
     let (marks, name) = if !ply.edges.is_empty() {
-        (Marks::Lines(ply.edges.clone()), "the edges")
+        (Marks::Lines(ply.edges.clone()), "edges")
     } else if ply.faces.ends.is_empty() {
         let is_finite = |vertex: &u32| ply.positions[*vertex as usize].iter().all(|c| c.is_finite());
         let points: Vec<u32> = (0..ply.positions.len() as u32).filter(is_finite).collect();
@@ -88,7 +89,7 @@ fn add_marks<J: Join>(builder: &mut Builder<'_, J>, ply: &Ply) -> Result<(), Imp
         if missing > 0 {
             builder.warn(format!("{missing} points are left out: their coordinates are not finite"));
         }
-        (Marks::Points(points), "the points")
+        (Marks::Points(points), "points")
     } else {
         return Ok(());
     };
@@ -105,8 +106,10 @@ fn add_marks<J: Join>(builder: &mut Builder<'_, J>, ply: &Ply) -> Result<(), Imp
     let has_colors = !ply.colors.is_empty();
     let material = Material::new([if has_colors { 1.0 } else { 0.7 }; 3]).roughness(0.8);
     let material = builder.add_material(material.unlit(has_colors && ply.normals.is_empty()))?;
-    let mesh = builder.add_mesh(name, geometry)?;
-    builder.add_instance(name, mesh, material, Mat4::IDENTITY)?;
+    builder.name_material(name.into());
+    let mesh = builder.add_mesh(&format!("the {name}"), geometry)?;
+    let object = builder.add_instance(name, mesh, material, Mat4::IDENTITY)?;
+    builder.label_file(object, name);
     Ok(())
 }
 

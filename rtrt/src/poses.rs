@@ -16,24 +16,37 @@
 //! | `size`, or `w` and `h` | pixels; else `--size` |
 //! | `time` | of the animation, seconds |
 
-use super::Error;
+use crate::pose::{Pinhole, placed};
 use glam::{DMat4, DVec3, DVec4, Vec3};
-use rtrt::pose::{Pinhole, placed};
 use rtrt_core::scene::{Camera, Projection, Setup};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Why a file of cameras is refused.
+#[derive(Debug, thiserror::Error)]
+#[error("cameras refused: {}: {why}", path.display())]
+pub struct PosesError {
+    /// The file.
+    pub path: PathBuf,
+    /// The camera, and the reason.
+    pub why: String,
+    /// Whether the file is not there.
+    pub is_missing: bool,
+}
 
 /// A camera of a file.
 #[derive(Debug, Clone)]
 pub struct Pose {
+    /// Its name, which no other camera of the file has; without letters that names of files cannot have.
     pub name: String,
     placement: Placement,
     projection: Projection,
+    /// The size of its picture.
     pub size: [u32; 2],
-    /// Seconds.
+    /// Its time of the animation, seconds.
     pub time: Option<f64>,
 }
 
@@ -69,7 +82,9 @@ impl Pose {
 /// The cameras of a file, and warnings.
 #[derive(Debug)]
 pub struct Poses {
+    /// The cameras.
     pub poses: Vec<Pose>,
+    /// What is not drawn as the file says, a line each.
     pub warnings: Vec<String>,
 }
 
@@ -126,10 +141,14 @@ struct Whole {
 }
 
 /// The cameras of a file, for pictures of this size if it says nothing of one.
-pub fn read(path: &Path, size: [u32; 2]) -> Result<Poses, Error> {
-    let refused = |why: String| Error::Poses { path: path.to_owned(), why };
-    let bytes = fs::read(path).map_err(|error| refused(error.to_string()))?;
-    parse(&bytes, size).map_err(refused)
+///
+/// # Errors
+/// The file cannot be read, or says what no camera can be.
+pub fn read(path: &Path, size: [u32; 2]) -> Result<Poses, PosesError> {
+    let refused = |why: String, is_missing| PosesError { path: path.to_owned(), why, is_missing };
+    let bytes = fs::read(path)
+        .map_err(|error| refused(error.to_string(), error.kind() == std::io::ErrorKind::NotFound))?;
+    parse(&bytes, size).map_err(|why| refused(why, false))
 }
 
 fn parse(bytes: &[u8], size: [u32; 2]) -> Result<Poses, String> {
