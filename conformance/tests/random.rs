@@ -51,6 +51,11 @@ fn transform(random: &mut Random) -> Mat4 {
 }
 
 fn light(random: &mut Random) -> Light {
+    let casts_shadows = random.below(6) > 0;
+    shining(random).casts_shadows(casts_shadows)
+}
+
+fn shining(random: &mut Random) -> Light {
     let color = (random.vector(0.5) + 0.5) * 1.5;
     let radius = if random.below(3) == 0 { any_size(random, -2.0, -0.2) } else { 0.0 };
     if random.below(3) == 0 {

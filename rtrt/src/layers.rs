@@ -276,3 +276,69 @@ fn reached(deferred: &Deferred, ray: usize) -> f32 {
 fn straight([r, g, b, a]: [f32; 4]) -> [f32; 4] {
     if a > 0.0 && a < 1.0 { [r / a, g / a, b / a, a] } else { [r, g, b, a] }
 }
+
+#[cfg(all(test, feature = "import"))]
+mod tests {
+    use super::*;
+    use crate::pose::pixel;
+    use glam::{Mat4, Vec3};
+    use rtrt_core::backend::Backend;
+    use rtrt_core::layout::Attribute;
+    use rtrt_core::scene::{Bvh, Camera, Material, Mesh, Projection, Sequential};
+    use rtrt_cpu::{Cpu, Options};
+
+    /// A triangle in the plane z = 0 whose normals lean outward as those of a ball do, and a ball behind it.
+    fn scene() -> Scene {
+        let corners = [[-4.0, -3.0, 0.0], [4.0, -3.0, 0.0], [0.0, 4.0, 0.0]];
+        let leaning = |[x, y, _]: [f32; 3]| Attribute {
+            normal: [x * 0.2, y * 0.2, 1.0],
+            uv: [0.0; 2],
+            color: Attribute::WHITE,
+        };
+        let mesh = Mesh::new(corners.to_vec(), corners.map(leaning).to_vec(), vec![0, 1, 2]).unwrap();
+        let mut scene = Scene::new();
+        let paint = scene.add_material(Material::new([0.8; 3])).unwrap();
+        let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+        scene.add_instance(mesh, paint, Mat4::IDENTITY).unwrap();
+        let place = Mat4::from_translation(Vec3::new(5.0, 0.0, -3.0)) * Mat4::from_scale(Vec3::splat(3.0));
+        scene.add_sphere(paint, place).unwrap();
+        scene
+    }
+
+    #[test]
+    fn positions_are_on_the_surfaces_and_normals_are_means() {
+        let scene = scene();
+        for projection in [Projection::Perspective { fov_y: 0.8 }, Projection::Orthographic { height: 9.0 }] {
+            let camera = Camera { eye: Vec3::new(3.0, 1.0, 12.0), look_at: Vec3::X, up: Vec3::Y, projection };
+            let request = Request::new(&camera, [40, 30]).samples(4).deferred(true);
+            let mut picture = Picture::default();
+            let mut cpu = Cpu::new(Options { lanes: Some(1), threads: Some(1) }).unwrap();
+            cpu.render(&scene, &request, &mut picture).unwrap();
+            let pixels = Pixels::new(&scene, &request, &picture).unwrap();
+            let (mut lifted, mut shorter, mut seen) = (0.0_f32, 0, [0; 2]);
+            for number in (0..40 * 30).filter(|number| pixels.object(*number) != NONE) {
+                let object = pixels.object(number) as usize;
+                seen[object] += 1;
+                let position = DVec3::from(pixels.position(number).map(f64::from));
+                let off = match object {
+                    0 => position.z,
+                    _ => (position - DVec3::new(5.0, 0.0, -3.0)).length() - 3.0,
+                };
+                assert!(off.abs() < 1e-5, "{object}: {position}");
+                // The middle of the first of four sub-rays is a quarter of the pixel away from its corner.
+                let [x, y] = pixel(&camera, [40, 30], position).unwrap();
+                let [column, row] = pixels.grid.pixel(number).map(|place| f64::from(place) + 0.25);
+                assert!((x - column).abs() < 1e-3 && (y - row).abs() < 1e-3, "{x} {y}: {column} {row}");
+                if object == 0 {
+                    lifted = lifted.max(pixels.surface(number).origin[2]);
+                }
+                let length = DVec3::from(pixels.normal(number).map(f64::from)).length();
+                assert!(length < 1.0 + 1e-6);
+                shorter += usize::from(length < 0.9);
+            }
+            // Rays from the triangle do not start on it.
+            assert!(lifted > 0.1 && seen[0] > 50 && seen[1] > 50, "{lifted} {seen:?}");
+            assert!((10..200).contains(&shorter), "{shorter}");
+        }
+    }
+}

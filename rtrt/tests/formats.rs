@@ -55,6 +55,40 @@ fn webp(width: u32, texels: &[[u8; 4]]) -> Vec<u8> {
     bytes
 }
 
+/// What the objects of a scene are called.
+fn labels(loaded: &Loaded) -> Vec<[&str; 3]> {
+    loaded.labels.iter().map(|label| [&*label.node, &*label.mesh, &*label.material]).collect()
+}
+
+#[test]
+fn files_without_names_have_labels() {
+    for (name, mesh) in [("part.stl", "facets"), ("scan.dat", "faces")] {
+        let bytes = if mesh == "facets" { stl(true) } else { ply("ascii", true, [255; 3]) };
+        let material = if mesh == "facets" { "default" } else { "faces" };
+        let loaded = loaded("labels", &[(name, &bytes)]);
+        assert_eq!(labels(&loaded), [[&name[..4], mesh, material]]);
+    }
+    let cloud =
+        b"ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
+                  end_header\n0 0 0\n1 1 1\n";
+    assert_eq!(labels(&loaded("labels", &[("cloud.ply", cloud)])), [["cloud", "points", "points"]]);
+    let lines = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nl 1 2\nf 1 2 3\n";
+    let found = opened("labels", &[("both.obj", lines)]).unwrap();
+    assert_eq!(labels(&found), [["both", "lines", "red"], ["both", "faces", "red"]]);
+    for demo in [
+        rtrt::demo::matchbox(&Sequential),
+        rtrt::demo::glass(&Sequential),
+        rtrt::demo::spheres(&Sequential),
+        rtrt::demo::levels(&Sequential),
+        rtrt::demo::moving(&Sequential),
+    ] {
+        let demo = demo.unwrap();
+        let names = labels(&demo);
+        assert_eq!(names.len(), demo.scene.instances().len());
+        assert!(names.iter().flatten().all(|name| !name.is_empty()), "{names:?}");
+    }
+}
+
 /// A view of x and y within ±1, from +z, 32 pixels wide and high; RGB by row from the top.
 fn seen(loaded: &Loaded, view: DebugView) -> Vec<[u8; 3]> {
     let projection = Projection::Orthographic { height: 2.0 };

@@ -158,6 +158,14 @@ pub fn size([width, height]: [i64; 2]) -> PyResult<[u32; 2]> {
     Ok([width as u32, height as u32])
 }
 
+/// The size of pictures that have none of their own.
+pub const SIZE: [u32; 2] = [640, 360];
+
+/// The size that is asked for, or that one.
+pub fn usual_size(size: Option<(i64, i64)>) -> PyResult<[u32; 2]> {
+    size.map_or(Ok(SIZE), |size| self::size(size.into()))
+}
+
 #[pymethods]
 impl Camera {
     #[new]

@@ -10,6 +10,7 @@ mod material;
 mod rays;
 mod render;
 mod scene;
+mod shown;
 
 use pyo3::prelude::*;
 
@@ -26,6 +27,8 @@ mod _native {
     use super::render::{Before, meter, render};
     #[pymodule_export]
     use super::scene::Scene;
+    #[pymodule_export]
+    use super::shown::shown;
 
     use super::*;
 

@@ -54,28 +54,30 @@ impl Light {
     ///     inverse_square: Whether it fades with the square of the distance; otherwise it fades linearly toward
     ///         `reach`, or not at all without one.
     ///     radius: Its size, units of the scene; only shadows show it.
+    ///     casts_shadows: Whether surfaces may lie in the shadow of others.
     #[staticmethod]
-    #[pyo3(signature = (position, color = None, *, reach = None, inverse_square = false, radius = 0.0))]
+    #[pyo3(signature = (position, color = None, *, reach = None, inverse_square = false, radius = 0.0, casts_shadows = true))]
     fn point(
         position: &Bound<'_, PyAny>,
         color: Option<&Bound<'_, PyAny>>,
         reach: Option<f32>,
         inverse_square: bool,
         radius: f32,
+        casts_shadows: bool,
     ) -> PyResult<Self> {
-        let light = CoreLight::point(finite("position", position)?);
+        let light = CoreLight::point(finite("position", position)?).casts_shadows(casts_shadows);
         Ok(Self { light: reaching(colored(light, color)?, reach, inverse_square, radius)? })
     }
 
     /// A light that shines from a point within a cone.
     ///
     /// Args:
-    ///     position, color, reach, inverse_square, radius: See `Light.point`.
+    ///     position, color, reach, inverse_square, radius, casts_shadows: See `Light.point`.
     ///     direction: The middle of the cone, any length.
     ///     outer: The angle off the middle at which the light is 0, degrees, at most 90.
     ///     inner: The angle up to which it is full, degrees.
     #[staticmethod]
-    #[pyo3(signature = (position, direction, color = None, *, outer = 45.0, inner = 0.0, reach = None, inverse_square = false, radius = 0.0))]
+    #[pyo3(signature = (position, direction, color = None, *, outer = 45.0, inner = 0.0, reach = None, inverse_square = false, radius = 0.0, casts_shadows = true))]
     #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
     fn spot(
         position: &Bound<'_, PyAny>,
@@ -86,11 +88,13 @@ impl Light {
         reach: Option<f32>,
         inverse_square: bool,
         radius: f32,
+        casts_shadows: bool,
     ) -> PyResult<Self> {
         let inner = within("inner", inner, 0.0, within("outer", outer, f32::MIN_POSITIVE, 90.0)?)?;
         let [inner, outer] =
             [inner, outer].map(|degrees| degrees.to_radians().min(core::f32::consts::FRAC_PI_2));
         let light = CoreLight::spot(finite("position", position)?, finite("direction", direction)?, outer);
+        let light = light.casts_shadows(casts_shadows);
         Ok(Self { light: reaching(colored(light, color)?.inner(inner), reach, inverse_square, radius)? })
     }
 
@@ -100,10 +104,16 @@ impl Light {
     ///     direction: Where the light goes, any length.
     ///     color: See `Light`.
     ///     radius: The angle between its middle and its edge, degrees, below 45; only shadows show it. 0.27 for the sun.
+    ///     casts_shadows: See `Light.point`.
     #[staticmethod]
-    #[pyo3(signature = (direction, color = None, *, radius = 0.0))]
-    fn sun(direction: &Bound<'_, PyAny>, color: Option<&Bound<'_, PyAny>>, radius: f32) -> PyResult<Self> {
-        let light = CoreLight::sun(finite("direction", direction)?);
+    #[pyo3(signature = (direction, color = None, *, radius = 0.0, casts_shadows = true))]
+    fn sun(
+        direction: &Bound<'_, PyAny>,
+        color: Option<&Bound<'_, PyAny>>,
+        radius: f32,
+        casts_shadows: bool,
+    ) -> PyResult<Self> {
+        let light = CoreLight::sun(finite("direction", direction)?).casts_shadows(casts_shadows);
         Ok(Self { light: colored(light, color)?.radius(within("radius", radius, 0.0, 44.99)?.to_radians()) })
     }
 
@@ -127,6 +137,12 @@ impl Light {
     #[getter]
     fn direction(&self) -> (f32, f32, f32) {
         self.light.direction.into()
+    }
+
+    /// Whether surfaces may lie in the shadow of others.
+    #[getter]
+    fn casts_shadows(&self) -> bool {
+        self.light.casts_shadows
     }
 
     /// Linear RGB.

@@ -3,7 +3,7 @@
 use crate::aov::{Aov, Memory, Part};
 use crate::arrays::named;
 use crate::backend::{Backend, machine};
-use crate::camera::{self, Camera, View};
+use crate::camera::{self, Camera, SIZE, View};
 use crate::scene::{Scene, failed};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -62,9 +62,6 @@ fn raised(error: &RenderError, before: &str) -> PyErr {
         error => failed(format!("{before}{error}")),
     }
 }
-
-/// The size of pictures that have none of their own.
-const SIZE: [u32; 2] = [640, 360];
 
 /// The cameras of an argument.
 enum Cameras {

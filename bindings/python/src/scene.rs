@@ -658,10 +658,10 @@ impl Scene {
     ///
     /// Args:
     ///     path: The file.
-    ///     size: Width and height of pictures of which the file does not say them.
-    #[pyo3(signature = (path, size = (640, 360)))]
-    fn load_cameras(&self, py: Python<'_>, path: PathBuf, size: (i64, i64)) -> PyResult<Vec<Camera>> {
-        let read = poses::read(&path, camera::size(size.into())?);
+    ///     size: Width and height of pictures of which the file does not say them; 640 x 360 if not given.
+    #[pyo3(signature = (path, size = None))]
+    fn load_cameras(&self, py: Python<'_>, path: PathBuf, size: Option<(i64, i64)>) -> PyResult<Vec<Camera>> {
+        let read = poses::read(&path, camera::usual_size(size)?);
         let Poses { poses, warnings } = read.map_err(|error| {
             let why = error.to_string();
             if error.is_missing { PyFileNotFoundError::new_err(why) } else { PyValueError::new_err(why) }
@@ -679,10 +679,10 @@ impl Scene {
     /// Args:
     ///     count: How many.
     ///     camera: The first; the file's first one, or one that sees everything, as all others then do, if not given.
-    ///     size: Width and height of the pictures that they see everything in.
-    #[pyo3(signature = (count, camera = None, size = (640, 360)))]
-    fn orbit(&self, count: i64, camera: Option<&Camera>, size: (i64, i64)) -> PyResult<Vec<Camera>> {
-        let size = camera::size(size.into())?;
+    ///     size: Width and height of the pictures that they see everything in; 640 x 360 if not given.
+    #[pyo3(signature = (count, camera = None, size = None))]
+    fn orbit(&self, count: i64, camera: Option<&Camera>, size: Option<(i64, i64)>) -> PyResult<Vec<Camera>> {
+        let size = camera::usual_size(size)?;
         let count = u32::try_from(count).ok().filter(|count| (1..=1_000_000).contains(count));
         let count = count.ok_or_else(|| PyValueError::new_err("count is not within 1 .. 1000000"))?;
         let is_framed = camera.is_none() && self.cameras.is_empty();

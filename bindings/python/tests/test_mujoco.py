@@ -160,3 +160,22 @@ def test_geometry_is_that_of_mujocos_renderer():
     if "OSMesa" in run.stderr and run.returncode:
         pytest.skip("no OSMesa: " + run.stderr.splitlines()[-1])
     assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_lights_cast_shadows_as_the_model_says():
+    xml = """<mujoco><visual><headlight diffuse="0.1 0.1 0.1"/></visual><worldbody>
+      <light {kind} pos="0.5 0.5 3" dir="-0.2 -0.2 -1" castshadow="{shadow}"/>
+      <camera name="eye" pos="0 -3 2.5" xyaxes="1 0 0 0 0.64 0.77"/>
+      <geom type="plane" size="2 2 0.1"/><geom type="box" size="0.4 0.4 0.1" pos="0 0 0.8"/></worldbody></mujoco>"""
+    for kind in ('directional="true"', 'cutoff="60"', 'cutoff="180"'):
+        pictures = []
+        for shadow, is_on in [("true", 1), ("true", 0), ("false", 1)]:
+            model = mujoco.MjModel.from_xml_string(xml.format(kind=kind, shadow=shadow))
+            data = mujoco.MjData(model)
+            mujoco.mj_forward(model, data)
+            with rtrt.mujoco.Renderer(model, *SIZE) as renderer:
+                renderer.update_scene(data, "eye")
+                renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = is_on
+                pictures.append(renderer.render())
+        shadowed, off, shadowless = pictures
+        assert np.array_equal(off, shadowless) and (shadowed != off).mean() > 0.01

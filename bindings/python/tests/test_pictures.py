@@ -1,5 +1,7 @@
 """Pictures: the bytes of the command, right values, batches, buffers."""
 
+import base64
+import contextlib
 import hashlib
 import json
 import multiprocessing
@@ -13,7 +15,8 @@ import rtrt
 from conftest import same
 
 SIZE = (96, 54)
-ALL = rtrt.AOVS
+# Motion needs to know how the scene was.
+ALL = [name for name in rtrt.AOVS if name != "motion"]
 
 
 def digest(array):
@@ -254,3 +257,124 @@ def test_forked_processes_render(glass):
     [process.start() for process in processes]
     assert [queue.get(timeout=60) for _ in processes] == [expected] * 2
     [process.join() for process in processes]
+
+
+def test_motion_is_that_of_the_command(command, tmp_path):
+    subprocess.run(
+        [command, "render", "demo:moving", "--size", "96x54", "--frames", "2", "--fps", "4"]
+        + ["--aov", tmp_path / "{n}.npz", "--quiet"],
+        check=True,
+    )
+    expected = np.load(tmp_path / "1.npz")["motion"]
+    scene = rtrt.Scene.load("demo:moving")
+    scene.play(0)
+    before = rtrt.Before(scene)
+    scene.play(0.25)
+    frame = rtrt.render(scene, None, SIZE, ["motion", "object"], before=before)
+    assert frame["motion"].tobytes() == expected.tobytes()
+    assert np.abs(frame["motion"]).max() > 1 and not frame["motion"][frame["object"] == -1].any()
+
+
+def test_motion_follows_objects_and_cameras(square):
+    # 10 pixels a unit at distance 4.
+    cameras = [rtrt.Camera((x, 0, 4), (x, 0, 0), fx=40) for x in (0, 0.5)]
+    before = rtrt.Before(square, [cameras[0], cameras[0]])
+    square.set_transform(0, [[1, 0, 0, 0.3], [0, 1, 0, 0.2], [0, 0, 1, 0], [0, 0, 0, 1]])
+    frames = rtrt.render(square, cameras, (64, 48), ["motion", "object"], samples=1, before=before)
+    for number, expected in enumerate([[3, -2], [-2, -2]]):
+        seen = frames["object"][number] == 0
+        assert seen.sum() > 300 and np.allclose(frames["motion"][number][seen], expected, atol=1e-4)
+    for wrong, why in [(None, "needs before"), (before, "before has 2 cameras, but there are 1")]:
+        with pytest.raises(ValueError, match=why):
+            rtrt.render(square, cameras[0], (64, 48), ["motion"], before=wrong)
+    with pytest.raises(ValueError, match="before is of another scene"):
+        rtrt.render(rtrt.Scene.load("demo:glass"), cameras, (8, 8), ["motion"], before=before)
+    with pytest.raises(ValueError, match="camera is missing"):
+        rtrt.Before(square)
+
+
+def hashes(command, *options):
+    lines = subprocess.run([command, "render", *options, "--hash", "--quiet"], check=True, capture_output=True, text=True)
+    return [line.split()[0] for line in lines.stdout.splitlines() if line.endswith("  pixels")]
+
+
+def test_files_of_cameras_are_read_as_the_command_reads_them(command, tmp_path):
+    ours = {"fov_y": 40, "cameras": [
+        {"name": "a", "eye": [3, 2, 4], "look_at": [0, 0.5, 0], "size": [80, 60], "time": 0.5},
+        {"name": "b", "eye": [-3, 2, 4], "look_at": [0, 0.5, 0], "parallel": 4}]}
+    nerf = {"camera_angle_x": 0.8, "w": 64, "h": 48, "k1": 0.1, "frames": [
+        {"file_path": "./train/r_0", "transform_matrix": np.eye(4).tolist(), "cx": 20}]}
+    scene = rtrt.Scene.load("demo:moving")
+    for name, poses, warnings in [("ours.json", ours, 0), ("transforms.json", nerf, 1)]:
+        (tmp_path / name).write_text(json.dumps(poses))
+        with pytest.warns(UserWarning, match="distortion") if warnings else contextlib.nullcontext():
+            cameras = scene.load_cameras(tmp_path / name, SIZE)
+        found = []
+        for camera in cameras:
+            scene.play(camera.time or 0)
+            found.append(digest(rtrt.render(scene, camera)["rgba"]))
+        assert found == hashes(command, "demo:moving", "--size", "96x54", "--cameras", str(tmp_path / name))
+    assert (cameras[0].name, cameras[0].size, cameras[0].time) == ("train_r_0", (64, 48), None)
+    cameras = scene.load_cameras(tmp_path / "ours.json")
+    assert [(c.name, c.size, c.time) for c in cameras] == [("a", (80, 60), 0.5), ("b", (640, 360), None)]
+    with pytest.raises(ValueError, match="camera 1 has another size than camera 0"):
+        rtrt.render(scene, cameras)
+    assert rtrt.render(scene, cameras, (8, 6))["rgba"].shape == (2, 6, 8, 4)
+    with pytest.raises(FileNotFoundError, match="none.json"):
+        scene.load_cameras(tmp_path / "none.json")
+    (tmp_path / "bad.json").write_text('{"cameras": [{"eye": [0, 0, 1]}]}')
+    with pytest.raises(ValueError, match=r"camera 0 \(0\): it has neither a matrix nor eye"):
+        scene.load_cameras(tmp_path / "bad.json")
+
+
+def test_orbits_are_those_of_the_command(command, tmp_path):
+    path = tmp_path / "one.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n")
+    for name in ["demo:glass", str(path)]:
+        scene = rtrt.Scene.load(name)
+        cameras = scene.orbit(3, size=SIZE)
+        frames = rtrt.render(scene, cameras)
+        assert frames["rgba"].shape == (3, 54, 96, 4)
+        assert [digest(picture) for picture in frames["rgba"]] == hashes(command, name, "--size", "96x54", "--orbit", "3")
+    around = scene.orbit(4, rtrt.Camera((3, 0, 0), (0, 0, 0)))
+    assert np.allclose([camera.eye for camera in around], [[3, 0, 0], [0, 0, -3], [-3, 0, 0], [0, 0, 3]], atol=1e-6)
+    with pytest.raises(ValueError, match="count is not within 1"):
+        scene.orbit(0)
+
+
+def test_cameras_of_files_keep_their_planes(command, tmp_path):
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], np.float32).tobytes()
+    gltf = {
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}],
+        "cameras": [{"name": "lens", "type": "perspective", "perspective": {"yfov": 0.8, "znear": 1, "zfar": 3.5}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + base64.b64encode(corners).decode()}],
+    }
+    path = tmp_path / "planes.gltf"
+    for far, is_seen in [(3.5, False), (4.5, True)]:
+        gltf["cameras"][0]["perspective"]["zfar"] = far
+        path.write_text(json.dumps(gltf))
+        scene = rtrt.Scene.load(path)
+        assert scene.cameras[0].clip == (1, far)
+        for camera in (None, scene.cameras[0]):
+            assert (rtrt.render(scene, camera, SIZE, ["object"])["object"] >= 0).any() == is_seen
+        found = digest(rtrt.render(scene, None, SIZE)["rgba"])
+        assert [found] == hashes(command, str(path), "--size", "96x54")
+
+
+def test_objects_have_labels(tmp_path):
+    scene = rtrt.Scene()
+    mesh = scene.add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], name="sail")
+    plain = scene.add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    red, other = scene.add_material(name="red", base_color=(1, 0, 0)), scene.add_material()
+    scene.add_instance(mesh, red, name="boat")
+    scene.add_instance(plain, other)
+    scene.add_sphere(red)
+    names = [(entry["node"], entry["mesh"], entry["material"]) for entry in scene.labels]
+    assert names == [("boat", "sail", "red"), ("object 1", "mesh 1", "material 1"), ("object 2", "sphere", "red")]
+    for name in ["matchbox", "glass", "spheres", "levels", "moving"]:
+        labels = rtrt.Scene.load(f"demo:{name}").labels
+        assert all(entry[key] for entry in labels for key in ("node", "mesh", "material"))

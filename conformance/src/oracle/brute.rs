@@ -74,6 +74,9 @@ impl<'a> Brute<'a> {
         light: u32,
         mut visit: impl FnMut(u32, u32, &Intersection<f32>),
     ) {
+        if !self.scene.lights()[light as usize].casts_shadows {
+            return;
+        }
         let instances = self.geometry().instances;
         let views = &self.setup.views;
         let (camera, view) =

@@ -512,7 +512,7 @@ fn is_lit(
     if cosine(normal) < 0.0 {
         return Some(false);
     }
-    if shadows == Shadows::Off {
+    if shadows == Shadows::Off || !light.casts_shadows {
         return Some(true);
     }
     if cosine(flat) < 2e-2 {

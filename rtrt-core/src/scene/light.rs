@@ -58,6 +58,8 @@ pub struct Light {
     /// Size of the light, 0 or more; only shadows show it. World units, or, for a sun, the angle
     /// between its middle and its edge, radians, below π/4. The radius of the sun in the sky is 0.0047.
     pub radius: f32,
+    /// Whether surfaces that face it may lie in the shadow of others. One without shadows lights them all.
+    pub casts_shadows: bool,
 }
 
 /// The least reach of a light, 2⁻⁴⁵: no denormal decides whether a surface is within its square.
@@ -80,6 +82,7 @@ impl Light {
             inner: 0.0,
             outer: 0.0,
             radius: 0.0,
+            casts_shadows: true,
         }
     }
 
@@ -124,9 +127,15 @@ impl Light {
         Self { radius, ..self }
     }
 
+    /// The light with shadows, or without.
+    #[must_use]
+    pub fn casts_shadows(self, casts_shadows: bool) -> Self {
+        Self { casts_shadows, ..self }
+    }
+
     /// The views of the light: six faces of a cube around a point (those that a spot light
     /// does not shine through bin nothing), one parallel view and five that bin nothing for a
-    /// sun. `cells` is the number of blocks along one side; `jitter` is that of the view, none
+    /// sun. Those of a light without shadows bin nothing at all. `cells` is the number of blocks along one side; `jitter` is that of the view, none
     /// if all sub-rays take the light's middle.
     pub(super) fn views(
         &self,
@@ -149,7 +158,7 @@ impl Light {
             // Cones that start beside the middle reach into other faces.
             let is_beside =
                 |cone: &Cone| libm::acos(cone.axis.dot(forward(face))) > f64::from(self.outer) + FACE;
-            if light.disc == 0.0 && cone.as_ref().is_some_and(is_beside) {
+            if !self.casts_shadows || light.disc == 0.0 && cone.as_ref().is_some_and(is_beside) {
                 view.kind = ViewKind::Off as u32;
             }
         }
@@ -178,6 +187,10 @@ impl Light {
         let farthest = Some(libm::sqrt(size.length_squared())).filter(|size| size.is_finite());
         let tangent = libm::tan(f64::from(self.radius)) as f32;
         views[0] = with_radius(sun, tangent, farthest.unwrap_or(0.0), jitter)?;
+        if !self.casts_shadows {
+            // What its rays reach is of no meaning to a sun's light: its lists alone read it.
+            views[0].reach_squared = -1.0;
+        }
         Ok(views)
     }
 

@@ -67,7 +67,8 @@ pub(super) fn light_views(
             _ => None,
         };
         let mut faces = light.views(bounds, source.cells, first_block, jitter)?;
-        faces.iter_mut().filter(|v| v.kind != ViewKind::Off as u32).for_each(|view| mark(scene, view));
+        let bins = |view: &&mut View| light.casts_shadows && view.kind != ViewKind::Off as u32;
+        faces.iter_mut().filter(bins).for_each(|view| mark(scene, view));
         first_block += blocks(&faces);
         views.extend(faces);
     }

@@ -372,6 +372,14 @@ mod tests {
         let shadow = [[1.5, -0.5], [1.5, 0.5], [2.5, -0.5], [2.5, 0.5]];
         assert_eq!(dark(&prepared(sun, Shadows::Hard)), shadow);
         assert_eq!(dark(&prepared(sun, Shadows::Off)), [[0.0; 2]; 0]);
+        // Lights without shadows.
+        let lamp = Light::spot([0.0, 0.0, 4.0], [0.0, 0.0, -1.0], 1.5);
+        for light in [sun, lamp, Light::point([0.0, 0.0, 4.0]).radius(0.2)] {
+            for shadows in [Shadows::Hard, Shadows::Area { jitter: Some(3) }] {
+                assert!(!dark(&prepared(light, shadows)).is_empty());
+                assert_eq!(dark(&prepared(light.casts_shadows(false), shadows)), [[0.0; 2]; 0]);
+            }
+        }
         // From twice the square's height, the shadow is twice as large, but for what the square hides.
         let lamp = Light::point([0.0, 0.0, 4.0]);
         let shadow = dark(&prepared(lamp, Shadows::Hard));

@@ -109,6 +109,24 @@ fn many_views_are_what_each_is_alone() {
     assert_eq!(run("--cameras run.json"), together);
 }
 
+/// Objects of files without names, and those that options add, are called what they are.
+#[test]
+fn every_object_has_a_label() {
+    let folder = folder("labels");
+    let line = "render scene.obj demo:glass --ground --light point:0,3,0:0.2 --show-lights --report run.json";
+    stdout(&folder.run(&format!("{line} {LINE}")));
+    let report = report(&folder, "run.json");
+    let label = |scene: usize, object: usize| {
+        let object = &report["scenes"][scene]["objects"][object];
+        ["node", "mesh", "material"].map(|key| object[key].as_str().unwrap())
+    };
+    assert_eq!(label(0, 0), ["scene", "faces", "default"]);
+    assert_eq!(label(0, 1), ["ground"; 3]);
+    assert_eq!(label(0, 2), ["light 0"; 3]);
+    assert_eq!(label(1, 0), ["floor"; 3]);
+    assert_eq!(label(1, 2), ["red panes", "red panes", "red glass"]);
+}
+
 /// A lens whose principal point is in a corner of the picture: a square of ±1 at a distance of 4 is from
 /// cx − fx / 4 to cx + fx / 4, and likewise from above.
 #[test]

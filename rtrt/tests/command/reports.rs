@@ -63,25 +63,43 @@ fn render_prints_the_documented_keys() {
         "backend",
         "buffers",
         "bvh_build_ms",
+        "camera",
+        "cx",
+        "cy",
         "drawn_triangles",
         "exposure",
+        "eye",
+        "fl_x",
+        "fl_y",
+        "fov_y",
+        "frame",
         "frame_ms",
+        "h",
         "hash",
         "lanes",
         "load_ms",
+        "look_at",
         "objects",
         "output",
+        "parallel",
         "peak_rss_bytes",
         "samples",
+        "scene",
         "scene_bytes",
         "size",
         "stages_ms",
         "threads",
+        "time",
         "total_ms",
+        "transform_matrix",
         "triangles",
+        "up",
+        "w",
     ];
     assert_eq!(keys(&report), expected);
-    assert_eq!(report["backend"], "cpu");
+    assert_eq!([&report["scene"], &report["camera"], &report["backend"]], ["scene.obj", "camera", "cpu"]);
+    let demo = json(&folder.run("render demo:glass --json --size 16x9 --backend cpu --samples 1"));
+    assert_eq!(demo["camera"], "window");
     assert_eq!(report["size"], serde_json::json!([64, 36]));
     assert_eq!([&report["lanes"], &report["threads"], &report["samples"]], [8, 2, 4]);
     assert_eq!(report["triangles"], 3);

@@ -10,18 +10,20 @@
 (240, 320, 3)
 
 Colors are those of MuJoCo's own pictures as far as its model of light goes: sums of colors as they are shown. Shadows are
-traced. Not drawn: reflections, haze and fog, labels, skins and flexes, lights' textures. A light that
-casts no shadow in MuJoCo casts one here, but for the headlight.
+traced. Not drawn: reflections, haze and fog, labels, skins and flexes, lights' textures.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import mujoco
 import numpy as np
 
 import rtrt
+
+from ._native import shown  # type: ignore[import-not-found]
 
 __all__ = ["Renderer"]
 
@@ -78,6 +80,11 @@ class Renderer:
         self._textures: dict[int, int] = {}
         self._free: dict[Any, list[int]] = {}
         self._shown: list[tuple[Any, int]] = []
+        self._numbers = np.zeros(0, int)
+        self._looks: list[Any] = []
+        self._recipes: dict[Any, list[_Part]] = {}
+        self._parts = _Parts([])
+        self._matrices = np.zeros((0, 4, 4))
         self._slots = np.full(1, -1)
         self._lights: Any = None
         self._sky = _Sky.of(model)
@@ -224,16 +231,10 @@ class Renderer:
         self._light()
         shadows = self._shadows if self._mjv.flags[_FLAG.mjRND_SHADOW] else "off"
         picture = self._frame("rgba", self._samples, shadows)
-        colors = np.take(_FROM_SRGB, picture[..., :3])
         alpha = picture[..., 3]
-        if alpha.min() == 255:
-            return colors
-        behind = self._behind()
-        np.copyto(colors, behind, where=(alpha == 0)[..., None])
-        mixed = (alpha > 0) & (alpha < 255)
-        share = alpha[mixed].astype(np.float32)[:, None] / 255
-        colors[mixed] = np.round(colors[mixed] * share + behind[mixed] * (1 - share))
-        return colors
+        behind = self._behind() if alpha.min() < 255 else None
+        result: np.ndarray = shown(picture, _FROM_SRGB, behind)
+        return result
 
     def _behind(self) -> np.ndarray:
         """The sky, (height, width, 3), or black without one."""
@@ -268,11 +269,9 @@ class Renderer:
 
     @staticmethod
     def _axes(camera: mujoco.MjvGLCamera) -> np.ndarray:
-        forward, up = (np.asarray(v, np.float64) for v in (camera.forward, camera.up))
-        forward = forward / np.linalg.norm(forward)
-        right = np.cross(forward, up)
-        right /= np.linalg.norm(right)
-        return np.stack([right, np.cross(right, forward), -forward], -1)
+        forward = _unit(camera.forward.tolist())
+        right = _unit(_cross(forward, camera.up.tolist()))
+        return np.array([right, _cross(right, forward), [-c for c in forward]]).T
 
     def _camera(self) -> rtrt.Camera:
         camera, left, right, low, high = self._lens()
@@ -295,11 +294,15 @@ class Renderer:
             color = np.pi * np.asarray(light.diffuse, np.float64)
             if not color.any():
                 continue
+            shadows = {"casts_shadows": bool(light.castshadow)}
             if light.headlight:
-                lights.append((rtrt.Light.point, {"position": tuple(self._lens()[0].pos), "color": tuple(color)}))
+                # What the camera sees, its light reaches.
+                known = {"position": tuple(self._lens()[0].pos), "color": tuple(color), "casts_shadows": False}
+                lights.append((rtrt.Light.point, known))
                 continue
             if light.type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL:
-                lights.append((rtrt.Light.sun, {"direction": tuple(light.dir), "color": tuple(color)}))
+                known = {"direction": tuple(light.dir), "color": tuple(color)}
+                lights.append((rtrt.Light.sun, known | shadows))
                 continue
             constant, linear, square = light.attenuation
             fades = square > 0 and constant == 0 and linear == 0
@@ -308,7 +311,7 @@ class Renderer:
                 "color": tuple(color / square if fades else color),
                 "inverse_square": fades,
                 "radius": float(light.bulbradius),
-            }
+            } | shadows
             if light.type == mujoco.mjtLightType.mjLIGHT_SPOT and light.cutoff < 90:
                 lights.append((rtrt.Light.spot, known | {"direction": tuple(light.dir), "outer": float(light.cutoff)}))
             else:
@@ -323,34 +326,58 @@ class Renderer:
 
     def _place(self) -> None:
         """Gives each geom the objects of its shape and material."""
-        parts = [
-            (slot, key, matrix)
-            for slot, geom in enumerate(self._mjv.geoms[: self._mjv.ngeom])
-            for key, matrix in self._parts(geom)
+        geoms = self._mjv.geoms[: self._mjv.ngeom]
+        # Most geoms look as they did before.
+        looks = [
+            (
+                geom.type, geom.dataid, geom.matid, geom.rgba.tobytes(), geom.size.tobytes(), geom.emission,
+                geom.specular, geom.shininess,
+            )
+            for geom in geoms
         ]
+        is_same = looks == self._looks
+        if not is_same:
+            self._looks = looks
+            self._parts = _Parts([self._recipe(look, geom) for look, geom in zip(looks, geoms)])
+        matrices = self._parts.matrices(geoms)
+        if not is_same:
+            self._choose(self._parts, matrices)
+        elif len(matrices):
+            moved = np.nonzero((matrices != self._matrices).any((1, 2)))[0]
+            if len(moved):
+                self._scene.set_transforms(self._numbers[moved], matrices[moved])
+        self._matrices = matrices
+
+    def _choose(self, parts: _Parts, matrices: np.ndarray) -> None:
+        """Finds an object for each part, places it, and hides the objects that are left."""
         # What shows something else now can be used for another geom.
         for place, (key, number) in enumerate(self._shown):
-            if place >= len(parts) or parts[place][1] != key:
+            if place >= len(parts.keys) or parts.keys[place] != key:
                 self._free.setdefault(key, []).append(number)
         shown = []
-        for place, (_, key, matrix) in enumerate(parts):
+        for place, key in enumerate(parts.keys):
             if place < len(self._shown) and self._shown[place][0] == key:
                 number = self._shown[place][1]
             elif self._free.get(key):
                 number = self._free[key].pop()
             else:
-                number = self._add(key, matrix)
+                number = self._add(key, matrices[place])
             shown.append((key, number))
         numbers = [number for _, number in shown]
         for number in {number for _, number in self._shown}.difference(numbers):
             self._scene.hide(number)
-        self._shown = shown
-        self._scene.set_transforms(np.array(numbers, int), np.array([m for *_, m in parts]).reshape(-1, 4, 4))
+        self._shown, self._numbers = shown, np.array(numbers, int)
+        self._scene.set_transforms(self._numbers, matrices)
         self._slots = np.full(self._scene.objects + 1, -1)
-        self._slots[numbers] = [slot for slot, *_ in parts]
+        self._slots[numbers] = parts.geoms
 
-    def _parts(self, geom: mujoco.MjvGeom) -> list[tuple[Any, np.ndarray]]:
-        """What a geom is made of: what decides on a shape and its material, and its matrix to the world."""
+    def _recipe(self, look: Any, geom: mujoco.MjvGeom) -> list[_Part]:
+        """What a geom is made of."""
+        if look not in self._recipes:
+            self._recipes[look] = self._parts_of(geom)
+        return self._recipes[look]
+
+    def _parts_of(self, geom: mujoco.MjvGeom) -> list[_Part]:
         kind, rgba = geom.type, tuple(geom.rgba.tolist())
         if rgba[3] <= 0:
             return []
@@ -387,15 +414,10 @@ class Renderer:
             repeat = self._model.mat_texrepeat[geom.matid].tolist()
             is_even = self._model.mat_texuniform[geom.matid] or 0 in size[:2]
             shape = shape + (texture, *repeat, tuple(scale) if is_even else (1.0, 1.0, 1.0))
-        matrix = np.eye(4)
-        matrix[:3, :3] = geom.mat.reshape(3, 3) * [max(s, 1e-6) for s in scale]
-        matrix[:3, 3] = geom.pos
-        parts = [((shape, look), matrix)]
+        scale = [max(s, 1e-6) for s in scale]
+        parts: list[_Part] = [((shape, look), scale, 1.0, 0.0)]
         for end in (-half, half) if half else ():
-            ball = matrix.copy()
-            ball[:3, 2] *= size[0] / half
-            ball[:3, 3] += matrix[:3, 2] * (end / half)
-            parts.append(((("ellipsoid",), look), ball))
+            parts.append(((("ellipsoid",), look), scale, size[0] / half, end / half))
         return parts
 
     def _add(self, key: Any, matrix: np.ndarray) -> int:
@@ -456,6 +478,44 @@ class Renderer:
         if texid not in self._textures:
             self._textures[texid] = self._scene.add_texture(_TO_SRGB[_texels(self._model, texid)])
         return self._textures[texid]
+
+
+def _cross(a: list[float], b: list[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _unit(v: list[float]) -> list[float]:
+    length = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return [c / length for c in v]
+
+
+_Part = tuple[Any, list[float], float, float]
+"""What decides on a shape and its material; how the geom's axes are scaled; by how much the third is then, and how far along
+it the part is."""
+
+
+class _Parts:
+    """What geoms are made of, one behind the other."""
+
+    def __init__(self, recipes: list[list[_Part]]) -> None:
+        parts = [part for recipe in recipes for part in recipe]
+        self.keys = [key for key, *_ in parts]
+        self.geoms = np.array([geom for geom, recipe in enumerate(recipes) for _ in recipe], int)
+        self._scales = np.array([scale for _, scale, *_ in parts]).reshape(-1, 1, 3)
+        self._stretches = np.array([stretch for *_, stretch, _ in parts]).reshape(-1, 1)
+        self._ends = np.array([end for *_, end in parts]).reshape(-1, 1)
+
+    def matrices(self, geoms: Any) -> np.ndarray:
+        """The matrix of each to the world."""
+        matrices = np.zeros((len(self.keys), 4, 4))
+        if not self.keys:
+            return matrices
+        turns = np.array([geom.mat for geom in geoms]).reshape(-1, 3, 3)[self.geoms] * self._scales
+        matrices[:, :3, 3] = np.array([geom.pos for geom in geoms])[self.geoms] + turns[:, :, 2] * self._ends
+        turns[:, :, 2] *= self._stretches
+        matrices[:, :3, :3] = turns
+        matrices[:, 3, 3] = 1
+        return matrices
 
 
 def _texels(model: mujoco.MjModel, texid: int) -> np.ndarray:

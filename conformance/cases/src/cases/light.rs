@@ -122,6 +122,20 @@ pub(super) const CASES: &[Case] = &[
         ..FROM_ABOVE
     },
     Case {
+        name: "light/without_shadows",
+        claim: "A light without shadows lights what faces it, whatever stands between; the others cast theirs.",
+        scene: || {
+            let shadowless = [
+                Light::sun([-1.0, -1.0, -0.5]).color(Vec3::new(0.3, 0.0, 0.0) * PI).radius(0.1),
+                Light::point([1.5, 1.0, 0.5]).color(Vec3::new(0.0, 0.3, 0.0) * PI).radius(0.2),
+                Light::spot([0.0, 1.5, 1.0], [0.0, -1.5, -1.0], 0.5).color(Vec3::new(0.0, 0.0, 0.3) * PI),
+            ];
+            let [sun, lamp, spot] = shadowless.map(|light| light.casts_shadows(false));
+            lit([sun, Light::point([-1.0, 1.0, 0.5]).color(Vec3::splat(PI / 3.0)), lamp, spot])
+        },
+        ..FROM_ABOVE
+    },
+    Case {
         name: "light/thirty_two",
         claim: "Thirty-two lights fill one word of the shadow mask.",
         scene: || many(32),
