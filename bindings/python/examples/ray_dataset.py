@@ -25,6 +25,10 @@ def directions():
     return [(np.cos(2.4 * n), 0.1 + 1.2 * n / VIEWS, np.sin(2.4 * n)) for n in range(VIEWS)]
 
 
+SCENES = {}
+"""The scenes that this worker has loaded."""
+
+
 @ray.remote(max_retries=3)
 def view(name, number, direction, folder, killed):
     """Renders a view, and writes it once: under a name of its own first, and then in one step under that of the view."""
@@ -32,7 +36,9 @@ def view(name, number, direction, folder, killed):
 
     import rtrt
 
-    scene = rtrt.Scene.load(name)
+    if name not in SCENES:
+        SCENES[name] = rtrt.Scene.load(name)
+    scene = SCENES[name]
     frame = rtrt.render(scene, scene.framing(SIZE, direction), SIZE, LAYERS)
     target = Path(folder) / f"view-{number:03}.npz"
     draft = target.with_suffix(f".{os.getpid()}.tmp")
