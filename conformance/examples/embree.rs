@@ -14,93 +14,22 @@
 use glam::Vec3;
 use rayon::prelude::*;
 use rtrt_core::backend::{Request, Shadows};
-use rtrt_core::layout::{Instance, View};
-use rtrt_core::scene::{Camera, Projection, Scene, Setup};
-use std::collections::HashMap;
-use std::ffi::{CString, c_char, c_void};
+use rtrt_core::layout::View;
+use rtrt_core::scene::{Camera, Projection, Setup};
+use std::ffi::CString;
 use std::path::Path;
 use std::time::Instant;
 
+#[path = "yardstick/embree3.rs"]
+mod embree3;
+
+use embree3::{Committed, Context, HIGH, Hits8, NONE, Rays8, build, rtcIntersect8, rtcOccluded8};
+
+/// `RTC_INTERSECT_CONTEXT_FLAG_COHERENT`.
+const COHERENT: i32 = 1;
 const SIZE: [u32; 2] = [1280, 720];
 const THREADS: usize = 2;
 const RUNS: usize = 12;
-const NONE: u32 = u32::MAX;
-
-// From rtcore_common.h, rtcore_buffer.h and rtcore_geometry.h of Embree 3.
-const TRIANGLES: i32 = 0;
-const INSTANCE: i32 = 121;
-const INDICES: i32 = 0;
-const VERTICES: i32 = 1;
-const UINT3: i32 = 0x5003;
-const FLOAT3: i32 = 0x9003;
-const ROWS_3X4: i32 = 0x9134;
-const HIGH: i32 = 2;
-const COHERENT: i32 = 1;
-
-type Handle = *mut c_void;
-
-#[link(name = "embree3")]
-unsafe extern "C" {
-    fn rtcNewDevice(config: *const c_char) -> Handle;
-    fn rtcNewScene(device: Handle) -> Handle;
-    fn rtcNewGeometry(device: Handle, kind: i32) -> Handle;
-    fn rtcSetNewGeometryBuffer(
-        geometry: Handle,
-        kind: i32,
-        slot: u32,
-        format: i32,
-        stride: usize,
-        count: usize,
-    ) -> Handle;
-    fn rtcCommitGeometry(geometry: Handle);
-    fn rtcAttachGeometry(scene: Handle, geometry: Handle) -> u32;
-    fn rtcSetSceneBuildQuality(scene: Handle, quality: i32);
-    fn rtcCommitScene(scene: Handle);
-    fn rtcSetGeometryInstancedScene(geometry: Handle, scene: Handle);
-    fn rtcSetGeometryTransform(geometry: Handle, step: u32, format: i32, matrix: *const c_void);
-    fn rtcIntersect8(valid: *const i32, scene: Handle, context: *mut Context, rays: *mut Hits8);
-    fn rtcOccluded8(valid: *const i32, scene: Handle, context: *mut Context, rays: *mut Rays8);
-}
-
-/// `RTCIntersectContext`, with room for the optional fields.
-#[repr(C, align(16))]
-struct Context {
-    flags: i32,
-    filter: Handle,
-    instance: u32,
-    optional: [u32; 12],
-}
-
-/// `RTCRay8`.
-#[repr(C, align(32))]
-#[derive(Clone, Copy)]
-struct Rays8 {
-    origin: [[f32; 8]; 3],
-    near: [f32; 8],
-    direction: [[f32; 8]; 3],
-    time: [f32; 8],
-    far: [f32; 8],
-    mask: [u32; 8],
-    id: [u32; 8],
-    flags: [u32; 8],
-}
-
-/// `RTCRayHit8`.
-#[repr(C, align(32))]
-struct Hits8 {
-    rays: Rays8,
-    normal: [[f32; 8]; 3],
-    u: [f32; 8],
-    v: [f32; 8],
-    primitive: [u32; 8],
-    geometry: [u32; 8],
-    instance: [u32; 8],
-}
-
-/// A committed scene, which any thread may trace.
-struct Committed(Handle);
-// SAFETY: Embree's scenes are read only after `rtcCommitScene`, from any thread.
-unsafe impl Sync for Committed {}
 
 /// What one pass over the frame found.
 #[derive(Clone, Copy, Default)]
@@ -140,7 +69,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let config = CString::new(format!("threads={THREADS},isa={isa}"))?;
 
     let start = Instant::now();
-    let embree = build(&loaded.scene, &config);
+    let embree = build(&loaded.scene, &config, HIGH);
     println!("embree {isa}, {THREADS} threads: build {:.1} ms", start.elapsed().as_secs_f64() * 1e3);
     let primary = f64::from(SIZE[0] * SIZE[1]);
     for light in [None, Some(light)] {
@@ -169,59 +98,6 @@ fn vector(text: &str) -> Result<Vec3, Box<dyn std::error::Error>> {
     Ok(Vec3::from(<[f32; 3]>::try_from(parts).map_err(|_| "not x,y,z")?))
 }
 
-/// The scene as Embree has it: meshes in world space together, the others instanced.
-fn build(scene: &Scene, config: &CString) -> Committed {
-    // SAFETY: handles come from the calls above them; buffers are written within the size
-    // that they were made with.
-    unsafe {
-        let device = rtcNewDevice(config.as_ptr());
-        let top = rtcNewScene(device);
-        rtcSetSceneBuildQuality(top, HIGH);
-        let mut meshes = HashMap::new();
-        for instance in scene.instances() {
-            if instance.is_identity == 1 {
-                rtcAttachGeometry(top, mesh(device, scene, instance));
-                continue;
-            }
-            let shared = *meshes.entry(instance.root).or_insert_with(|| {
-                let shared = rtcNewScene(device);
-                rtcSetSceneBuildQuality(shared, HIGH);
-                rtcAttachGeometry(shared, mesh(device, scene, instance));
-                rtcCommitScene(shared);
-                shared
-            });
-            let instance = rtcNewGeometry(device, INSTANCE);
-            rtcSetGeometryInstancedScene(instance, shared);
-            rtcSetGeometryTransform(instance, 0, ROWS_3X4, instance.to_world.as_ptr().cast());
-            rtcCommitGeometry(instance);
-            rtcAttachGeometry(top, instance);
-        }
-        rtcCommitScene(top);
-        Committed(top)
-    }
-}
-
-/// The instance's mesh.
-///
-/// # Safety
-/// `device` is a device of Embree's.
-unsafe fn mesh(device: Handle, scene: &Scene, instance: &Instance) -> Handle {
-    let count = 3 * instance.triangles as usize;
-    let indices = &scene.mesh_data()[instance.first_index as usize..][..count];
-    let vertices = indices.iter().max().map_or(0, |&most| most as usize + 1);
-    // SAFETY: Embree gives buffers of the size asked for.
-    unsafe {
-        let geometry = rtcNewGeometry(device, TRIANGLES);
-        let positions = rtcSetNewGeometryBuffer(geometry, VERTICES, 0, FLOAT3, 12, vertices);
-        let from = scene.positions()[instance.first_vertex as usize..].as_ptr();
-        std::ptr::copy_nonoverlapping(from, positions.cast(), vertices);
-        let words = rtcSetNewGeometryBuffer(geometry, INDICES, 0, UINT3, 12, count / 3);
-        std::ptr::copy_nonoverlapping(indices.as_ptr(), words.cast(), count);
-        rtcCommitGeometry(geometry);
-        geometry
-    }
-}
-
 /// One pass over the frame, in tiles of 16 x 16 rays and packets of 4 x 2.
 fn frame(scene: &Committed, view: &View, light: Option<[f32; 3]>) -> Found {
     (0..SIZE[1].div_ceil(16))
@@ -241,7 +117,7 @@ fn frame(scene: &Committed, view: &View, light: Option<[f32; 3]>) -> Found {
 /// One packet.
 fn trace(scene: &Committed, view: &View, corner: [u32; 2], light: Option<[f32; 3]>) -> Found {
     let mut context =
-        Context { flags: COHERENT, filter: std::ptr::null_mut(), instance: NONE, optional: [0; 12] };
+        Context { flags: filter: std::ptr::null_mut(), instance: NONE, optional: [0; 12] };
     let mut hits = Hits8 {
         rays: Rays8 {
             origin: view.center.map(|c| [c; 8]),
