@@ -117,7 +117,7 @@ fn frame(scene: &Committed, view: &View, light: Option<[f32; 3]>) -> Found {
 /// One packet.
 fn trace(scene: &Committed, view: &View, corner: [u32; 2], light: Option<[f32; 3]>) -> Found {
     let mut context =
-        Context { flags: filter: std::ptr::null_mut(), instance: NONE, optional: [0; 12] };
+        Context { flags: COHERENT, filter: std::ptr::null_mut(), instance: NONE, optional: [0; 12] };
     let mut hits = Hits8 {
         rays: Rays8 {
             origin: view.center.map(|c| [c; 8]),

@@ -7,7 +7,7 @@ use rtrt_core::kernel::triangle::{Triangle, intersect};
 use rtrt_core::lane::V3;
 use rtrt_core::query::{Hit, Overlap, Ray, Shapes, Sides, Source, Tree, Volume, World};
 use rtrt_core::scene::{
-    Attribute, Bvh, InstanceIndex, Material, MaterialIndex, Mesh, MeshIndex, Scene, Sequential,
+    Attribute, Bvh, InstanceIndex, Material, MaterialIndex, Mesh, MeshError, MeshIndex, Scene, Sequential,
 };
 
 /// Numbers that look random.
@@ -231,6 +231,52 @@ fn answers_are_those_of_a_search_without_a_tree_while_things_move() {
 }
 
 #[test]
+fn a_masked_world_is_one_without_the_others() {
+    let mut random = Random(5);
+    let Made { mut scene, instances, .. } = made(&mut random, 60);
+    let masks: Vec<_> = instances.iter().map(|_| 1 << random.below(4)).collect();
+    for (instance, mask) in instances.iter().zip(&masks) {
+        scene.set_ray_mask(*instance, *mask).expect("it is there");
+    }
+    let questions: Vec<_> = (0..200)
+        .map(|_| (1 + random.below(15), ray(&mut random, 8.0, &scene, &instances), random.vector(8.0)))
+        .collect();
+    let ask = |world: World<'_>, ray: &Ray, point: Vec3| {
+        let mut overlaps = [Overlap::NONE; 400];
+        let mut touched = [Hit::NONE.instance; 60];
+        let volume = Volume::ball(point, 2.0);
+        let count = world.overlaps(&volume, &mut overlaps).expect("a ball");
+        let instances = world.overlapped_instances(&volume, &mut touched).expect("a ball");
+        let nearest = world.nearest(point, 9.0).expect("a point");
+        let closest = world.closest(ray).expect("a ray");
+        (
+            closest.as_ref().map(row),
+            nearest.as_ref().map(row),
+            overlaps[..count].to_vec(),
+            touched[..instances].to_vec(),
+        )
+    };
+    let mut tree = Tree::default();
+    let masked: Vec<_> = {
+        let world = tree.world(&scene);
+        questions.iter().map(|(mask, ray, point)| ask(world.masked(*mask), ray, *point)).collect()
+    };
+    let mut different = 0;
+    for ((mask, ray, point), masked) in questions.iter().zip(&masked) {
+        different += usize::from(ask(tree.world(&scene), ray, *point) != *masked);
+        // Instances of no group are in no world.
+        for (instance, own) in instances.iter().zip(&masks) {
+            scene.set_ray_mask(*instance, if own & mask == 0 { 0 } else { *own }).expect("it is there");
+        }
+        assert_eq!(ask(tree.world(&scene), ray, *point), *masked);
+        for (instance, own) in instances.iter().zip(&masks) {
+            scene.set_ray_mask(*instance, *own).expect("it is there");
+        }
+    }
+    assert!(different > 50, "{different}");
+}
+
+#[test]
 fn a_direction_of_any_length_hits_the_same() {
     let mut random = Random(4);
     let Made { scene, instances, .. } = made(&mut random, 40);
@@ -321,6 +367,26 @@ fn shapes_of_the_callers_answer_as_a_scene_does() {
         }
     }
     assert!(hits > 100, "{hits}");
+}
+
+#[test]
+fn a_stored_bvh_serves_its_own_triangles_only() {
+    let mut random = Random(8);
+    let [mesh, other] = [heap(&mut random, 60), heap(&mut random, 60)];
+    let mut shapes = Shapes::new();
+    let built = shapes.add_mesh(mesh.positions(), mesh.indices(), &Sequential).expect("a mesh");
+    let digest = Bvh::digest(mesh.positions(), mesh.indices());
+    let bytes = shapes.bvh(built).expect("it is there").to_bytes(&digest);
+    let read = || Bvh::from_bytes(mesh.positions(), mesh.indices(), &digest, &bytes).expect("a BVH");
+    let mut again = Shapes::new();
+    let stored = again.add_mesh_with(mesh.positions(), mesh.indices(), read()).expect("a mesh");
+    assert_eq!(again.bvh(stored), shapes.bvh(built));
+    assert_eq!(again.bvh(built), None);
+    assert!(matches!(
+        again.add_mesh_with(other.positions(), other.indices(), read()),
+        Err(MeshError::Tree(_))
+    ));
+    assert!(again.add_mesh_with(mesh.positions(), &mesh.indices()[3..], read()).is_err());
 }
 
 #[test]

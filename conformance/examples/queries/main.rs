@@ -92,7 +92,8 @@ struct Arguments {
 }
 
 fn arguments() -> Result<Arguments, Box<dyn Error>> {
-    let mut all = Arguments { path: String::new(), json: false, rays: 200_000, judged: 300, isa: "avx2".into() };
+    let mut all =
+        Arguments { path: String::new(), json: false, rays: 200_000, judged: 300, isa: "avx2".into() };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut next = || words.next().ok_or(USAGE);
@@ -109,8 +110,7 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = arguments()?;
-    let Loaded { scene, camera, .. } =
-        rtrt::import::load(Path::new(&arguments.path), &rtrt_cpu::Parallel)?;
+    let Loaded { scene, camera, .. } = rtrt::import::load(Path::new(&arguments.path), &rtrt_cpu::Parallel)?;
     if scene.instances().iter().any(|instance| instance.is_sphere()) {
         return Err("a scene with spheres is not judged".into());
     }

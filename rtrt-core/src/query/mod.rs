@@ -25,7 +25,10 @@
 //! | ask what is near, or what a box or a ball overlaps | [`World::nearest`], [`World::overlaps`], [`World::overlapped_instances`] |
 //! | know the surface at a hit | [`World::surface`] |
 //! | limit a ray, or what it meets | the setters of [`Ray`] |
+//! | ask some groups of instances only | [`World::masked`] |
 //! | keep meshes where they are, without a scene | [`Shapes`] |
+//! | ask far from the origin of `f32` | [`Origin`](crate::scene::Origin) |
+//! | store what takes long to build | [`Bvh::to_bytes`](crate::scene::Bvh::to_bytes), [`Shapes::add_mesh_with`] |
 //! | move something | [`Scene::set_transform`](crate::scene::Scene::set_transform), then [`Tree::world`] |
 //!
 //! # Errors

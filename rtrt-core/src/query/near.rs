@@ -107,7 +107,7 @@ impl<S: Source> World<'_, S> {
             |number, _| {
                 let index = number as usize;
                 let numbered = InstanceIndex { number, scene: self.source.id() };
-                if self.source.places().bounds(index).is_empty() || !accept(numbered) {
+                if !self.sees(index) || !accept(numbered) {
                     return reach(&best);
                 }
                 let placed = Placed::new(&self.source.instances()[index]);
@@ -208,7 +208,7 @@ impl<S: Source> World<'_, S> {
         walk(&self.tree.instances.tree, Some(&self.tree.instances.slacks), reach, padded, |number, _| {
             let index = number as usize;
             let instance = InstanceIndex { number, scene: self.source.id() };
-            if self.source.places().bounds(index).is_empty() {
+            if !self.sees(index) {
                 return reach;
             }
             let placed = Placed::new(&self.source.instances()[index]);
@@ -249,6 +249,12 @@ impl<S: Source> World<'_, S> {
             reach
         });
         Ok(())
+    }
+
+    /// Whether an instance is asked.
+    fn sees(&self, index: usize) -> bool {
+        let is_hidden = self.source.places().bounds(index).is_empty();
+        !is_hidden && self.source.tags()[index].mask & self.mask != 0
     }
 
     /// The rounding errors of distances: `f64` has 52 bits, of which many are spare.

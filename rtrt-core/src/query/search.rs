@@ -39,6 +39,15 @@ pub(crate) trait Collect {
     fn take(&mut self, found: Found);
 }
 
+/// Of a search.
+#[derive(Clone, Copy)]
+pub(crate) struct Limits {
+    /// The largest coordinate of the world and the ray's start.
+    pub magnitude: f32,
+    /// The groups of instances that are asked.
+    pub mask: u32,
+}
+
 /// Shows `collect` every hit on the ray that can change the result.
 #[inline(always)]
 pub(crate) fn search<L: Lane, S: Parts>(
@@ -47,11 +56,12 @@ pub(crate) fn search<L: Lane, S: Parts>(
     source: &S,
     asked: &Ray,
     scaled: &ScaledRay,
-    magnitude: f32,
+    limits: Limits,
     collect: &mut impl Collect,
 ) {
     let skip = asked.skip.filter(|skip| skip.scene == source.id()).map(|skip| skip.number);
-    let mut instances = Instances::<L, S, _> { token, tree, source, asked, scaled, skip, collect };
+    let Limits { magnitude, mask } = limits;
+    let mut instances = Instances::<L, S, _> { token, tree, source, asked, mask, scaled, skip, collect };
     let range = Range { from: scaled.from, limit: instances.collect.limit() };
     let wide = Asked::<L>::new(token, &scaled.ray, magnitude, 0.0);
     let top = &tree.instances;
@@ -64,6 +74,7 @@ struct Instances<'a, L: Lane, S, C> {
     tree: &'a Tree,
     source: &'a S,
     asked: &'a Ray,
+    mask: u32,
     scaled: &'a ScaledRay,
     skip: Option<u32>,
     collect: &'a mut C,
@@ -78,7 +89,7 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
             return self.collect.limit();
         }
         let entry = &self.tree.instances.entries[number as usize];
-        if entry.mask & self.asked.mask == 0 {
+        if entry.mask & self.mask == 0 {
             return self.collect.limit();
         }
         let ray = if entry.is_identity { scaled.ray } else { scaled.ray.transformed(&entry.to_object) };

@@ -79,27 +79,36 @@ impl<'a> Shapes<'a> {
         indices: &'a [u32],
         join: &impl Join,
     ) -> Result<MeshIndex, MeshError> {
-        if !indices.len().is_multiple_of(3) {
-            return Err(MeshError::Ragged { count: indices.len() });
-        }
-        if indices.len() / 3 > Mesh::MAX_TRIANGLES {
-            return Err(MeshError::TooLarge { triangles: indices.len() / 3 });
-        }
-        for (vertex, position) in positions.iter().enumerate() {
-            let is_wrong = |c: &&f32| c.is_nan() || c.abs() > COORDINATE_LIMIT;
-            if let Some(&value) = position.iter().find(is_wrong) {
-                return Err(MeshError::Coordinate { vertex, value });
-            }
-        }
-        let vertices = positions.len();
-        if let Some(index) = indices.iter().position(|&i| i as usize >= vertices) {
-            return Err(MeshError::Index { index, value: indices[index], vertices });
-        }
-        let tree = Bvh::of_triangles(positions, indices, join);
+        check(positions, indices)?;
+        Ok(self.push(positions, indices, Bvh::of_triangles(positions, indices, join)))
+    }
+
+    /// [`Shapes::add_mesh`] with a BVH that was built before, as of [`Shapes::bvh`] or
+    /// [`Bvh::from_bytes`].
+    ///
+    /// # Errors
+    /// As for [`Shapes::add_mesh`], or the BVH is not one of these triangles.
+    pub fn add_mesh_with(
+        &mut self,
+        positions: &'a [[f32; 3]],
+        indices: &'a [u32],
+        bvh: Bvh,
+    ) -> Result<MeshIndex, MeshError> {
+        check(positions, indices)?;
+        bvh.check_shape(positions, indices)?;
+        Ok(self.push(positions, indices, bvh))
+    }
+
+    /// The BVH of a mesh; `None` if there is no such mesh.
+    pub fn bvh(&self, mesh: MeshIndex) -> Option<&Bvh> {
+        self.meshes.get(mesh.number as usize).filter(|_| mesh.scene == self.id).map(|shape| &shape.tree)
+    }
+
+    fn push(&mut self, positions: &'a [[f32; 3]], indices: &'a [u32], tree: Bvh) -> MeshIndex {
         let number = self.meshes.len() as u32;
         let stored = Stored::of_shape(number, &tree, positions);
         self.meshes.push(Shape { positions, indices, tree, stored });
-        Ok(MeshIndex { number, scene: self.id })
+        MeshIndex { number, scene: self.id }
     }
 
     /// Places a mesh in the world. `to_world` takes object to world space.
@@ -185,6 +194,27 @@ impl<'a> Shapes<'a> {
         let missing = SceneError::Index { what: "instance", index: instance.number };
         if instance.scene == self.id && index < self.instances.len() { Ok(index) } else { Err(missing) }
     }
+}
+
+/// Refuses what are no triangles.
+fn check(positions: &[[f32; 3]], indices: &[u32]) -> Result<(), MeshError> {
+    if !indices.len().is_multiple_of(3) {
+        return Err(MeshError::Ragged { count: indices.len() });
+    }
+    if indices.len() / 3 > Mesh::MAX_TRIANGLES {
+        return Err(MeshError::TooLarge { triangles: indices.len() / 3 });
+    }
+    for (vertex, position) in positions.iter().enumerate() {
+        let is_wrong = |c: &&f32| c.is_nan() || c.abs() > COORDINATE_LIMIT;
+        if let Some(&value) = position.iter().find(is_wrong) {
+            return Err(MeshError::Coordinate { vertex, value });
+        }
+    }
+    let vertices = positions.len();
+    if let Some(index) = indices.iter().position(|&i| i as usize >= vertices) {
+        return Err(MeshError::Index { index, value: indices[index], vertices });
+    }
+    Ok(())
 }
 
 impl Parts for Shapes<'_> {

@@ -2,7 +2,7 @@
 
 use super::collect::{Any, Closest, Filtered, Sorted};
 use super::ray::{QueryError, Ray, ScaledRay};
-use super::search::{Collect, Found, search};
+use super::search::{Collect, Found, Limits, search};
 use super::source::Source;
 use super::surface::{self, Surface};
 use super::tree::Tree;
@@ -52,6 +52,8 @@ pub struct World<'a, S: Source = Scene> {
     pub(super) source: &'a S,
     /// The largest coordinate of all.
     pub(super) magnitude: f32,
+    /// The groups of instances that are asked.
+    pub(super) mask: u32,
 }
 
 impl<S: Source> Clone for World<'_, S> {
@@ -66,7 +68,14 @@ impl<'a, S: Source> World<'a, S> {
     pub(super) fn new(tree: &'a Tree, source: &'a S) -> Self {
         let all = source.places().all();
         let corners = all.low.into_iter().chain(all.high).filter(|c| c.is_finite());
-        Self { tree, source, magnitude: corners.fold(FLOOR, |most, c| most.max(c.abs())) }
+        Self { tree, source, magnitude: corners.fold(FLOOR, |most, c| most.max(c.abs())), mask: u32::MAX }
+    }
+
+    /// The world of those of its instances whose [mask](Scene::set_ray_mask) has a bit in common with `mask`: no
+    /// call sees the others.
+    #[must_use]
+    pub fn masked(self, mask: u32) -> Self {
+        Self { mask: self.mask & mask, ..self }
     }
 
     /// The closest hit on a ray.
@@ -198,7 +207,8 @@ impl<'a, S: Source> World<'a, S> {
     fn search<L: Lane>(&self, token: L::Token, ray: &Ray, scaled: &ScaledRay, collect: &mut impl Collect) {
         const { assert!(L::WIDTH <= 8) };
         let magnitude = self.magnitude_from(ray.origin);
-        search::<L, S>(token, self.tree, self.source, ray, scaled, magnitude, collect);
+        let mask = ray.mask & self.mask;
+        search::<L, S>(token, self.tree, self.source, ray, scaled, Limits { magnitude, mask }, collect);
     }
 
     /// The largest coordinate of the world and a point.

@@ -91,12 +91,17 @@ impl Bvh {
 /// Why links make no BVH.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("not a tree of the mesh: {0}")]
-pub struct BvhError(&'static str);
+pub struct BvhError(pub(super) &'static str);
 
 impl Bvh {
     /// Whether this is a tree of the mesh: its links make a tree, and its boxes are those of the mesh.
     pub(super) fn check(&self, mesh: &Mesh) -> Result<(), BvhError> {
-        let fitted = Self::from_links(mesh, &self.links(), self.triangles.clone())?;
+        self.check_shape(mesh.positions(), mesh.indices())
+    }
+
+    /// [`Bvh::check`] of triangles, three indices each, all of them valid.
+    pub(crate) fn check_shape(&self, positions: &[[f32; 3]], indices: &[u32]) -> Result<(), BvhError> {
+        let fitted = Self::of_links(positions, indices, &self.links(), self.triangles.clone())?;
         if fitted.nodes == self.nodes { Ok(()) } else { Err(BvhError("its boxes are those of another mesh")) }
     }
 
@@ -111,12 +116,22 @@ impl Bvh {
     /// # Errors
     /// The links are no tree, hold a triangle never or twice, or are too deep.
     pub fn from_links(mesh: &Mesh, links: &[[u32; 2]], triangles: Vec<u32>) -> Result<Self, BvhError> {
-        check(mesh.triangles(), links, &triangles)?;
+        Self::of_links(mesh.positions(), mesh.indices(), links, triangles)
+    }
+
+    /// [`Bvh::from_links`] of triangles, three indices each, all of them valid.
+    pub(super) fn of_links(
+        positions: &[[f32; 3]],
+        indices: &[u32],
+        links: &[[u32; 2]],
+        triangles: Vec<u32>,
+    ) -> Result<Self, BvhError> {
+        check(indices.len() / 3, links, &triangles)?;
         let node = |&[first, kind]: &[u32; 2]| Node { first, kind, ..Node::zeroed() };
         let mut nodes: Vec<Node> = links.iter().map(node).collect();
         refit(&mut nodes, |corner| {
-            let index = mesh.indices()[3 * triangles[corner / 3] as usize + corner % 3];
-            mesh.positions()[index as usize]
+            let index = indices[3 * triangles[corner / 3] as usize + corner % 3];
+            positions[index as usize]
         });
         Ok(Self { nodes, triangles })
     }

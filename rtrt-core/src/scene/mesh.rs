@@ -1,6 +1,7 @@
 //! A mesh as it comes from outside, checked.
 
 use crate::layout::Attribute;
+use crate::scene::BvhError;
 use crate::scene::floor::floored;
 use crate::scene::tangent;
 use alloc::vec;
@@ -60,6 +61,9 @@ pub enum MeshError {
         /// How many triangles there are.
         triangles: usize,
     },
+    /// A BVH is not one of these triangles.
+    #[error(transparent)]
+    Tree(#[from] BvhError),
 }
 
 /// Triangles with their vertices, checked: every number is finite and every index valid.

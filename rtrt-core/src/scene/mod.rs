@@ -24,6 +24,7 @@
 
 mod brightness;
 mod bvh;
+mod bvh_bytes;
 mod camera;
 mod choice;
 mod cube;
@@ -38,6 +39,7 @@ mod list_cache;
 mod material;
 mod mesh;
 mod motion;
+mod origin;
 mod place;
 mod places;
 mod setup;
@@ -62,6 +64,7 @@ pub use list_cache::{ListCacheKey, ReusableLists};
 pub use material::{AlphaMode, Material};
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};
 pub use motion::Motion;
+pub use origin::Origin;
 pub(crate) use place::{InstanceMaterial, Stored, place};
 pub(crate) use places::{Places, Tag};
 pub use setup::Setup;
