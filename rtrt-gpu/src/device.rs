@@ -16,6 +16,7 @@ pub(crate) const FEATURES: wgpu::Features =
     wgpu::Features::PASSTHROUGH_SHADERS.union(wgpu::Features::TIMESTAMP_QUERY);
 
 /// A device, ready to compile entry points.
+#[derive(Clone)]
 pub(crate) struct Device {
     pub name: String,
     pub kind: Kind,

@@ -176,6 +176,21 @@ pub(crate) const PROBE: (&str, &[Access]) = (
     ],
 );
 
+/// The entry points that ask rays of programs, and what they bind.
+pub(crate) const QUERY_CLOSEST: (&str, &[Access]) = ("query_closest", QUERY);
+pub(crate) const QUERY_OCCLUDED: (&str, &[Access]) = ("query_occluded", QUERY);
+const QUERY: &[Access] = &[
+    Access::Uniform,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Read,
+    Access::Write,
+];
+
 /// The most storage buffers that an entry point binds.
 pub(crate) fn most_storage_buffers() -> u32 {
     let storage = |entry: &Entry| entry.accesses().filter(|access| *access != Access::Uniform).count();
@@ -195,7 +210,9 @@ mod tests {
             ENTRIES.iter().map(|entry| (entry.name, entry.accesses().collect())).collect();
         expected.sort_unstable_by_key(|(name, _)| *name);
         expected.dedup();
-        expected.extend([KERNELS, PROBE].map(|(name, accesses)| (name, accesses.to_vec())));
+        expected.extend(
+            [KERNELS, PROBE, QUERY_CLOSEST, QUERY_OCCLUDED].map(|(name, accesses)| (name, accesses.to_vec())),
+        );
         expected.extend([(VERTEX, vertex_accesses().collect()), (FRAGMENT, vec![])]);
         let found = entry_points(rtrt_shaders::SPIRV).unwrap();
         assert_eq!(found.len(), expected.len());

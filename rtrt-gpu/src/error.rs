@@ -46,6 +46,14 @@ pub enum Error {
         /// Why.
         source: wgpu::RequestDeviceError,
     },
+    /// A buffer of the caller's is too short.
+    #[error("a buffer has {bytes} bytes, {needed} are needed")]
+    BufferTooShort {
+        /// What is needed.
+        needed: u64,
+        /// What it has.
+        bytes: u64,
+    },
     /// The device computes other numbers than the CPU, so its frames would differ.
     #[error("{adapter} computes {what} of case {case} as {gpu:#010x}, the CPU as {cpu:#010x}")]
     Canary {

@@ -37,6 +37,7 @@ mod spirv;
 mod texture;
 mod timer;
 mod wait;
+mod world;
 
 pub use adapter::{Adapter, Options, adapters_async};
 #[cfg(not(target_arch = "wasm32"))]
@@ -44,6 +45,7 @@ pub use adapter::{adapters, left_out};
 pub use error::Error;
 pub use info::{Kind, Route};
 pub use wgpu;
+pub use world::World;
 
 /// Features that a device is to have where its adapter has them; see [`Gpu::with_device`].
 pub const FEATURES: wgpu::Features = device::FEATURES;
@@ -234,6 +236,11 @@ impl Gpu {
         // What is drawn are instances, not their parts.
         self.setup.keep_instances_closed(is_hybrid);
         self.renderer.set_hybrid(is_hybrid).await
+    }
+
+    /// The device and its queue, for buffers and commands of an application's own ([`World::encode_closest`]).
+    pub fn device(&self) -> (&wgpu::Device, &wgpu::Queue) {
+        (&self.renderer.device.device, &self.renderer.device.queue)
     }
 
     /// What the adapter is.

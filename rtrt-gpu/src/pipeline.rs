@@ -107,6 +107,7 @@ pub(crate) fn bind_group_layout(
 }
 
 /// The zero that [`crate::barriers`] reads.
+#[derive(Clone)]
 pub(crate) struct Zero {
     pub layout: wgpu::BindGroupLayout,
     pub group: wgpu::BindGroup,

@@ -21,6 +21,7 @@ pub mod occlusion;
 pub mod peel;
 pub mod penumbra;
 pub mod prepare;
+pub mod query;
 pub mod raster;
 pub mod resolve;
 pub mod shade;

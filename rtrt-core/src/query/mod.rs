@@ -40,6 +40,7 @@
 
 mod block;
 mod collect;
+mod device;
 mod near;
 mod ray;
 mod search;
@@ -51,6 +52,7 @@ mod tree;
 mod wide;
 mod world;
 
+pub use device::DeviceWorld;
 pub use near::{Overlap, Volume};
 pub use ray::{QueryError, Ray, Sides};
 pub use shapes::Shapes;

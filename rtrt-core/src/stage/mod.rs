@@ -16,6 +16,7 @@ pub mod peel;
 pub mod penumbra_blocks;
 pub mod penumbra_filter;
 pub mod prepare;
+pub mod query;
 pub mod raster;
 pub mod resolve;
 pub mod shade;

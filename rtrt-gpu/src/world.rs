@@ -1,0 +1,270 @@
+//! Rays of other programs, on a device.
+
+use crate::Gpu;
+use crate::device::{Device, watched};
+use crate::entry::{QUERY_CLOSEST, QUERY_OCCLUDED, groups};
+use crate::error::Error;
+use crate::pipeline::Pipeline;
+use crate::wait::Waiting;
+use bytemuck::Pod;
+use rtrt_core::layout::{Hit as HitRecord, QueryFrame, RayRecord};
+use rtrt_core::query::{DeviceWorld, Hit, QueryError, Ray};
+use rtrt_core::scene::{Join, Scene};
+use wgpu::BufferUsages;
+
+/// Rays that one dispatch of slices asks.
+const BATCH: usize = 1 << 20;
+
+/// A scene on a device, as it was when [`Gpu::world`] was called: what rays are asked of.
+///
+/// Answers have the bits of [`rtrt_core::query::World`]. The whole scene is copied, and a tree over its
+/// instances is built; to follow a scene that moves, make another.
+///
+/// ```no_run
+/// use rtrt_core::query::Ray;
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let scene = rtrt_core::scene::Scene::new();
+/// let gpu = rtrt_gpu::Gpu::new(rtrt_gpu::Options::default())?;
+/// let world = gpu.world(&scene, &rtrt_core::scene::Sequential)?;
+/// let rays = vec![Ray::new([0.0; 3], [0.0, 0.0, -1.0]); 1000];
+/// let mut hits = vec![Ok(None); 1000];
+/// world.closest(&rays, &mut hits)?;
+/// # Ok(())
+/// # }
+/// ```
+pub struct World {
+    device: Device,
+    world: DeviceWorld,
+    /// The instances, nodes, mesh data, positions, texels and masks.
+    scene: [wgpu::Buffer; 6],
+    closest: Pipeline,
+    occluded: Pipeline,
+}
+
+impl Gpu {
+    /// Copies a scene to the device, for rays. Workers of `join` build the tree over its instances.
+    ///
+    /// # Errors
+    /// A buffer would be larger than the device allows, or the device failed.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn world(&self, scene: &Scene, join: &impl Join) -> Result<World, Error> {
+        pollster::block_on(self.world_async(scene, join))
+    }
+
+    /// [`Gpu::world`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn world_async(&self, scene: &Scene, join: &impl Join) -> Result<World, Error> {
+        let device = self.renderer.device.clone();
+        watched(&device.device.clone(), async {
+            let world = DeviceWorld::new(scene, join);
+            let scene = [
+                upload(&device, "instances", scene.instances())?,
+                upload(&device, "nodes", &world.nodes)?,
+                upload(&device, "mesh data", scene.mesh_data())?,
+                upload(&device, "positions", scene.positions())?,
+                upload(&device, "texels", scene.texels())?,
+                upload(&device, "masks", &world.masks)?,
+            ];
+            let pipeline = |(name, accesses): (&str, &[_])| device.pipeline(name, accesses.iter().copied());
+            let (closest, occluded) = (pipeline(QUERY_CLOSEST), pipeline(QUERY_OCCLUDED));
+            Ok(World { device: device.clone(), world, scene, closest, occluded })
+        })
+        .await
+    }
+}
+
+impl World {
+    /// The closest hit of each ray, by [`rtrt_core::query::World::closest`]; a ray that is refused has an error of its
+    /// own. What is beyond the shorter slice is left alone.
+    ///
+    /// # Errors
+    /// The device failed.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn closest(&self, rays: &[Ray], hits: &mut [Result<Option<Hit>, QueryError>]) -> Result<(), Error> {
+        pollster::block_on(self.closest_waiting(rays, hits, Waiting::Blocks))
+    }
+
+    /// [`World::closest`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn closest_async(
+        &self,
+        rays: &[Ray],
+        hits: &mut [Result<Option<Hit>, QueryError>],
+    ) -> Result<(), Error> {
+        self.closest_waiting(rays, hits, Waiting::Free).await
+    }
+
+    async fn closest_waiting(
+        &self,
+        rays: &[Ray],
+        hits: &mut [Result<Option<Hit>, QueryError>],
+        waiting: Waiting,
+    ) -> Result<(), Error> {
+        let answer = |ray: &Ray, found: &HitRecord| self.world.hit(ray, found);
+        self.ask(waiting, rays, hits, answer, |rays, hits, count, commands| {
+            self.encode_closest(commands, rays, hits, count)
+        })
+        .await
+    }
+
+    /// Whether each ray hits anything, by [`rtrt_core::query::World::occluded`], as [`World::closest`].
+    ///
+    /// # Errors
+    /// The device failed.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn occluded(&self, rays: &[Ray], occluded: &mut [Result<bool, QueryError>]) -> Result<(), Error> {
+        pollster::block_on(self.occluded_waiting(rays, occluded, Waiting::Blocks))
+    }
+
+    /// [`World::occluded`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn occluded_async(
+        &self,
+        rays: &[Ray],
+        occluded: &mut [Result<bool, QueryError>],
+    ) -> Result<(), Error> {
+        self.occluded_waiting(rays, occluded, Waiting::Free).await
+    }
+
+    async fn occluded_waiting(
+        &self,
+        rays: &[Ray],
+        occluded: &mut [Result<bool, QueryError>],
+        waiting: Waiting,
+    ) -> Result<(), Error> {
+        self.ask(
+            waiting,
+            rays,
+            occluded,
+            |_, found: &u32| *found != 0,
+            |rays, words, count, commands| self.encode_occluded(commands, rays, words, count),
+        )
+        .await
+    }
+
+    /// Adds to an application's commands that `count` rays of a buffer are asked for their closest hits, which go to
+    /// another: for programs whose rays are made and used on the device.
+    ///
+    /// `rays` holds [`RayRecord`]s ([`World::record`] makes them on the host), `hits` gets
+    /// [`rtrt_core::layout::Hit`]s. Both are of the device of the [`Gpu`], have [`BufferUsages::STORAGE`], and room for
+    /// so many.
+    ///
+    /// # Errors
+    /// A buffer is too short, or the device failed.
+    pub fn encode_closest(
+        &self,
+        commands: &mut wgpu::CommandEncoder,
+        rays: &wgpu::Buffer,
+        hits: &wgpu::Buffer,
+        count: u32,
+    ) -> Result<(), Error> {
+        self.encode(&self.closest, commands, rays, (hits, size_of::<HitRecord>()), count)
+    }
+
+    /// [`World::encode_closest`] of whether rays hit anything: `words` gets a 1 or a 0 for each.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn encode_occluded(
+        &self,
+        commands: &mut wgpu::CommandEncoder,
+        rays: &wgpu::Buffer,
+        words: &wgpu::Buffer,
+        count: u32,
+    ) -> Result<(), Error> {
+        self.encode(&self.occluded, commands, rays, (words, size_of::<u32>()), count)
+    }
+
+    /// A ray as buffers hold it.
+    ///
+    /// # Errors
+    /// The ray has no start, direction or range: see [`QueryError`].
+    pub fn record(&self, ray: &Ray) -> Result<RayRecord, QueryError> {
+        self.world.record(ray)
+    }
+
+    /// A hit of a buffer, on the ray that was asked; `None` for a miss.
+    pub fn hit(&self, ray: &Ray, found: &HitRecord) -> Option<Hit> {
+        self.world.hit(ray, found)
+    }
+
+    fn encode(
+        &self,
+        pipeline: &Pipeline,
+        commands: &mut wgpu::CommandEncoder,
+        rays: &wgpu::Buffer,
+        (answers, stride): (&wgpu::Buffer, usize),
+        count: u32,
+    ) -> Result<(), Error> {
+        for (buffer, stride) in [(rays, size_of::<RayRecord>()), (answers, stride)] {
+            let needed = u64::from(count) * stride as u64;
+            if buffer.size() < needed {
+                return Err(Error::BufferTooShort { needed, bytes: buffer.size() });
+            }
+        }
+        if count == 0 {
+            return Ok(());
+        }
+        let frame = QueryFrame { rays: count, ..self.world.frame };
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let numbers = self.device.buffer("rays of a batch", size_of::<QueryFrame>() as u64, usage)?;
+        self.device.queue.write_buffer(&numbers, 0, bytemuck::bytes_of(&frame));
+        let buffers = [&numbers].into_iter().chain(&self.scene).chain([rays, answers]);
+        let group = pipeline.group(&self.device.device, buffers);
+        let mut pass = commands.begin_compute_pass(&Default::default());
+        pipeline.dispatch(&mut pass, &group, groups([count, 1]));
+        Ok(())
+    }
+
+    /// Asks slices of rays, batch after batch.
+    async fn ask<R: Pod, T>(
+        &self,
+        waiting: Waiting,
+        rays: &[Ray],
+        answers: &mut [Result<T, QueryError>],
+        answer: impl Fn(&Ray, &R) -> T,
+        encode: impl Fn(&wgpu::Buffer, &wgpu::Buffer, u32, &mut wgpu::CommandEncoder) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let mut device = self.device.clone();
+        device.waiting = waiting;
+        let device = &device;
+        let largest = size_of::<RayRecord>().max(size_of::<R>()) as u64;
+        let batch = BATCH.min((device.limit / largest) as usize).max(1);
+        watched(&device.device, async {
+            for (rays, answers) in rays.chunks(batch).zip(answers.chunks_mut(batch)) {
+                let count = rays.len().min(answers.len());
+                let (rays, answers) = (&rays[..count], &mut answers[..count]);
+                let asked: Vec<_> = rays.iter().map(|ray| self.record(ray)).collect();
+                let records: Vec<_> =
+                    asked.iter().map(|record| record.unwrap_or(bytemuck::Zeroable::zeroed())).collect();
+                let given = upload(device, "rays", &records)?;
+                let bytes = (count * size_of::<R>()) as u64;
+                let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+                let taken = device.buffer("answers", bytes, usage)?;
+                let mut commands = device.device.create_command_encoder(&Default::default());
+                encode(&given, &taken, count as u32, &mut commands)?;
+                device.queue.submit([commands.finish()]);
+                let found = bytemuck::pod_collect_to_vec::<u8, R>(&device.fetch(&taken, bytes).await?);
+                for (((ray, asked), found), to) in rays.iter().zip(asked).zip(&found).zip(answers) {
+                    *to = asked.map(|_| answer(ray, found));
+                }
+            }
+            Ok(())
+        })
+        .await
+    }
+}
+
+/// A buffer with these elements.
+fn upload<T: Pod>(device: &Device, what: &'static str, elements: &[T]) -> Result<wgpu::Buffer, Error> {
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+    let buffer = device.buffer(what, size_of_val(elements) as u64, usage)?;
+    device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(elements));
+    Ok(buffer)
+}
