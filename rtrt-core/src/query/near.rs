@@ -3,6 +3,7 @@
 use super::ray::{QueryError, check_point};
 use super::shape::{box_meets_ellipsoid, box_meets_triangle, nearest_on_ellipsoid, nearest_on_triangle};
 use super::source::Source;
+use super::tree::Part;
 use super::wide::{Child, WIDTH, WideNode, WideTree};
 use super::world::{Hit, World};
 use crate::kernel::environment::octahedral;
@@ -76,7 +77,7 @@ impl<S: Source> World<'_, S> {
         self.nearest_where(point, within, |_| true)
     }
 
-    /// [`World::nearest`] of what `accept` accepts: it is asked for each instance, in no particular order.
+    /// [`World::nearest`] of what `accept` accepts: it is asked for instances, in no particular order and perhaps more than once.
     ///
     /// # Errors
     /// As for [`World::nearest`].
@@ -101,10 +102,12 @@ impl<S: Source> World<'_, S> {
         let padded = |bounds: &Bounds, slack: f32| apart(bounds, self.pad(point, slack));
         walk(
             &self.tree.instances.tree,
+            0,
             Some(&self.tree.instances.slacks),
             reach(&best),
             padded,
-            |number, _| {
+            |part, _| {
+                let Part { instance: number, node } = self.tree.instances.parts[part as usize];
                 let index = number as usize;
                 let numbered = InstanceIndex { number, scene: self.source.id() };
                 if !self.sees(index) || !accept(numbered) {
@@ -121,7 +124,7 @@ impl<S: Source> World<'_, S> {
                 }
                 let mesh = &self.tree.meshes[self.source.mesh_of(index)];
                 let distance = |bounds: &Bounds, _| placed.apart(bounds, p);
-                walk(&mesh.tree, None, reach(&best), distance, |first, count| {
+                walk(&mesh.tree, node, None, reach(&best), distance, |first, count| {
                     for block in mesh.blocks(first, count) {
                         for lane in 0..block.count {
                             let found =
@@ -175,7 +178,9 @@ impl<S: Source> World<'_, S> {
         let mut count = 0;
         self.overlapped(volume, |_, Overlap { instance, .. }| {
             let place = instances[..count].partition_point(|old| old.number < instance.number);
-            if place < instances.len() {
+            // It may have been found in another part of it.
+            let is_new = instances[..count].get(place) != Some(&instance);
+            if is_new && place < instances.len() {
                 count = instances.len().min(count + 1);
                 instances[place..count].rotate_right(1);
                 instances[place] = instance;
@@ -205,7 +210,8 @@ impl<S: Source> World<'_, S> {
             let (from, to) = corners(bounds);
             meets(from, to, self.pad(volume.low, slack).max(self.pad(volume.high, slack)))
         };
-        walk(&self.tree.instances.tree, Some(&self.tree.instances.slacks), reach, padded, |number, _| {
+        walk(&self.tree.instances.tree, 0, Some(&self.tree.instances.slacks), reach, padded, |part, _| {
+            let Part { instance: number, node } = self.tree.instances.parts[part as usize];
             let index = number as usize;
             let instance = InstanceIndex { number, scene: self.source.id() };
             if !self.sees(index) {
@@ -230,7 +236,7 @@ impl<S: Source> World<'_, S> {
                 let (from, to) = placed.bounds(bounds);
                 meets(from, to, 0.0)
             };
-            walk(&mesh.tree, None, reach, distance, |first, count| {
+            walk(&mesh.tree, node, None, reach, distance, |first, count| {
                 for block in mesh.blocks(first, count) {
                     for lane in 0..block.count {
                         let corners = placed.triangle(block.triangle(lane as usize));
@@ -339,10 +345,11 @@ struct Waiting {
     children: [(f64, usize); WIDTH],
 }
 
-/// Shows `leaf` the leaves whose boxes are no farther away than `reach`, near ones first; it returns the new
+/// Shows `leaf` the leaves below a node whose boxes are no farther away than `reach`, near ones first; it returns the new
 /// reach, and a negative one ends the walk.
 fn walk(
     tree: &WideTree,
+    start: u32,
     slacks: Option<&[[f32; WIDTH]]>,
     mut reach: f64,
     distance: impl Fn(&Bounds, f32) -> f64,
@@ -350,7 +357,7 @@ fn walk(
 ) {
     let mut stack = [Waiting { node: 0, count: 0, children: [(0.0, 0); WIDTH] }; STACK];
     let mut depth = 0;
-    let mut index = 0_u32;
+    let mut index = start;
     loop {
         let node: &WideNode = &tree.nodes[index as usize];
         let waiting = &mut stack[depth];

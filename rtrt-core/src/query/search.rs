@@ -3,7 +3,7 @@
 use super::block::AskedBlock;
 use super::ray::{Ray, ScaledRay, Sides};
 use super::source::Parts;
-use super::tree::{MeshTree, Tree};
+use super::tree::{MeshTree, Part, Tree};
 use super::wide::{Asked, Range, Visitor, traverse};
 use crate::kernel::ray::Ray as WorldRay;
 use crate::kernel::slab::RelativeBox;
@@ -61,11 +61,30 @@ pub(crate) fn search<L: Lane, S: Parts>(
 ) {
     let skip = asked.skip.filter(|skip| skip.scene == source.id()).map(|skip| skip.number);
     let Limits { magnitude, mask } = limits;
-    let mut instances = Instances::<L, S, _> { token, tree, source, asked, mask, scaled, skip, collect };
+    let top = &tree.instances;
+    let mut instances =
+        Instances::<L, S, _> { token, tree, source, asked, mask, scaled, skip, modelled: None, collect };
     let range = Range { from: scaled.from, limit: instances.collect.limit() };
     let wide = Asked::<L>::new(token, &scaled.ray, magnitude, 0.0);
-    let top = &tree.instances;
-    traverse(&top.tree, Some(&top.slacks), &wide, range, &mut instances);
+    traverse(&top.tree, 0, Some(&top.slacks), &wide, range, &mut instances);
+}
+
+/// A ray in the space of an instance, ready to ask the nodes and blocks of its mesh.
+struct Local<L> {
+    ray: WorldRay<f32>,
+    nodes: Asked<L>,
+    blocks: AskedBlock<L>,
+}
+
+impl<L: Lane> Local<L> {
+    /// `bounds` are those of the mesh, or larger.
+    #[inline(always)]
+    fn new(token: L::Token, ray: WorldRay<f32>, bounds: &Bounds) -> Self {
+        let Bounds { low, high } = bounds;
+        let reach = RelativeBox::new(ray.origin, low, high).reach();
+        let passing = passing(reach, low, high);
+        Self { ray, nodes: Asked::new(token, &ray, 0.0, passing), blocks: AskedBlock::new(token, &ray) }
+    }
 }
 
 /// Looks at instances.
@@ -77,30 +96,40 @@ struct Instances<'a, L: Lane, S, C> {
     mask: u32,
     scaled: &'a ScaledRay,
     skip: Option<u32>,
+    /// The ray where meshes stand as they were modelled, once it has come to one.
+    modelled: Option<Local<L>>,
     collect: &'a mut C,
 }
 
 impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
     #[inline(always)]
-    fn leaf(&mut self, number: u32, count: u32) -> f32 {
-        let Self { source, scaled, .. } = *self;
-        // A hidden instance is not in its leaf.
-        if count == 0 || self.skip == Some(number) {
+    fn leaf(&mut self, part: u32, count: u32) -> f32 {
+        // A part of a hidden instance is not in its leaf.
+        if count == 0 {
             return self.collect.limit();
         }
+        let Part { instance: number, node } = self.tree.instances.parts[part as usize];
         let entry = &self.tree.instances.entries[number as usize];
-        if entry.mask & self.mask == 0 {
+        if self.skip == Some(number) || entry.mask & self.mask == 0 {
             return self.collect.limit();
         }
-        let ray = if entry.is_identity { scaled.ray } else { scaled.ray.transformed(&entry.to_object) };
-        let tree = &self.tree.meshes[entry.mesh as usize];
+        let mesh = &self.tree.meshes[entry.mesh as usize];
+        let (token, ray) = (self.token, self.scaled.ray);
+        let placed;
+        let local = if entry.is_identity {
+            let bounds = self.tree.instances.modelled.as_ref().unwrap_or(&mesh.bounds);
+            &*self.modelled.get_or_insert_with(|| Local::new(token, ray, bounds))
+        } else {
+            placed = Local::new(token, ray.transformed(&entry.to_object), &mesh.bounds);
+            &placed
+        };
         let mut triangles = Triangles::<L, S, _> {
-            mesh: tree,
-            asked: AskedBlock::new(self.token, &ray),
-            source,
+            mesh,
+            blocks: &local.blocks,
+            source: self.source,
             number,
-            ray,
-            from: scaled.from,
+            ray: &local.ray,
+            from: self.scaled.from,
             sides: self.asked.sides,
             through_holes: self.asked.through_holes,
             collect: &mut *self.collect,
@@ -108,12 +137,8 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
         if entry.is_sphere {
             triangles.sphere();
         } else {
-            let range = Range { from: scaled.from, limit: triangles.collect.limit() };
-            let Bounds { low, high } = &tree.bounds;
-            let reach = RelativeBox::new(ray.origin, low, high).reach();
-            let passing = passing(reach, low, high);
-            let asked = Asked::<L>::new(self.token, &ray, 0.0, passing);
-            traverse(&tree.tree, None, &asked, range, &mut triangles);
+            let range = Range { from: self.scaled.from, limit: triangles.collect.limit() };
+            traverse(&mesh.tree, node, None, &local.nodes, range, &mut triangles);
         }
         self.collect.limit()
     }
@@ -122,11 +147,11 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
 /// Looks at the triangles of one instance.
 struct Triangles<'a, L, S, C> {
     mesh: &'a MeshTree,
-    asked: AskedBlock<L>,
+    blocks: &'a AskedBlock<L>,
     source: &'a S,
     number: u32,
     /// In the instance's space.
-    ray: WorldRay<f32>,
+    ray: &'a WorldRay<f32>,
     from: f32,
     sides: Sides,
     through_holes: bool,
@@ -138,14 +163,14 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Triangles<'_, L, S, C> {
     fn leaf(&mut self, first: u32, count: u32) -> f32 {
         let mesh = self.mesh;
         for block in mesh.blocks(first, count) {
-            let mut remaining = self.asked.may_hit(block);
+            let mut remaining = self.blocks.may_hit(block);
             while remaining != 0 {
                 let lane = remaining.trailing_zeros();
                 remaining &= remaining - 1;
                 let [a, b, c] = block.triangle(lane as usize);
                 let triangle = Triangle::new(a, b, c);
                 let relative = triangle.relative_to(self.ray.origin);
-                let found = intersect(&self.ray, &relative, self.collect.limit());
+                let found = intersect(self.ray, &relative, self.collect.limit());
                 if found.mask {
                     self.offer(block.first + lane, &found, relative.front(found.t));
                 }
@@ -158,7 +183,7 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Triangles<'_, L, S, C> {
 impl<L, S: Parts, C: Collect> Triangles<'_, L, S, C> {
     /// Asks a sphere.
     fn sphere(&mut self) {
-        let chord = Chord::new(&self.ray);
+        let chord = Chord::new(self.ray);
         for side in [ENTRY, EXIT] {
             let found = chord.side(self.ray.direction, side, self.collect.limit());
             if found.mask {

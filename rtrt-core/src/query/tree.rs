@@ -5,10 +5,12 @@ use super::source::{MeshNodes, Parts, Source};
 use super::wide::{Child, WIDTH, WideTree, widened};
 use super::world::World;
 use crate::layout::NONE;
-use crate::scene::{Bounds, Bvh, Join, Sequential};
+use crate::scene::{Bounds, Bvh, Join, Sequential, around};
+use alloc::collections::BinaryHeap;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicBool, Ordering};
+use glam::{DMat4, DVec4};
 
 /// A tree with so many times the cost that it had when it was built is built again.
 const WORN: f64 = 2.0;
@@ -18,7 +20,7 @@ const WORN: f64 = 2.0;
 ///
 /// [`Tree::world`] brings them up to date: after a move the boxes above what moved are computed again, and
 /// after many moves the tree over the instances is built again if it has become twice as bad. What rays hit
-/// does not depend on it. Memory: about 70 bytes a triangle of each mesh, and 140 an instance.
+/// does not depend on it. Memory: about 70 bytes a triangle of each mesh, and 150 an instance.
 #[derive(Debug, Default)]
 pub struct Tree {
     /// What it was made of.
@@ -65,7 +67,23 @@ impl MeshTree {
     }
 }
 
-/// The tree over the instances. Its leaves hold one instance each.
+/// A part of an instance: what is below a node of its mesh's tree.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part {
+    pub instance: u32,
+    pub node: u32,
+}
+
+/// The most parts of an instance.
+const PARTS: usize = 64;
+/// So many triangles of all meshes make room for one more part.
+const TRIANGLES: usize = 16;
+
+/// The tree over the instances. Its leaves hold one part each.
+///
+/// An instance that stands where its mesh was modelled has several, so that a ray enters a mesh as deep as if all
+/// such meshes were one (after Benthin et al., "Improved Two-Level BVHs using Partial Re-Braiding", HPG 2017). Others
+/// have one: a ray would be taken into their space for each.
 #[derive(Debug)]
 pub(crate) struct InstanceTree {
     pub tree: WideTree,
@@ -73,8 +91,14 @@ pub(crate) struct InstanceTree {
     pub slacks: Vec<[f32; WIDTH]>,
     /// Where each node is: in this child. The root is nowhere.
     parents: Vec<u32>,
-    /// Where each instance is.
+    /// The parts, those of an instance together.
+    pub parts: Vec<Part>,
+    /// The first part of each instance, and the end.
+    firsts: Vec<u32>,
+    /// Where each part is.
     places: Vec<u32>,
+    /// The box of all meshes, while some instance stands where its mesh was modelled.
+    pub modelled: Option<Bounds>,
     /// What a search needs of each instance, in one cache line.
     pub entries: Vec<Entry>,
     /// So many moves of the source are in it.
@@ -120,7 +144,10 @@ impl Default for InstanceTree {
             tree: WideTree::default(),
             slacks: vec![[0.0; WIDTH]],
             parents: vec![NONE],
+            parts: vec![],
+            firsts: vec![0],
             places: vec![],
+            modelled: None,
             entries: vec![],
             moves: 0,
             area: 0.0,
@@ -164,6 +191,8 @@ impl Tree {
                 if is_stopped() {
                     return false;
                 }
+                // Its nodes may be others.
+                self.instances.forget(mesh);
                 *tree = MeshTree::new(source, mesh);
             }
         }
@@ -173,13 +202,13 @@ impl Tree {
             }
             self.meshes.push(MeshTree::new(source, mesh));
         }
-        self.instances.update(source, join);
+        self.instances.update(source, &self.meshes, join);
         true
     }
 
     /// Bytes of all trees.
     pub fn bytes(&self) -> usize {
-        let InstanceTree { tree, slacks, parents, places, entries, .. } = &self.instances;
+        let InstanceTree { tree, slacks, parents, parts, firsts, places, entries, .. } = &self.instances;
         let meshes: usize = self
             .meshes
             .iter()
@@ -187,6 +216,8 @@ impl Tree {
             .sum();
         let lists = size_of_val(&slacks[..])
             + size_of_val(&parents[..])
+            + size_of_val(&parts[..])
+            + size_of_val(&firsts[..])
             + size_of_val(&places[..])
             + size_of_val(&entries[..]);
         meshes + size_of_val(&tree.nodes[..]) + lists
@@ -194,32 +225,50 @@ impl Tree {
 }
 
 impl InstanceTree {
-    fn update(&mut self, source: &impl Parts, join: &impl Join) {
+    /// Closes the instances of a mesh whose tree is about to change.
+    fn forget(&mut self, mesh: usize) {
+        let is_open = |part: &Part| part.node != 0 && self.entries[part.instance as usize].mesh == mesh as u32;
+        if self.parts.iter().any(is_open) {
+            *self = Self::default();
+        }
+    }
+
+    fn update(&mut self, source: &impl Parts, meshes: &[MeshTree], join: &impl Join) {
         let moves = source.places().moves();
-        if self.places.len() != source.instances().len() {
-            self.build(source, join);
+        if self.entries.len() != source.instances().len() {
+            self.build(source, meshes, join);
         } else if moves != self.moves {
             match source.places().moved_since(self.moves) {
-                Some(moved) => moved.iter().for_each(|&instance| self.refit(source, instance as usize)),
-                None => self.refit_all(source),
+                Some(moved) => {
+                    moved.iter().for_each(|&instance| self.refit(source, meshes, instance as usize));
+                }
+                None => self.refit_all(source, meshes),
             }
             if self.cost() > WORN * self.built_cost {
-                self.build(source, join);
+                self.build(source, meshes, join);
             }
         }
         self.moves = moves;
     }
 
     /// Builds the tree of all instances.
-    fn build(&mut self, source: &impl Parts, join: &impl Join) {
+    fn build(&mut self, source: &impl Parts, meshes: &[MeshTree], join: &impl Join) {
         let instances = source.instances();
-        let boxes: Vec<_> = instances.iter().map(|i| Bounds { low: i.low, high: i.high }).collect();
+        self.parts = opened(source, meshes);
+        self.firsts = vec![0; instances.len() + 1];
+        for part in &self.parts {
+            self.firsts[part.instance as usize + 1] += 1;
+        }
+        for instance in 0..instances.len() {
+            self.firsts[instance + 1] += self.firsts[instance];
+        }
+        let boxes: Vec<_> = self.parts.iter().map(|part| part.bounds(source, meshes)).collect();
         let narrow = Bvh::over(&boxes, 1, join);
         self.tree = widened(&narrow.nodes, 1);
         let count = self.tree.nodes.len();
         self.slacks = vec![[0.0; WIDTH]; count];
         self.parents = vec![NONE; count];
-        self.places = vec![NONE; instances.len()];
+        self.places = vec![NONE; boxes.len()];
         self.entries = (0..instances.len()).map(|instance| Entry::new(source, instance)).collect();
         for index in 0..count {
             for slot in 0..WIDTH {
@@ -228,14 +277,14 @@ impl InstanceTree {
                     Child::Node(node) => self.parents[node as usize] = place,
                     Child::Leaf(_, 0) => {}
                     Child::Leaf(first, _) => {
-                        let instance = narrow.triangles[first as usize];
-                        self.tree.nodes[index].set_first(slot, instance);
-                        self.places[instance as usize] = place;
+                        let part = narrow.triangles[first as usize];
+                        self.tree.nodes[index].set_first(slot, part);
+                        self.places[part as usize] = place;
                     }
                 }
             }
         }
-        self.refit_all(source);
+        self.refit_all(source, meshes);
         self.built_cost = self.cost();
     }
 
@@ -246,13 +295,18 @@ impl InstanceTree {
     }
 
     /// Takes over where all instances are.
-    fn refit_all(&mut self, source: &impl Parts) {
-        for instance in 0..self.places.len() {
-            let (node, slot) = split(self.places[instance]);
-            self.tree.nodes[node].set_leaf(slot, source.places().bounds(instance));
-            self.slacks[node][slot] = source.instances()[instance].slack;
+    fn refit_all(&mut self, source: &impl Parts, meshes: &[MeshTree]) {
+        for instance in 0..self.entries.len() {
             self.entries[instance] = Entry::new(source, instance);
         }
+        for (part, &place) in self.parts.iter().zip(&self.places) {
+            let (node, slot) = split(place);
+            self.tree.nodes[node].set_leaf(slot, &part.visible_bounds(source, meshes));
+            self.slacks[node][slot] = source.instances()[part.instance as usize].slack;
+        }
+        let is_modelled = |entry: &&Entry| entry.is_identity && !entry.is_sphere;
+        let modelled = self.entries.iter().filter(is_modelled).map(|entry| meshes[entry.mesh as usize].bounds);
+        self.modelled = modelled.reduce(|all, bounds| all.union(&bounds));
         self.area = 0.0;
         for index in (0..self.tree.nodes.len()).rev() {
             let node = &self.tree.nodes[index];
@@ -267,12 +321,24 @@ impl InstanceTree {
     }
 
     /// Takes over where one instance is.
-    fn refit(&mut self, source: &impl Parts, instance: usize) {
-        self.entries[instance] = Entry::new(source, instance);
-        let mut place = self.places[instance];
+    fn refit(&mut self, source: &impl Parts, meshes: &[MeshTree], instance: usize) {
+        let entry = Entry::new(source, instance);
+        self.entries[instance] = entry;
+        if entry.is_identity && !entry.is_sphere {
+            let bounds = &meshes[entry.mesh as usize].bounds;
+            self.modelled = Some(self.modelled.map_or(*bounds, |all| all.union(bounds)));
+        }
+        for part in self.firsts[instance]..self.firsts[instance + 1] {
+            let bounds = self.parts[part as usize].visible_bounds(source, meshes);
+            self.refit_part(part, bounds, source.instances()[instance].slack);
+        }
+    }
+
+    /// Takes over where a part is.
+    fn refit_part(&mut self, part: u32, mut bounds: Bounds, mut slack: f32) {
+        let mut place = self.places[part as usize];
         let (node, slot) = split(place);
-        self.tree.nodes[node].set_count(slot, source.places().bounds(instance));
-        let (mut bounds, mut slack) = (*source.places().bounds(instance), source.instances()[instance].slack);
+        self.tree.nodes[node].set_count(slot, &bounds);
         while place != NONE {
             let (index, slot) = split(place);
             let node = &mut self.tree.nodes[index];
@@ -287,6 +353,76 @@ impl InstanceTree {
             place = self.parents[index];
         }
     }
+}
+
+impl Part {
+    /// Its box, empty if the instance is hidden.
+    fn visible_bounds(&self, source: &impl Parts, meshes: &[MeshTree]) -> Bounds {
+        let whole = source.places().bounds(self.instance as usize);
+        if whole.is_empty() { *whole } else { self.bounds(source, meshes) }
+    }
+
+    /// Its box, world space.
+    fn bounds(&self, source: &impl Parts, meshes: &[MeshTree]) -> Bounds {
+        let instance = &source.instances()[self.instance as usize];
+        if self.node == 0 {
+            return Bounds { low: instance.low, high: instance.high };
+        }
+        let mesh = &meshes[source.mesh_of(self.instance as usize)];
+        let bounds = mesh.tree.nodes[self.node as usize].all_bounds();
+        if instance.is_identity == 1 { bounds } else { around(&matrix(&instance.to_world), &bounds) }
+    }
+}
+
+/// The parts of all instances: those with the largest boxes are opened first.
+fn opened(source: &impl Parts, meshes: &[MeshTree]) -> Vec<Part> {
+    let instances = source.instances();
+    let mut parts: Vec<Part> = (0..instances.len() as u32).map(|instance| Part { instance, node: 0 }).collect();
+    // Numbers that are not negative are ordered as their bits.
+    let size = |part: &Part| part.bounds(source, meshes).area().max(0.0).to_bits();
+    let can_open = |instance: usize| {
+        let placed = &instances[instance];
+        let is_modelled = placed.is_identity == 1 && !placed.is_sphere();
+        is_modelled && meshes[source.mesh_of(instance)].version == 0
+    };
+    if instances.len() < 2 {
+        return parts;
+    }
+    let triangles: usize = (0..instances.len()).filter(|&i| can_open(i)).map(|i| instances[i].triangles as usize).sum();
+    let mut room = triangles / TRIANGLES;
+    let (open, mut closed): (Vec<_>, Vec<_>) =
+        parts.drain(..).partition(|part| can_open(part.instance as usize));
+    let mut counts = vec![1; instances.len()];
+    let mut heap: BinaryHeap<_> = open.iter().map(|part| (size(part), part.instance, part.node)).collect();
+    while let Some((_, instance, node)) = heap.pop() {
+        let mesh = &meshes[source.mesh_of(instance as usize)];
+        let wide = &mesh.tree.nodes[node as usize];
+        let children = (0..WIDTH).map(|slot| wide.child(slot)).filter(|child| !matches!(child, Child::Leaf(_, 0)));
+        let inner: Option<Vec<u32>> = children
+            .map(|child| match child {
+                Child::Node(node) => Some(node),
+                Child::Leaf(..) => None,
+            })
+            .collect();
+        let count = &mut counts[instance as usize];
+        match inner {
+            Some(inner) if inner.len() > 1 && inner.len() - 1 <= room && *count + inner.len() - 1 <= PARTS => {
+                room -= inner.len() - 1;
+                *count += inner.len() - 1;
+                let parts = inner.into_iter().map(|node| Part { instance, node });
+                heap.extend(parts.map(|part| (size(&part), part.instance, part.node)));
+            }
+            _ => closed.push(Part { instance, node }),
+        }
+    }
+    closed.sort_unstable_by_key(|part| (part.instance, part.node));
+    closed
+}
+
+/// The matrix with these rows.
+fn matrix(rows: &[[f32; 4]; 3]) -> DMat4 {
+    let row = |row: &[f32; 4]| DVec4::from(row.map(f64::from));
+    DMat4::from_cols(row(&rows[0]), row(&rows[1]), row(&rows[2]), DVec4::W).transpose()
 }
 
 /// The node and the slot of a place.

@@ -213,11 +213,12 @@ pub(crate) trait Visitor {
     fn leaf(&mut self, first: u32, count: u32) -> f32;
 }
 
-/// Shows a visitor the leaves that a ray may hit within its range, roughly from near to far. `slacks` are
+/// Shows a visitor the leaves below a node that a ray may hit within its range, roughly from near to far. `slacks` are
 /// those of the nodes' children, if they have any.
 #[inline(always)]
 pub(crate) fn traverse<L: Lane>(
     tree: &WideTree,
+    start: u32,
     slacks: Option<&[[f32; WIDTH]]>,
     asked: &Asked<L>,
     range: Range,
@@ -225,9 +226,9 @@ pub(crate) fn traverse<L: Lane>(
 ) {
     // A stack is cleared for each search: most trees need a short one.
     if tree.depth <= SHALLOW {
-        traverse_with::<L, SHALLOW>(&tree.nodes, slacks, asked, range, visitor);
+        traverse_with::<L, SHALLOW>(&tree.nodes, start, slacks, asked, range, visitor);
     } else {
-        traverse_with::<L, STACK>(&tree.nodes, slacks, asked, range, visitor);
+        traverse_with::<L, STACK>(&tree.nodes, start, slacks, asked, range, visitor);
     }
 }
 
@@ -235,6 +236,7 @@ pub(crate) fn traverse<L: Lane>(
 #[inline(always)]
 fn traverse_with<L: Lane, const D: usize>(
     nodes: &[WideNode],
+    start: u32,
     slacks: Option<&[[f32; WIDTH]]>,
     asked: &Asked<L>,
     mut range: Range,
@@ -242,11 +244,25 @@ fn traverse_with<L: Lane, const D: usize>(
 ) {
     let mut stack = [Waiting { node: 0, count: 0, keys: [0; WIDTH] }; D];
     let mut depth = 0;
-    let mut index = 0_u32;
+    let mut index = start;
     loop {
         let node = &nodes[index as usize];
         let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);
-        if entered.mask != 0 {
+        if entered.mask.is_power_of_two() {
+            // Most nodes that are entered lead to one child: it need not wait.
+            match node.child(entered.mask.trailing_zeros() as usize) {
+                Child::Node(child) => {
+                    index = child;
+                    continue;
+                }
+                Child::Leaf(first, count) => {
+                    range.limit = visitor.leaf(first, count);
+                    if range.limit < range.from {
+                        return;
+                    }
+                }
+            }
+        } else if entered.mask != 0 {
             order(&entered, &mut stack[depth]);
             stack[depth].node = index;
             depth += 1;

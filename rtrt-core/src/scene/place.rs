@@ -172,7 +172,7 @@ pub(super) fn part(instance: &Instance, matrix: &DMat4, bounds: &Bounds) -> Inst
 }
 
 /// The bounds of a box that is placed in the world.
-fn around(m: &DMat4, bounds: &Bounds) -> Bounds {
+pub(crate) fn around(m: &DMat4, bounds: &Bounds) -> Bounds {
     let mut corners = Bounds::EMPTY;
     for corner in 0..8 {
         let pick = |axis: usize| {
