@@ -21,10 +21,12 @@ fn hits_and_shadows_are_where_they_must_be() {
         println!("{}: {judged:?}", case.name);
         all.rays += judged.rays;
         all.judged += judged.judged;
+        all.edges += judged.edges;
         all.shadow_rays += judged.shadow_rays;
         all.judged_shadow_rays += judged.judged_shadow_rays;
     }
     // An oracle that judges nothing would be no oracle.
     assert!(all.judged * 10 > all.rays * 8, "{all:?}");
+    assert!(all.edges > 1000, "{all:?}");
     assert!(all.judged_shadow_rays * 10 > all.shadow_rays * 5, "{all:?}");
 }

@@ -26,6 +26,8 @@ pub struct Judged {
     pub rays: usize,
     /// Of them judged.
     pub judged: usize,
+    /// Of the others those that pass an edge between two triangles, and must not go through.
+    pub edges: usize,
     /// Shadow rays of the judged.
     pub shadow_rays: usize,
     /// Of them judged.
@@ -74,6 +76,42 @@ struct Candidate<'a> {
     doubt: f64,
     /// Whether the ray certainly meets it.
     is_safe: bool,
+    /// The barycentric weights of the corners, and how far they may be off; NaN where nothing is known of them.
+    weights: [f64; 3],
+    margin: f64,
+}
+
+/// An edge of a triangle.
+struct Edge {
+    ends: [DVec3; 2],
+    /// The corner across from it.
+    third: DVec3,
+}
+
+impl Candidate<'_> {
+    /// The edge that the ray passes, if it is one edge alone and not nearly everything.
+    fn edge(&self) -> Option<Edge> {
+        let is_near = |i: usize| self.weights[i].abs() <= self.margin;
+        let near = (0..3).find(|&i| is_near(i))?;
+        let &Triangle { corner, ab, ac, .. } = self.triangle;
+        let corners = [corner, corner + ab, corner + ac];
+        let (one, other) = ((near + 1) % 3, (near + 2) % 3);
+        let is_alone = self.margin < 0.05 && self.weights[one].min(self.weights[other]) > self.margin;
+        is_alone.then(|| Edge { ends: [corners[one], corners[other]], third: corners[near] })
+    }
+}
+
+impl Edge {
+    /// Whether the other is the same edge, of a triangle on its other side as the ray sees them.
+    fn meets(&self, other: &Self, ray: &Ray) -> bool {
+        let [a, b] = self.ends;
+        let size = a.abs().max(b.abs()).max_element();
+        let is_at = |p: DVec3, q: DVec3| (p - q).length() <= 1e-12 * size;
+        let [c, d] = other.ends;
+        let side = |corner: DVec3| ray.direction.dot((b - a).cross(corner - a));
+        (is_at(a, c) && is_at(b, d) || is_at(a, d) && is_at(b, c))
+            && side(self.third) * side(other.third) < 0.0
+    }
 }
 
 /// Checks hits, shadow masks and arriving light of every `step`-th ray of a picture. A scene in
@@ -111,7 +149,15 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         let hit = &deferred.hits[index as usize];
         let ray =
             camera_ray(request, dvec2(f64::from(at[0]) + 0.5, f64::from(at[1]) + 0.5) / f64::from(side));
-        let Some(nearest) = nearest(&triangles, &ray, request.clip.map(f64::from)) else { continue };
+        let Some(nearest) = nearest(&triangles, &ray, request.clip.map(f64::from)) else {
+            if let Some(end) = sealed_until(&triangles, &ray, request.clip.map(f64::from)) {
+                judged.edges += 1;
+                if hit.instance == NONE || f64::from(hit.t) > end {
+                    return Err(format!("ray {index} at {at:?}: {hit:?} is behind an edge at {end}"));
+                }
+            }
+            continue;
+        };
         judged.judged += 1;
         judge(hit, nearest.as_ref()).map_err(|why| format!("ray {index} at {at:?}: {why}"))?;
         let Some(nearest) = nearest else { continue };
@@ -260,6 +306,8 @@ fn candidate<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
         t,
         doubt,
         is_safe: inside > margin && t > doubt,
+        weights: [1.0 - u - v, u, v],
+        margin,
     })
 }
 
@@ -286,7 +334,14 @@ fn side<'a>(triangle: &'a Triangle, to_object: &[[f64; 4]; 3], ray: &Ray) -> Opt
     let doubt =
         if is_grazing { 2.0 * (off + MARGIN).sqrt() } else { 2.0 * off / (1.0 - passes * passes).sqrt() };
     let doubt = doubt / a.sqrt();
-    (t > -doubt).then_some(Candidate { triangle, t, doubt, is_safe: !is_grazing && t > doubt })
+    (t > -doubt).then_some(Candidate {
+        triangle,
+        t,
+        doubt,
+        is_safe: !is_grazing && t > doubt,
+        weights: [f64::NAN; 3],
+        margin: 0.0,
+    })
 }
 
 /// What a ray may meet: of an instance that is not double-sided, the side from which corners are counterclockwise, or
@@ -332,6 +387,8 @@ fn edge_on<'a>(triangle: &'a Triangle, ray: &Ray) -> Option<Candidate<'a>> {
         t: (near + far) * 0.5,
         doubt: (far - near) * 0.5,
         is_safe: false,
+        weights: [f64::NAN; 3],
+        margin: 0.0,
     })
 }
 
@@ -353,6 +410,29 @@ fn nearest<'a>(triangles: &'a [Triangle], ray: &Ray, [near, far]: [f64; 2]) -> O
     let latest = first.t + first.doubt + MARGIN * first.t;
     let is_alone = candidates.next().is_none_or(|second| earliest(&second) > latest);
     (is_alone && first.is_safe && first.doubt < DEPTH * first.t).then_some(Some(first))
+}
+
+/// How far a ray comes at most that passes an edge at which two triangles meet, one on each side; `None` if it passes
+/// no such edge between the planes, or anything else of theirs than one edge.
+fn sealed_until(triangles: &[Triangle], ray: &Ray, [near, far]: [f64; 2]) -> Option<f64> {
+    let is_between =
+        |c: &Candidate<'_>| c.t - c.doubt > near + MARGIN * c.t && c.t + c.doubt < far - MARGIN * c.t;
+    let found: Vec<_> = triangles
+        .iter()
+        .filter(|triangle| triangle.sphere.is_none())
+        .filter_map(|triangle| seen(triangle, ray, false))
+        .filter(is_between)
+        .collect();
+    let ends = found.iter().filter_map(|one| {
+        let edge = one.edge()?;
+        let other = found.iter().find(|other| {
+            let is_neighbor =
+                other.triangle.instance == one.triangle.instance && other.triangle.id != one.triangle.id;
+            is_neighbor && other.edge().is_some_and(|other| edge.meets(&other, ray))
+        })?;
+        Some((one.t + one.doubt).max(other.t + other.doubt) * (1.0 + MARGIN))
+    });
+    ends.min_by(f64::total_cmp)
 }
 
 /// Whether a hit is the one that it must be.
@@ -537,6 +617,42 @@ fn is_lit(
 mod tests {
     use super::*;
     use conformance_cases::cases;
+
+    fn triangle(id: u32, [corner, b, c]: [DVec3; 3]) -> Triangle {
+        let (ab, ac) = (b - corner, c - corner);
+        Triangle {
+            instance: 0,
+            id,
+            corner,
+            ab,
+            ac,
+            transform: 0.0,
+            size: 1.0,
+            shows: None,
+            sphere: None,
+            one_sided: None,
+        }
+    }
+
+    #[test]
+    fn a_ray_at_an_edge_ends_there_if_there_is_a_triangle_on_each_side() {
+        let [a, b, left, right] =
+            [[0.0, -1.0], [0.0, 1.0], [-1.0, 0.0], [1.0, 0.0]].map(|[x, y]| DVec3::new(x, y, -2.0));
+        let pair = [triangle(0, [a, b, left]), triangle(1, [b, a, right])];
+        // The second is folded over the first: beside the edge there is nothing.
+        let folded = [triangle(0, [a, b, left]), triangle(1, [b, a, left + DVec3::new(0.0, 0.0, 0.5)])];
+        let clip = [0.0, 100.0];
+        let ray = |x: f64, y: f64| Ray { origin: DVec3::ZERO, direction: DVec3::new(x, y, -1.0), doubt: 0.0 };
+        let end = sealed_until(&pair, &ray(1e-7, 0.1), clip).unwrap();
+        assert!((end - 2.0).abs() < 0.01, "{end}");
+        assert!(sealed_until(&pair, &ray(-1e-7, -0.2), clip).is_some());
+        assert!(sealed_until(&folded, &ray(-1e-7, 0.1), clip).is_none());
+        assert!(sealed_until(&pair[..1], &ray(-1e-7, 0.1), clip).is_none());
+        // In the middle of one, and at a corner.
+        assert!(sealed_until(&pair, &ray(0.2, 0.0), clip).is_none());
+        assert!(sealed_until(&pair, &ray(0.0, 0.5), clip).is_none());
+        assert!(sealed_until(&pair, &ray(1e-7, 0.1), [0.0, 1.0]).is_none());
+    }
 
     /// Bounds that are too narrow lose hits; bounds that are far too wide cost time, which no picture shows.
     #[test]

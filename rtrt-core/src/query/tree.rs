@@ -227,7 +227,8 @@ impl Tree {
 impl InstanceTree {
     /// Closes the instances of a mesh whose tree is about to change.
     fn forget(&mut self, mesh: usize) {
-        let is_open = |part: &Part| part.node != 0 && self.entries[part.instance as usize].mesh == mesh as u32;
+        let is_open =
+            |part: &Part| part.node != 0 && self.entries[part.instance as usize].mesh == mesh as u32;
         if self.parts.iter().any(is_open) {
             *self = Self::default();
         }
@@ -305,7 +306,8 @@ impl InstanceTree {
             self.slacks[node][slot] = source.instances()[part.instance as usize].slack;
         }
         let is_modelled = |entry: &&Entry| entry.is_identity && !entry.is_sphere;
-        let modelled = self.entries.iter().filter(is_modelled).map(|entry| meshes[entry.mesh as usize].bounds);
+        let modelled =
+            self.entries.iter().filter(is_modelled).map(|entry| meshes[entry.mesh as usize].bounds);
         self.modelled = modelled.reduce(|all, bounds| all.union(&bounds));
         self.area = 0.0;
         for index in (0..self.tree.nodes.len()).rev() {
@@ -377,7 +379,8 @@ impl Part {
 /// The parts of all instances: those with the largest boxes are opened first.
 fn opened(source: &impl Parts, meshes: &[MeshTree]) -> Vec<Part> {
     let instances = source.instances();
-    let mut parts: Vec<Part> = (0..instances.len() as u32).map(|instance| Part { instance, node: 0 }).collect();
+    let mut parts: Vec<Part> =
+        (0..instances.len() as u32).map(|instance| Part { instance, node: 0 }).collect();
     // Numbers that are not negative are ordered as their bits.
     let size = |part: &Part| part.bounds(source, meshes).area().max(0.0).to_bits();
     let can_open = |instance: usize| {
@@ -388,7 +391,8 @@ fn opened(source: &impl Parts, meshes: &[MeshTree]) -> Vec<Part> {
     if instances.len() < 2 {
         return parts;
     }
-    let triangles: usize = (0..instances.len()).filter(|&i| can_open(i)).map(|i| instances[i].triangles as usize).sum();
+    let triangles: usize =
+        (0..instances.len()).filter(|&i| can_open(i)).map(|i| instances[i].triangles as usize).sum();
     let mut room = triangles / TRIANGLES;
     let (open, mut closed): (Vec<_>, Vec<_>) =
         parts.drain(..).partition(|part| can_open(part.instance as usize));
@@ -397,7 +401,8 @@ fn opened(source: &impl Parts, meshes: &[MeshTree]) -> Vec<Part> {
     while let Some((_, instance, node)) = heap.pop() {
         let mesh = &meshes[source.mesh_of(instance as usize)];
         let wide = &mesh.tree.nodes[node as usize];
-        let children = (0..WIDTH).map(|slot| wide.child(slot)).filter(|child| !matches!(child, Child::Leaf(_, 0)));
+        let children =
+            (0..WIDTH).map(|slot| wide.child(slot)).filter(|child| !matches!(child, Child::Leaf(_, 0)));
         let inner: Option<Vec<u32>> = children
             .map(|child| match child {
                 Child::Node(node) => Some(node),
@@ -406,7 +411,9 @@ fn opened(source: &impl Parts, meshes: &[MeshTree]) -> Vec<Part> {
             .collect();
         let count = &mut counts[instance as usize];
         match inner {
-            Some(inner) if inner.len() > 1 && inner.len() - 1 <= room && *count + inner.len() - 1 <= PARTS => {
+            Some(inner)
+                if inner.len() > 1 && inner.len() - 1 <= room && *count + inner.len() - 1 <= PARTS =>
+            {
                 room -= inner.len() - 1;
                 *count += inner.len() - 1;
                 let parts = inner.into_iter().map(|node| Part { instance, node });
@@ -433,4 +440,49 @@ fn split(place: u32) -> (usize, usize) {
 /// The largest of some slacks.
 fn largest(slacks: &[f32; WIDTH]) -> f32 {
     slacks.iter().fold(0.0, |most, slack| most.max(*slack))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Attribute;
+    use crate::scene::{Material, Mesh, Scene};
+    use glam::{Mat4, Vec3};
+
+    #[test]
+    fn only_what_stands_where_it_was_modelled_has_parts() {
+        let positions: Vec<_> = (0..3000_u32)
+            .map(|i| [(i * 37 % 101) as f32, (i * 53 % 89) as f32 + (i % 3) as f32, (i * 29 % 97) as f32])
+            .collect();
+        let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
+        let mesh = Mesh::new(positions, vec![attribute; 3000], (0..3000).collect()).unwrap();
+        let mut scene = Scene::new();
+        let white = scene.add_material(Material::default()).unwrap();
+        let index = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+        let whole = scene.add_instance(index, white, Mat4::IDENTITY).unwrap();
+        let parts = |tree: &Tree, number: usize| {
+            let InstanceTree { firsts, parts, .. } = &tree.instances;
+            let range = firsts[number] as usize..firsts[number + 1] as usize;
+            assert!(parts[range.clone()].iter().all(|part| part.instance as usize == number));
+            range.len()
+        };
+        // One alone gains nothing.
+        assert_eq!(parts(&Tree::new(&scene, &Sequential), 0), 1);
+        scene.add_instance(index, white, Mat4::from_translation(Vec3::X)).unwrap();
+        let mut tree = Tree::new(&scene, &Sequential);
+        assert!(parts(&tree, 0) > 10 && parts(&tree, 0) <= PARTS);
+        assert_eq!(parts(&tree, 1), 1);
+        // Parts go with their instance.
+        scene.set_transform(whole, Mat4::from_translation(Vec3::Y)).unwrap();
+        tree.world(&scene);
+        for part in &tree.instances.parts[..parts(&tree, 0)] {
+            let bounds = part.visible_bounds(&scene, &tree.meshes);
+            let modelled = tree.meshes[0].tree.nodes[part.node as usize].all_bounds();
+            assert_eq!(bounds.low[1], modelled.low[1] + 1.0);
+        }
+        // A mesh that bends is closed.
+        scene.reshape(index, &mesh).unwrap();
+        tree.world(&scene);
+        assert_eq!(parts(&tree, 0), 1);
+    }
 }
