@@ -62,8 +62,9 @@ pub(crate) fn search<L: Lane, S: Parts>(
     let skip = asked.skip.filter(|skip| skip.scene == source.id()).map(|skip| skip.number);
     let Limits { magnitude, mask } = limits;
     let top = &tree.instances;
+    let modelled = top.modelled.map(|bounds| Local::new(token, scaled.ray, &bounds));
     let mut instances =
-        Instances::<L, S, _> { token, tree, source, asked, mask, scaled, skip, modelled: None, collect };
+        Instances::<L, S, _> { token, tree, source, asked, mask, scaled, skip, modelled, collect };
     let range = Range { from: scaled.from, limit: instances.collect.limit() };
     let wide = Asked::<L>::new(token, &scaled.ray, magnitude, 0.0);
     traverse(&top.tree, 0, Some(&top.slacks), &wide, range, &mut instances);
@@ -96,7 +97,7 @@ struct Instances<'a, L: Lane, S, C> {
     mask: u32,
     scaled: &'a ScaledRay,
     skip: Option<u32>,
-    /// The ray where meshes stand as they were modelled, once it has come to one.
+    /// The ray where meshes stand as they were modelled, if any has parts.
     modelled: Option<Local<L>>,
     collect: &'a mut C,
 }
@@ -114,14 +115,15 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
             return self.collect.limit();
         }
         let mesh = &self.tree.meshes[entry.mesh as usize];
-        let (token, ray) = (self.token, self.scaled.ray);
         let placed;
-        let local = if entry.is_identity {
-            let bounds = self.tree.instances.modelled.as_ref().unwrap_or(&mesh.bounds);
-            &*self.modelled.get_or_insert_with(|| Local::new(token, ray, bounds))
-        } else {
-            placed = Local::new(token, ray.transformed(&entry.to_object), &mesh.bounds);
-            &placed
+        let local = match &self.modelled {
+            Some(modelled) if entry.is_identity => modelled,
+            _ => {
+                let ray = self.scaled.ray;
+                let ray = if entry.is_identity { ray } else { ray.transformed(&entry.to_object) };
+                placed = Local::new(self.token, ray, &mesh.bounds);
+                &placed
+            }
         };
         let mut triangles = Triangles::<L, S, _> {
             mesh,

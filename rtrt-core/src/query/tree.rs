@@ -97,7 +97,7 @@ pub(crate) struct InstanceTree {
     firsts: Vec<u32>,
     /// Where each part is.
     places: Vec<u32>,
-    /// The box of all meshes, while some instance stands where its mesh was modelled.
+    /// The box of all meshes that stand where they were modelled, if any has several parts.
     pub modelled: Option<Bounds>,
     /// What a search needs of each instance, in one cache line.
     pub entries: Vec<Entry>,
@@ -308,7 +308,8 @@ impl InstanceTree {
         let is_modelled = |entry: &&Entry| entry.is_identity && !entry.is_sphere;
         let modelled =
             self.entries.iter().filter(is_modelled).map(|entry| meshes[entry.mesh as usize].bounds);
-        self.modelled = modelled.reduce(|all, bounds| all.union(&bounds));
+        let has_parts = self.parts.len() > self.entries.len();
+        self.modelled = has_parts.then(|| modelled.fold(Bounds::EMPTY, |all, bounds| all.union(&bounds)));
         self.area = 0.0;
         for index in (0..self.tree.nodes.len()).rev() {
             let node = &self.tree.nodes[index];
@@ -326,9 +327,8 @@ impl InstanceTree {
     fn refit(&mut self, source: &impl Parts, meshes: &[MeshTree], instance: usize) {
         let entry = Entry::new(source, instance);
         self.entries[instance] = entry;
-        if entry.is_identity && !entry.is_sphere {
-            let bounds = &meshes[entry.mesh as usize].bounds;
-            self.modelled = Some(self.modelled.map_or(*bounds, |all| all.union(bounds)));
+        if let Some(modelled) = self.modelled.as_mut().filter(|_| entry.is_identity && !entry.is_sphere) {
+            *modelled = modelled.union(&meshes[entry.mesh as usize].bounds);
         }
         for part in self.firsts[instance]..self.firsts[instance + 1] {
             let bounds = self.parts[part as usize].visible_bounds(source, meshes);

@@ -248,21 +248,14 @@ fn traverse_with<L: Lane, const D: usize>(
     loop {
         let node = &nodes[index as usize];
         let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);
-        if entered.mask.is_power_of_two() {
+        if entered.mask.is_power_of_two()
+            && let Child::Node(child) = node.child(entered.mask.trailing_zeros() as usize)
+        {
             // Most nodes that are entered lead to one child: it need not wait.
-            match node.child(entered.mask.trailing_zeros() as usize) {
-                Child::Node(child) => {
-                    index = child;
-                    continue;
-                }
-                Child::Leaf(first, count) => {
-                    range.limit = visitor.leaf(first, count);
-                    if range.limit < range.from {
-                        return;
-                    }
-                }
-            }
-        } else if entered.mask != 0 {
+            index = child;
+            continue;
+        }
+        if entered.mask != 0 {
             order(&entered, &mut stack[depth]);
             stack[depth].node = index;
             depth += 1;
