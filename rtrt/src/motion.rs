@@ -86,6 +86,10 @@ impl<'a> Motion<'a> {
         let (Some(now), Some(then)) = (scene.instances().get(object), then.get(object)) else {
             return [0.0; 2];
         };
+        // One that was hidden was nowhere.
+        if then.triangles == 0 {
+            return [0.0; 2];
+        }
         let here = DVec3::from(point.position.map(f64::from));
         let own = if is_bent && !now.is_sphere() && point.triangle < now.triangles {
             let [u, v] = point.barycentrics.map(f64::from);
@@ -106,8 +110,8 @@ impl<'a> Motion<'a> {
 }
 
 /// The motion of each pixel's surface since `before`, in pixels: where it is, less where it was, to the right and
-/// downward. It follows transforms, bent meshes and the camera. 0 without a surface; not a number for one that was
-/// behind the camera.
+/// downward. It follows transforms, bent meshes and the camera. 0 without a surface, and for one that was hidden; not a
+/// number for one that was behind the camera.
 pub fn motion(scene: &Scene, camera: &Camera, layers: &Layers, before: &Before) -> Vec<[f32; 2]> {
     let all = Motion::new(scene, camera, [layers.width, layers.height], before);
     let of = |number: usize| {
@@ -188,6 +192,20 @@ mod tests {
         let all = motion(&scene, &camera, &layers, &before);
         assert_eq!(all[0], [0.0; 2]);
         all[32 * 64 + 32]
+    }
+
+    #[test]
+    fn what_was_hidden_has_not_moved() {
+        let (mut scene, object, _) = scene(true);
+        let projection = Projection::Orthographic { height: 6.4 };
+        let camera = Camera { eye: Vec3::Z * 9.0, look_at: Vec3::ZERO, up: Vec3::Y, projection };
+        scene.hide(object).unwrap();
+        let before = Before::new(&scene, &camera);
+        let place = Mat4::from_translation(STEP) * Mat4::from_scale(Vec3::splat(2.0));
+        scene.set_transform(object, place).unwrap();
+        let point = Point { object: 0, triangle: 0, barycentrics: [0.5; 2], position: [0.3, 0.2, 2.0] };
+        assert_eq!(Motion::new(&scene, &camera, [64, 64], &before).of(&point), [0.0; 2]);
+        assert!(before.is_of(&scene) && !before.is_of(&Scene::new()));
     }
 
     #[test]

@@ -241,6 +241,9 @@ fn pose(keys: &Keys, all: &Keys, size: [u32; 2], name: String) -> Result<Pose, S
 fn projection(keys: &Keys, size: [u32; 2]) -> Result<Option<Projection>, String> {
     let is_angle = |angle: f64| angle > 0.0 && angle < core::f64::consts::PI;
     if let Some(height) = keys.parallel {
+        if !(height > 0.0 && height.is_finite()) {
+            return Err(format!("its parallel is {height}, and not a number above 0"));
+        }
         return Ok(Some(Projection::Orthographic { height }));
     }
     if let Some(degrees) = keys.fov_y {
@@ -332,6 +335,10 @@ mod tests {
             (r#"{"cameras":[{"eye":[0,0,1]}]}"#.into(), "camera 0 (0): it has neither a matrix nor eye"),
             (format!(r#"{{"cameras":[{{{camera},"fovy":3}}]}}"#), "camera 0 (0): there is no key \"fovy\""),
             (format!(r#"{{"cameras":[{{{camera},"fov_y":180}}]}}"#), "camera 0 (0): its fov_y is 180"),
+            (
+                format!(r#"{{"cameras":[{{{camera},"parallel":-3}}]}}"#),
+                "camera 0 (0): its parallel is -3, and not a number above 0",
+            ),
             (format!(r#"{{"cameras":[{{{camera},"fl_x":-3}}]}}"#), "camera 0 (0): its focal lengths are"),
             (format!(r#"{{"cameras":[{{{camera},"size":[0,5]}}]}}"#), "camera 0 (0): its size is [0.0, 5.0]"),
             (format!(r#"{{"cameras":[{{{camera},"time":-1}}]}}"#), "camera 0 (0): its time is not"),
