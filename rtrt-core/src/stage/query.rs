@@ -48,11 +48,11 @@ pub fn occluded(world: &QueryWorld<'_>, record: &RayRecord) -> u32 {
 fn search<const ANY: bool>(world: &QueryWorld<'_>, record: &RayRecord) -> ClosestHit<f32> {
     let QueryWorld { frame, geometry, masks } = world;
     let none = ClosestHit::none(record.to);
-    let (largest, farthest) = (largest(&record.direction), largest(&record.origin));
-    if !(largest >= SHORTEST && largest <= LONGEST && farthest <= FARTHEST) {
+    let is_long = largest(&record.direction) >= SHORTEST;
+    if !is_long || !is_within(&record.direction, LONGEST) || !is_within(&record.origin, FARTHEST) {
         return none;
     }
-    let magnitude = Lane::max(frame.magnitude, farthest);
+    let magnitude = Lane::max(frame.magnitude, largest(&record.origin));
     let pad = frame.slack * magnitude;
     let ray = Ray::<f32>::new(V3::splat((), record.origin), V3::splat((), record.direction));
     let direction = ray.direction.lane(0);
@@ -97,11 +97,16 @@ fn search<const ANY: bool>(world: &QueryWorld<'_>, record: &RayRecord) -> Closes
     hits.closest[0]
 }
 
-/// The largest component, in magnitude; NaN if there is one.
+/// The largest component, in magnitude.
 #[inline(always)]
 fn largest(v: &[f32; 3]) -> f32 {
-    let [x, y, z] = [Lane::abs(v[0]), Lane::abs(v[1]), Lane::abs(v[2])];
-    Lane::max(Lane::max(x, y), z) + (x - x) + (y - y) + (z - z)
+    Lane::max(Lane::max(Lane::abs(v[0]), Lane::abs(v[1])), Lane::abs(v[2]))
+}
+
+/// Whether all components are numbers of up to this magnitude.
+#[inline(always)]
+fn is_within(v: &[f32; 3], limit: f32) -> bool {
+    Lane::abs(v[0]) <= limit && Lane::abs(v[1]) <= limit && Lane::abs(v[2]) <= limit
 }
 
 /// Accepts what a ray asks for.
