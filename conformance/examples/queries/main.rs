@@ -138,13 +138,16 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let cpu = Cpu::new(rtrt_cpu::Options { threads: Some(1), ..Default::default() })?;
     let brute = Brute::new(&scene);
-    let mut builds = BTreeMap::from([("rtrt", ours::build_ms(&scene)?)]);
-    let mut libraries: Vec<Box<dyn Library + '_>> = vec![
+    let mut builds = BTreeMap::new();
+    builds.insert("rtrt", ours::build_ms(&scene)?);
+    let mut libraries: Vec<Box<dyn Library + '_>> = Vec::new();
+    let ours: [Box<dyn Library + '_>; 4] = [
         Box::new(Cast(world, Caster::new())),
         Box::new(Core(world)),
         Box::new(Slices(world, cpu)),
         Box::new(Each::new(&scene, low, high)),
     ];
+    libraries.extend(ours);
     #[cfg(feature = "peers")]
     for (library, build) in peers::libraries(&brute.single())? {
         builds.insert(library.name(), build);
