@@ -30,6 +30,28 @@ fn set(text: &str, number: &str) -> String {
     click(&format!("beside {text}")) + &format!("text {number}\nframe 0.1\n") + &key("Enter")
 }
 
+/// A color of sRGB bytes, chosen beside a text.
+fn tint(text: &str, bytes: [u8; 3]) -> String {
+    // What stands before a number is a text of its own.
+    let channel = |(name, byte): (char, u8)| {
+        click(&format!("point {name} ")) + &format!("text {byte}\nframe 0.1\n") + &key("Enter")
+    };
+    let channels: String = ['R', 'G', 'B'].into_iter().zip(bytes).map(channel).collect();
+    click(&format!("beside {text}")) + &channels + &key("Escape")
+}
+
+/// The linear light of an sRGB byte, by IEC 61966-2-1.
+fn linear(byte: u8) -> f64 {
+    let share = f64::from(byte) / 255.0;
+    if share <= 0.04045 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Whether numbers between commas are the light of these bytes.
+fn is_tint(numbers: &str, bytes: [u8; 3]) -> bool {
+    let numbers: Vec<f64> = numbers.split(',').map(|number| number.parse().unwrap()).collect();
+    numbers.len() == 3 && numbers.iter().zip(bytes).all(|(number, byte)| (number - linear(byte)).abs() < 1e-5)
+}
+
 /// Two triangles of one material, `left` and `right`, which two animations move, before two cameras, `front` and `side`.
 fn write_scene(folder: &Path) {
     let positions = [-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0];
@@ -65,7 +87,7 @@ fn write_scene(folder: &Path) {
 
 /// Replays inputs in one viewer, each followed by a screenshot. Returns the commands that are printed for these, whose
 /// pictures are compared.
-fn shots(test: &str, size: &str, inputs: &[String]) -> Option<Vec<String>> {
+fn shots(test: &str, options: &str, inputs: &[String]) -> Option<Vec<String>> {
     let folder = folder(test);
     let display = Display::start(&folder)?;
     write_scene(&folder);
@@ -76,7 +98,7 @@ fn shots(test: &str, size: &str, inputs: &[String]) -> Option<Vec<String>> {
     let recent = format!("{}\n", folder.join("other/recent.obj").display());
     fs::write(folder.join("state/rtrt/recent.txt"), recent).unwrap();
     let recording: String = inputs.iter().map(|input| format!("{input}{SHOT}")).collect();
-    let output = replayed(&display, &folder, size, &recording);
+    let output = replayed(&display, &folder, options, &recording);
     let printed = lines(&output);
     assert_eq!(printed.len(), inputs.len(), "{printed:?}");
     for (number, printed) in printed.iter().enumerate() {
@@ -86,9 +108,9 @@ fn shots(test: &str, size: &str, inputs: &[String]) -> Option<Vec<String>> {
     Some(printed)
 }
 
-fn replayed(display: &Display, folder: &Path, size: &str, recording: &str) -> Output {
+fn replayed(display: &Display, folder: &Path, options: &str, recording: &str) -> Output {
     fs::write(folder.join("input.txt"), format!("rtrt input 1\nframe 0.1\n{recording}")).unwrap();
-    let line = format!("view pair.gltf --size {size} --samples 1 --backend cpu --replay input.txt");
+    let line = format!("view pair.gltf --samples 1 --backend cpu --replay input.txt --size {options}");
     let mut viewer = command(folder, &line);
     viewer.env("DISPLAY", &display.name).env("XDG_STATE_HOME", folder.join("state")).output().unwrap()
 }
@@ -104,6 +126,8 @@ fn picture_light_and_camera_of_the_panel() {
             + &(choose("soft") + &choose("hard"))
             + &set("transparency depth", "3")
             + &set("frames a second while moving", "30")
+            // It is that of `--fps`, and is seen to be another one.
+            + "point 30.0\nframe 0.1\n"
             + &(choose("neutral") + &choose("aces"))
             + &set("exposure", "1.5")
             + &set("environment's turn", "30")
@@ -137,6 +161,93 @@ fn picture_light_and_camera_of_the_panel() {
     assert_eq!(option(side, "--eye"), Some("6,0,6"));
     assert_eq!(option(fly, "--eye"), Some("6,0,6"));
     assert!(option(fly, "--look-at") != option(side, "--look-at"), "{fly}");
+}
+
+#[test]
+fn lights_and_colors_of_the_panel() {
+    let inputs = [
+        key("P")
+            + &set("position", "1")
+            + &set("direction", "0.5")
+            + &set("angle", "30")
+            + &set("power", "9")
+            + &choose("reach")
+            + &set("reach", "7")
+            + &choose("fades with the square of the distance")
+            + &set("radius", "0.25"),
+        // Of two fields of that name, that of the sun is below.
+        choose("1: sun") + &set("radius", "5"),
+        tint("background", [102, 51, 204]),
+    ];
+    let lights = "--light spot:0,2,2:0,-1,-1:40:0.125 --light sun:0,1,1:2";
+    let options = format!("500x760 {lights}");
+    let Some(printed) = shots("lights", &options, &inputs) else { return };
+    let lights = |number: usize| -> Vec<&str> {
+        let rest = printed[number].split(" --light ").skip(1);
+        rest.map(|light| light.split(' ').next().unwrap()).collect()
+    };
+    let [spot, sun] = lights(0)[..] else { panic!("{printed:?}") };
+    let (ahead, rest) = spot.strip_prefix("spot:1,2,2:0.5,-1,-1:").unwrap().split_once(':').unwrap();
+    assert!((ahead.parse::<f64>().unwrap() - 30.0).abs() < 1e-4, "{spot}");
+    assert_eq!(rest, "0.25:color=9,9,9:reach=7:fade=linear");
+    let radius = |sun: &str| sun.rsplit(':').next().unwrap().parse::<f64>().unwrap();
+    assert!((radius(sun) - 2.0).abs() < 1e-4, "{sun}");
+    let [same, sun] = lights(1)[..] else { panic!("{printed:?}") };
+    assert!(same == spot && (radius(sun) - 5.0).abs() < 1e-4, "{sun}");
+    let background = option(&printed[2], "--background").unwrap();
+    assert!(is_tint(background, [102, 51, 204]), "{background}");
+}
+
+#[test]
+fn colors_of_a_material() {
+    let inputs = [
+        click("move 76 400") + "frames 3 0.1\n" + &tint("color", [102, 51, 204]),
+        tint("emission", [10, 20, 30]),
+    ];
+    let Some(printed) = shots("colors", "500x760", &inputs) else { return };
+    let material = |number: usize| option(&printed[number], "--material").unwrap();
+    let [painted, shining] = [0, 1].map(|number| material(number).strip_prefix("0:color=").unwrap());
+    assert!(is_tint(painted, [102, 51, 204]), "{painted}");
+    let (color, emission) = shining.split_once(":emission=").unwrap();
+    assert!(color == painted && is_tint(emission, [10, 20, 30]), "{shining}");
+}
+
+#[test]
+fn boxes_of_the_panel() {
+    // The panel is small, so that all of it is seen, and is closed again.
+    let open = format!("size 400 300 0.375\nframe 0.1\n{}{}", key("P"), choose("camera"));
+    for (name, place) in [("axes", [0.8, 0.8, 1.0, 1.0]), ("grid", [0.0, 0.0, 0.7, 1.0])] {
+        let folder = folder(&format!("box_{name}"));
+        let Some(display) = Display::start(&folder) else { return };
+        write_scene(&folder);
+        let recording = format!("rtrt input 1\n{open}{}{}frames 1000000 0\n", choose(name), key("P"));
+        fs::write(folder.join("input.txt"), recording).unwrap();
+        let line = "pair.gltf --size 400x300 --samples 1 --backend cpu";
+        command(&folder, &format!("render {line} -o plain.png")).status().unwrap();
+        let plain = pixels(&folder, "plain.png");
+        let mut window = Window::open(&display, &folder, &format!("view {line} --replay input.txt"));
+        window.until(name, || {
+            let seen = display.pixels([400, 300]);
+            changed(&plain, &seen, place) > 20 && changed(&plain, &seen, [0.9, 0.0, 1.0, 0.4]) == 0
+        });
+    }
+    let folder = folder("box_full");
+    let Some(display) = Display::start(&folder) else { return };
+    let geometry = || {
+        let mut xdotool = Command::new("xdotool");
+        xdotool.args(["search", "--onlyvisible", "--name", "rtrt", "getwindowgeometry"]);
+        let output = xdotool.env("DISPLAY", &display.name).output();
+        output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    if present("xdotool", geometry()).is_none() {
+        return;
+    }
+    write_scene(&folder);
+    let recording = format!("rtrt input 1\n{open}{}frames 1000000 0.02\n", choose("full screen"));
+    fs::write(folder.join("input.txt"), recording).unwrap();
+    let line = "view pair.gltf --size 400x300 --samples 1 --backend cpu --replay input.txt";
+    let mut window = Window::open(&display, &folder, line);
+    window.until("it fills the screen", || geometry().unwrap().contains("Geometry: 800x600"));
 }
 
 #[test]

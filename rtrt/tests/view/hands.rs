@@ -94,6 +94,8 @@ fn steps_of_an_animation_and_files_of_the_folder() {
     let hdr = fs::File::create(folder.join("sky.hdr")).unwrap();
     let light: Vec<_> = (0..128).map(|i| image::Rgb([i as f32 * 0.01, 0.5, 0.1])).collect();
     image::codecs::hdr::HdrEncoder::new(hdr).encode(&light, 16, 8).unwrap();
+    exr::prelude::write_rgb_file(folder.join("sky.exr"), 16, 8, |x, y| (0.1 * x as f32, 0.2, 0.1 * y as f32))
+        .unwrap();
     let recording = [
         &key("ArrowRight"),
         SHOT,
@@ -101,6 +103,8 @@ fn steps_of_an_animation_and_files_of_the_folder() {
         &key("ArrowLeft"),
         SHOT,
         "drop sky.hdr\nframe 0.1\n",
+        SHOT,
+        "drop sky.exr\nframe 0.1\n",
         SHOT,
     ];
     let output = view(&display, &folder, "a.obj --size 64x36 --backend cpu", &recording.concat());
@@ -111,6 +115,7 @@ fn steps_of_an_animation_and_files_of_the_folder() {
         "{printed:?}"
     );
     assert_eq!(option(&printed[2], "--environment"), Some("sky.hdr"));
+    assert_eq!(option(&printed[3], "--environment"), Some("sky.exr"));
     for (number, printed) in printed.iter().enumerate() {
         assert!(pixels(&folder, &format!("rtrt-{number:04}.png")) == rendered(&folder, printed), "{printed}");
     }
