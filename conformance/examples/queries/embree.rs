@@ -1,7 +1,7 @@
 //! Embree 3, ray by ray and in packets of eight.
 
 use crate::embree3::{Committed, Context, HIGH, Hits8, NONE, Rays8, build, rtcIntersect8, rtcOccluded8};
-use crate::{Answer, Library, MISS};
+use crate::{Answer, Library, MISS, OneByOne, Single};
 use rtrt_core::query::Ray;
 use rtrt_core::scene::Scene;
 use std::ffi::{CString, c_void};
@@ -58,17 +58,20 @@ pub fn libraries(scene: &Scene, isa: &str) -> Result<(Vec<Box<dyn Library>>, Bui
     let (_, medium) = timed(MEDIUM);
     let (committed, high) = timed(HIGH);
     let committed = Rc::new(committed);
-    Ok((vec![Box::new(Single(committed.clone())), Box::new(Packets(committed))], Builds { medium, high }))
+    Ok((
+        vec![Box::new(OneByOne(Alone(committed.clone()))), Box::new(Packets(committed))],
+        Builds { medium, high },
+    ))
 }
 
-struct Single(Rc<Committed>);
+struct Alone(Rc<Committed>);
 struct Packets(Rc<Committed>);
 
 fn context() -> Context {
     Context { flags: 0, filter: std::ptr::null_mut(), instance: NONE, optional: [0; 12] }
 }
 
-fn single(ray: &Ray) -> Ray1 {
+fn record(ray: &Ray) -> Ray1 {
     Ray1 {
         origin: ray.origin,
         near: 0.0,
@@ -81,34 +84,27 @@ fn single(ray: &Ray) -> Ray1 {
     }
 }
 
-impl Library for Single {
-    fn name(&self) -> &'static str {
-        "embree"
+impl Single for Alone {
+    const NAME: &'static str = "embree";
+    fn closest(&self, ray: &Ray) -> Answer {
+        let mut hit = Hit1 {
+            ray: record(ray),
+            normal: [0.0; 3],
+            u: 0.0,
+            v: 0.0,
+            primitive: NONE,
+            geometry: NONE,
+            instance: NONE,
+        };
+        // SAFETY: the structures are laid out as Embree's headers say, and aligned.
+        unsafe { rtcIntersect1((self.0).0, &mut context(), &mut hit) };
+        if hit.geometry == NONE { MISS } else { (hit.ray.far, 0, 0) }
     }
-    fn closest(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            let ray = single(ray);
-            let mut hit = Hit1 {
-                ray,
-                normal: [0.0; 3],
-                u: 0.0,
-                v: 0.0,
-                primitive: NONE,
-                geometry: NONE,
-                instance: NONE,
-            };
-            // SAFETY: the structures are laid out as Embree's headers say, and aligned.
-            unsafe { rtcIntersect1((self.0).0, &mut context(), &mut hit) };
-            *answer = if hit.geometry == NONE { MISS } else { (hit.ray.far, 0, 0) };
-        }
-    }
-    fn occluded(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            let mut ray = single(ray);
-            // SAFETY: as above.
-            unsafe { rtcOccluded1((self.0).0, &mut context(), &mut ray) };
-            *answer = if ray.far < 0.0 { (0.0, 0, 0) } else { MISS };
-        }
+    fn occluded(&self, ray: &Ray) -> Answer {
+        let mut ray = record(ray);
+        // SAFETY: as above.
+        unsafe { rtcOccluded1((self.0).0, &mut context(), &mut ray) };
+        if ray.far < 0.0 { (0.0, 0, 0) } else { MISS }
     }
 }
 

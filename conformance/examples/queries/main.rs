@@ -72,6 +72,38 @@ trait Library {
     fn occluded(&self, rays: &[Ray], answers: &mut [Answer]);
 }
 
+/// Something that answers rays one by one.
+trait Single {
+    const NAME: &'static str;
+    const IS_OURS: bool = false;
+    /// The closest hit.
+    fn closest(&self, ray: &Ray) -> Answer;
+    /// Whether there is a hit: any answer but [`MISS`].
+    fn occluded(&self, ray: &Ray) -> Answer;
+}
+
+/// Asks ray by ray.
+struct OneByOne<S>(S);
+
+impl<S: Single> Library for OneByOne<S> {
+    fn name(&self) -> &'static str {
+        S::NAME
+    }
+    fn is_ours(&self) -> bool {
+        S::IS_OURS
+    }
+    fn closest(&self, rays: &[Ray], answers: &mut [Answer]) {
+        for (answer, ray) in answers.iter_mut().zip(rays) {
+            *answer = self.0.closest(ray);
+        }
+    }
+    fn occluded(&self, rays: &[Ray], answers: &mut [Answer]) {
+        for (answer, ray) in answers.iter_mut().zip(rays) {
+            *answer = self.0.occluded(ray);
+        }
+    }
+}
+
 /// What one library did.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
 struct Row {
@@ -142,10 +174,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     builds.insert("rtrt", ours::build_ms(&scene)?);
     let mut libraries: Vec<Box<dyn Library + '_>> = Vec::new();
     let ours: [Box<dyn Library + '_>; 4] = [
-        Box::new(Cast(world, Caster::new())),
-        Box::new(Core(world)),
+        Box::new(OneByOne(Cast(world, Caster::new()))),
+        Box::new(OneByOne(Core(world))),
         Box::new(Slices(world, cpu)),
-        Box::new(Each::new(&scene, low, high)),
+        Box::new(OneByOne(Each::new(&scene, low, high))),
     ];
     libraries.extend(ours);
     #[cfg(feature = "peers")]

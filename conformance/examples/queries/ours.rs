@@ -1,6 +1,6 @@
 //! The ways of this project.
 
-use crate::{Answer, Library, MISS};
+use crate::{Answer, Library, MISS, Single};
 use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::hit_filter::{Any, Closest, Faces, HitFilter};
@@ -35,41 +35,25 @@ fn any(met: Result<bool, QueryError>) -> Answer {
     if met == Ok(true) { (0.0, 0, 0) } else { MISS }
 }
 
-impl Library for Cast<'_> {
-    fn name(&self) -> &'static str {
-        "rtrt"
+impl Single for Cast<'_> {
+    const NAME: &'static str = "rtrt";
+    const IS_OURS: bool = true;
+    fn closest(&self, ray: &Ray) -> Answer {
+        nearest(self.1.closest(&self.0, ray))
     }
-    fn is_ours(&self) -> bool {
-        true
-    }
-    fn closest(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = nearest(self.1.closest(&self.0, ray));
-        }
-    }
-    fn occluded(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = any(self.1.occluded(&self.0, ray));
-        }
+    fn occluded(&self, ray: &Ray) -> Answer {
+        any(self.1.occluded(&self.0, ray))
     }
 }
 
-impl Library for Core<'_> {
-    fn name(&self) -> &'static str {
-        "rtrt-core"
+impl Single for Core<'_> {
+    const NAME: &'static str = "rtrt-core";
+    const IS_OURS: bool = true;
+    fn closest(&self, ray: &Ray) -> Answer {
+        nearest(self.0.closest(ray))
     }
-    fn is_ours(&self) -> bool {
-        true
-    }
-    fn closest(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = nearest(self.0.closest(ray));
-        }
-    }
-    fn occluded(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = any(self.0.occluded(ray));
-        }
+    fn occluded(&self, ray: &Ray) -> Answer {
+        any(self.0.occluded(ray))
     }
 }
 
@@ -96,22 +80,14 @@ impl Library for Slices<'_> {
     }
 }
 
-impl Library for Each<'_> {
-    fn name(&self) -> &'static str {
-        "loop"
+impl Single for Each<'_> {
+    const NAME: &'static str = "loop";
+    const IS_OURS: bool = true;
+    fn closest(&self, ray: &Ray) -> Answer {
+        self.ask(ray, Closest)
     }
-    fn is_ours(&self) -> bool {
-        true
-    }
-    fn closest(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = self.ask(ray, Closest);
-        }
-    }
-    fn occluded(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = self.ask(ray, Any);
-        }
+    fn occluded(&self, ray: &Ray) -> Answer {
+        self.ask(ray, Any)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Crates that trace rays: all triangles, world space, in one tree.
 
-use crate::{Answer, Library, MISS};
+use crate::{Answer, Library, MISS, OneByOne, Single};
 use glam::Vec3;
 use rtrt_core::query::Ray;
 use std::error::Error;
@@ -10,13 +10,13 @@ use std::time::{Duration, Instant};
 pub fn libraries(triangles: &[[Vec3; 3]]) -> Result<Vec<(Box<dyn Library>, f64)>, Box<dyn Error>> {
     let mut libraries: Vec<(Box<dyn Library>, f64)> = vec![];
     let start = Instant::now();
-    let obvhs = Box::new(Obvhs::new(triangles));
+    let obvhs = Box::new(OneByOne(Obvhs::new(triangles)));
     libraries.push((obvhs, start.elapsed().as_secs_f64() * 1e3));
     let start = Instant::now();
-    let parry = Box::new(Parry::new(triangles)?);
+    let parry = Box::new(OneByOne(Parry::new(triangles)?));
     libraries.push((parry, start.elapsed().as_secs_f64() * 1e3));
     let start = Instant::now();
-    let crate_bvh = Box::new(CrateBvh::new(triangles));
+    let crate_bvh = Box::new(OneByOne(CrateBvh::new(triangles)));
     libraries.push((crate_bvh, start.elapsed().as_secs_f64() * 1e3));
     Ok(libraries)
 }
@@ -67,19 +67,13 @@ fn obvhs_vector([x, y, z]: [f32; 3]) -> glam::Vec3A {
     glam::Vec3A::new(x, y, z)
 }
 
-impl Library for Obvhs {
-    fn name(&self) -> &'static str {
-        "obvhs"
+impl Single for Obvhs {
+    const NAME: &'static str = "obvhs";
+    fn closest(&self, ray: &Ray) -> Answer {
+        self.hit(ray, false)
     }
-    fn closest(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = self.hit(ray, false);
-        }
-    }
-    fn occluded(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = self.hit(ray, true);
-        }
+    fn occluded(&self, ray: &Ray) -> Answer {
+        self.hit(ray, true)
     }
 }
 
@@ -110,19 +104,13 @@ fn parry_vector([x, y, z]: [f32; 3]) -> parry3d::math::Vector {
     parry3d::math::Vector::new(x, y, z)
 }
 
-impl Library for Parry {
-    fn name(&self) -> &'static str {
-        "parry3d"
+impl Single for Parry {
+    const NAME: &'static str = "parry3d";
+    fn closest(&self, ray: &Ray) -> Answer {
+        self.hit(ray, false)
     }
-    fn closest(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = self.hit(ray, false);
-        }
-    }
-    fn occluded(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = self.hit(ray, true);
-        }
+    fn occluded(&self, ray: &Ray) -> Answer {
+        self.hit(ray, true)
     }
 }
 
@@ -199,18 +187,12 @@ fn distance(ray: &Ray, &[a, b, c]: &[Vec3; 3]) -> Option<f32> {
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
 }
 
-impl Library for CrateBvh {
-    fn name(&self) -> &'static str {
-        "bvh"
+impl Single for CrateBvh {
+    const NAME: &'static str = "bvh";
+    fn closest(&self, ray: &Ray) -> Answer {
+        self.hit(ray, false)
     }
-    fn closest(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = self.hit(ray, false);
-        }
-    }
-    fn occluded(&self, rays: &[Ray], answers: &mut [Answer]) {
-        for (answer, ray) in answers.iter_mut().zip(rays) {
-            *answer = self.hit(ray, true);
-        }
+    fn occluded(&self, ray: &Ray) -> Answer {
+        self.hit(ray, true)
     }
 }
