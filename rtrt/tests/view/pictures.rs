@@ -162,5 +162,7 @@ fn a_scene_that_is_written_again_is_shown_again() {
     fs::write(folder.join("scene.obj"), "nonsense\nf 1 2 3\n").unwrap();
     let said = || fs::read_to_string(folder.join("stderr")).unwrap();
     window.until("the scene is refused", || said().contains("\nerror: ") && said().contains("scene.obj"));
+    fs::remove_file(folder.join("scene.obj")).unwrap();
+    window.until("the scene is missed", || said().contains("\nscene.obj is gone"));
     assert!(window.viewer.try_wait().unwrap().is_none(), "the viewer has ended");
 }

@@ -54,6 +54,16 @@ pub struct Report {
     sharp_after_ms: Option<Spread>,
 }
 
+/// The last figures, for the overlay. Times are in milliseconds, as in [`Report`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Last {
+    pub begin_ms: Option<f64>,
+    pub answer_ms: Option<f64>,
+    pub sharp_ms: Option<f64>,
+    /// The pictures of the last second.
+    pub pictures: usize,
+}
+
 /// How a set of times is spread.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
@@ -124,10 +134,15 @@ impl Figures {
         }
     }
 
-    /// The last time from an event to its picture, the last time until all pixels were there, both in milliseconds, and
-    /// the pictures of the last second.
-    pub fn last(&self) -> (Option<f64>, Option<f64>, usize) {
-        (self.answers_ms.back().copied(), self.sharp_ms.back().copied(), self.recent.len())
+    /// The last figures.
+    pub fn last(&self) -> Last {
+        let last = |times: &VecDeque<f64>| times.back().copied();
+        Last {
+            begin_ms: last(&self.begins_ms),
+            answer_ms: last(&self.answers_ms),
+            sharp_ms: last(&self.sharp_ms),
+            pictures: self.recent.len(),
+        }
     }
 
     /// The figures so far.
@@ -184,7 +199,8 @@ mod tests {
         assert_eq!((pictures, frames_per_second), (7, Some(10.0)));
         assert_eq!(event_to_begin_ms, same(30.0));
         assert_eq!((event_to_picture_ms, sharp_after_ms), (same(50.0), same(280.0)));
-        assert_eq!(figures.last(), (Some(50.0), Some(280.0), 7));
+        let [begin_ms, answer_ms, sharp_ms] = [30.0, 50.0, 280.0].map(Some);
+        assert_eq!(figures.last(), Last { begin_ms, answer_ms, sharp_ms, pictures: 7 });
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The overlay: keys, timing, messages.
 
 use super::controls::KEYS;
+use super::figures::Last;
 use super::pace::Detail;
 use super::viewer::{Timing, Viewer};
 use egui::{Align2, Area, Color32, Context, FontId, Frame, Grid, Id, Order, Rect, Sense, Ui, vec2};
@@ -108,8 +109,11 @@ fn timing(ui: &mut Ui, viewer: &Viewer) {
     }
     ui.separator();
     ui.label(format!("window: {}", viewer.drawn_by));
-    let (answer_ms, sharp_ms, pictures) = viewer.figures.last();
+    let Last { begin_ms, answer_ms, sharp_ms, pictures } = viewer.figures.last();
     ui.label(format!("pictures in the last second: {pictures}"));
+    if let Some(ms) = begin_ms {
+        ui.label(format!("{ms:.0} ms from an event to the beginning of its picture"));
+    }
     if let Some(ms) = answer_ms {
         ui.label(format!("{ms:.0} ms from an event to its picture"));
     }

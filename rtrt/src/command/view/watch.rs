@@ -10,6 +10,15 @@ pub const EVERY: Duration = Duration::from_millis(300);
 /// The length of a file, and its time of modification; none for a missing file.
 type State = Option<(u64, SystemTime)>;
 
+/// What has happened to the watched files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Change {
+    /// A file is another one, or is gone; the scene's file is there.
+    Changed,
+    /// The scene's file is gone.
+    Gone,
+}
+
 /// A set of watched files.
 #[derive(Debug)]
 pub struct Watch {
@@ -20,6 +29,8 @@ pub struct Watch {
     known: Vec<State>,
     /// The states at the last check.
     last: Vec<State>,
+    /// The checks that have not found the scene's file since it was there.
+    missed: u32,
     next: Instant,
 }
 
@@ -27,7 +38,7 @@ impl Watch {
     pub fn new(scene: &Path, paths: &[PathBuf]) -> Self {
         let known = states(paths);
         let (scene, paths, last) = (scene.to_owned(), paths.to_owned(), known.clone());
-        Self { scene, paths, known, last, next: Instant::now() + EVERY }
+        Self { scene, paths, known, last, missed: 0, next: Instant::now() + EVERY }
     }
 
     /// Watches these files from now on.
@@ -37,14 +48,24 @@ impl Watch {
         }
     }
 
-    /// Whether a file has changed and no file changed since the last check, so that writers are probably done.
-    /// Checks the files once per interval, and only while the scene's file exists.
-    pub fn has_changed(&mut self, now: Instant) -> bool {
+    /// A change after which no file changed until the next check, so that writers are probably done; each once.
+    /// Checks the files once per interval.
+    pub fn change(&mut self, now: Instant) -> Option<Change> {
         if now < self.next {
-            return false;
+            return None;
         }
         self.next = now + EVERY;
-        self.scene.exists() && self.look(states(&self.paths))
+        let exists = self.scene.exists();
+        if self.misses(exists) {
+            return Some(Change::Gone);
+        }
+        (exists && self.look(states(&self.paths))).then_some(Change::Changed)
+    }
+
+    /// Whether the scene's file is missed for the second time: writers may replace it.
+    fn misses(&mut self, exists: bool) -> bool {
+        self.missed = if exists { 0 } else { self.missed.saturating_add(1) };
+        self.missed == 2
     }
 
     fn look(&mut self, now: Vec<State>) -> bool {
@@ -83,5 +104,13 @@ mod tests {
         assert!(!watch.look(state(3)));
         // A removed texture is a change.
         assert!(!watch.look(gone()) && watch.look(gone()) && !watch.look(gone()));
+    }
+
+    #[test]
+    fn a_scene_that_is_gone_is_reported_once_each_time() {
+        let mut watch = Watch::new(Path::new(""), &[]);
+        let checks = [true, false, true, false, false, false, true, false, false];
+        let reports = checks.map(|exists| watch.misses(exists));
+        assert_eq!(reports, [false, false, false, false, true, false, false, false, true]);
     }
 }

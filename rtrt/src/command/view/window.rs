@@ -11,7 +11,7 @@ use super::screen::Screen;
 use super::seen::Seen;
 use super::system::{Fingers, translated};
 use super::viewer::{Rendered, Viewer, Wanted};
-use super::watch::{self, Watch};
+use super::watch::{self, Change, Watch};
 use super::{guides, overlay, panel};
 use crate::command::Error;
 use crate::command::options::ViewOptions;
@@ -585,8 +585,11 @@ impl ApplicationHandler<Woken> for App {
         };
         let due = viewer.due().map(|seconds| self.last + Duration::from_secs_f64(seconds));
         let mut is_due = matches!(self.source, Source::Replay(_));
-        if self.watch.as_mut().is_some_and(|watch| watch.has_changed(now)) {
-            viewer.open_again();
+        if let Some(change) = self.watch.as_mut().and_then(|watch| watch.change(now)) {
+            match change {
+                Change::Changed => viewer.open_again(),
+                Change::Gone => viewer.miss(),
+            }
             is_due = true;
         }
         self.is_idle = !is_due && due.is_none();

@@ -34,6 +34,13 @@ impl Viewer {
         self.ask(Opening::Again);
     }
 
+    /// Says that the scene's file is gone. The scene stays.
+    pub fn miss(&mut self) {
+        let text = format!("{} is gone", self.options.scene.display());
+        self.console.say(&text);
+        self.say(text);
+    }
+
     /// Whether files wait to be opened.
     pub fn has_to_open(&self) -> bool {
         !self.openings.is_empty()
