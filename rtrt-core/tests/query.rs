@@ -1,14 +1,16 @@
 //! Rays against random worlds: every answer is that of a search without any tree.
 
 use glam::{Mat4, Quat, Vec3};
+use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::ray::Ray as KernelRay;
 use rtrt_core::kernel::sphere::Chord;
 use rtrt_core::kernel::triangle::{Triangle, intersect};
 use rtrt_core::lane::V3;
-use rtrt_core::query::{Hit, Overlap, Ray, Shapes, Sides, Source, Tree, Volume, World};
+use rtrt_core::query::{DeviceWorld, Hit, Overlap, Ray, Shapes, Sides, Source, Tree, Volume, World};
 use rtrt_core::scene::{
     Attribute, Bvh, InstanceIndex, Material, MaterialIndex, Mesh, MeshError, MeshIndex, Scene, Sequential,
 };
+use rtrt_core::stage::query::{self, QueryWorld};
 
 /// Numbers that look random.
 struct Random(u32);
@@ -169,6 +171,27 @@ fn ray(random: &mut Random, size: f32, scene: &Scene, instances: &[InstanceIndex
     ray.sides([Sides::Both, Sides::Fronts, Sides::Backs, Sides::Drawn][random.below(4) as usize])
 }
 
+/// Compares what devices compute with all hits.
+fn compare_on_device(device: &DeviceWorld, scene: &Scene, masks: &[u32], ray: &Ray) {
+    let world = QueryWorld {
+        frame: &device.frame,
+        geometry: Geometry {
+            instances: scene.instances(),
+            nodes: &device.nodes,
+            mesh_data: scene.mesh_data(),
+            positions: scene.positions(),
+            texels: scene.texels(),
+            magnitude: device.frame.magnitude,
+        },
+        masks: &device.masks,
+    };
+    let record = device.record(ray).expect("a ray");
+    let every = every(scene, masks, ray);
+    let closest = device.hit(ray, &query::closest(&world, &record));
+    assert_eq!(closest.as_ref().map(row), every.first().copied(), "{ray:?}");
+    assert_eq!(query::occluded(&world, &record), u32::from(!every.is_empty()), "{ray:?}");
+}
+
 /// Compares every kind of query with all hits; returns how many rays hit anything.
 fn compare(world: &World<'_>, scene: &Scene, masks: &[u32], ray: &Ray) -> usize {
     let every = every(scene, masks, ray);
@@ -221,8 +244,10 @@ fn answers_are_those_of_a_search_without_a_tree_while_things_move() {
                 scene.set_ray_mask(*instance, *mask).expect("it is there");
             }
             let world = tree.world(&scene);
+            let device = DeviceWorld::new(&scene, &Sequential);
             for _ in 0..25 {
                 let ray = ray(&mut random, 8.0, &scene, &all);
+                compare_on_device(&device, &scene, &masks, &ray);
                 hit += compare(&world, &scene, &masks, &ray);
             }
         }
@@ -247,6 +272,7 @@ fn a_masked_world_is_one_without_the_others() {
         let volume = Volume::ball(point, 2.0);
         let count = world.overlaps(&volume, &mut overlaps).expect("a ball");
         let instances = world.overlapped_instances(&volume, &mut touched).expect("a ball");
+        assert!(touched[..instances].windows(2).all(|pair| pair[0].number() < pair[1].number()));
         let nearest = world.nearest(point, 9.0).expect("a point");
         let closest = world.closest(ray).expect("a ray");
         (

@@ -160,26 +160,8 @@ pub(crate) const KERNELS: (&str, &[Access]) = (
     "kernels",
     &[Access::Uniform, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write],
 );
-/// The entry point that tells where it finds fields, and what it binds.
-pub(crate) const PROBE: (&str, &[Access]) = (
-    "probe_layout",
-    &[
-        Access::Uniform,
-        Access::Read,
-        Access::Read,
-        Access::Read,
-        Access::Read,
-        Access::Read,
-        Access::Read,
-        Access::Read,
-        Access::Write,
-    ],
-);
-
-/// The entry points that ask rays of programs, and what they bind.
-pub(crate) const QUERY_CLOSEST: (&str, &[Access]) = ("query_closest", QUERY);
-pub(crate) const QUERY_OCCLUDED: (&str, &[Access]) = ("query_occluded", QUERY);
-const QUERY: &[Access] = &[
+/// Uniform numbers, seven buffers that are read, and one that is written.
+const SEVEN_READ: &[Access] = &[
     Access::Uniform,
     Access::Read,
     Access::Read,
@@ -190,6 +172,11 @@ const QUERY: &[Access] = &[
     Access::Read,
     Access::Write,
 ];
+/// The entry point that tells where it finds fields, and what it binds.
+pub(crate) const PROBE: (&str, &[Access]) = ("probe_layout", SEVEN_READ);
+/// The entry points for rays of programs, and what they bind.
+pub(crate) const QUERY_CLOSEST: (&str, &[Access]) = ("query_closest", SEVEN_READ);
+pub(crate) const QUERY_OCCLUDED: (&str, &[Access]) = ("query_occluded", SEVEN_READ);
 
 /// The most storage buffers that an entry point binds.
 pub(crate) fn most_storage_buffers() -> u32 {

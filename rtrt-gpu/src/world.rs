@@ -15,7 +15,7 @@ use wgpu::BufferUsages;
 /// Rays that one dispatch of slices asks.
 const BATCH: usize = 1 << 20;
 
-/// A scene on a device, as it was when [`Gpu::world`] was called: what rays are asked of.
+/// A scene on a device, as it was when [`Gpu::world`] was called. It answers rays.
 ///
 /// Answers have the bits of [`rtrt_core::query::World`]. The whole scene is copied, and a tree over its
 /// instances is built; to follow a scene that moves, make another.
@@ -148,8 +148,8 @@ impl World {
         .await
     }
 
-    /// Adds to an application's commands that `count` rays of a buffer are asked for their closest hits, which go to
-    /// another: for programs whose rays are made and used on the device.
+    /// Adds to an application's commands: the closest hits of the first `count` rays of a buffer go to another buffer.
+    /// For programs whose rays are made and used on the device.
     ///
     /// `rays` holds [`RayRecord`]s ([`World::record`] makes them on the host), `hits` gets
     /// [`rtrt_core::layout::Hit`]s. Both are of the device of the [`Gpu`], have [`BufferUsages::STORAGE`], and room for

@@ -161,7 +161,7 @@ pub fn size([width, height]: [i64; 2]) -> PyResult<[u32; 2]> {
 /// The size of pictures that have none of their own.
 pub const SIZE: [u32; 2] = [640, 360];
 
-/// The size that is asked for, or that one.
+/// The size that a call names, or else [`SIZE`].
 pub fn usual_size(size: Option<(i64, i64)>) -> PyResult<[u32; 2]> {
     size.map_or(Ok(SIZE), |size| self::size(size.into()))
 }

@@ -92,7 +92,7 @@ impl Cameras {
         }
     }
 
-    /// The size of their pictures: the one that is asked for, or their own.
+    /// The size of their pictures: `size`, or else their own.
     fn size(&self, asked: Option<(i64, i64)>) -> PyResult<[u32; 2]> {
         if let Some(size) = asked {
             return camera::size(size.into());

@@ -8,7 +8,7 @@
 //!
 //! One thread asks the same rays of each library three times; the median counts.
 //!
-//! | library | what is asked |
+//! | library | call |
 //! |---|---|
 //! | `rtrt` | `Caster`, ray by ray, with the processor's vectors of eight |
 //! | `rtrt-core` | `World`, ray by ray, with the vectors that every processor of its kind has |

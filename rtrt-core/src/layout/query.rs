@@ -1,4 +1,4 @@
-//! Rays that programs ask of a device, and what they are asked of.
+//! Rays of programs, as devices read them, and the numbers of their scene.
 
 use bytemuck::{Pod, Zeroable};
 use core::mem::offset_of;

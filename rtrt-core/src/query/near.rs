@@ -10,7 +10,7 @@ use crate::kernel::environment::octahedral;
 use crate::kernel::traverse::STACK;
 use crate::lane::V3;
 use crate::layout::Instance;
-use crate::scene::{Bounds, InstanceIndex};
+use crate::scene::{Bounds, InstanceIndex, from_rows};
 use glam::{DMat3, DVec3};
 
 /// A box along the axes, or a ball.
@@ -77,7 +77,7 @@ impl<S: Source> World<'_, S> {
         self.nearest_where(point, within, |_| true)
     }
 
-    /// [`World::nearest`] of what `accept` accepts: it is asked for instances, in no particular order and perhaps more than once.
+    /// [`World::nearest`] of what `accept` accepts: it is called with instances, in no particular order, with some perhaps twice.
     ///
     /// # Errors
     /// As for [`World::nearest`].
@@ -257,7 +257,7 @@ impl<S: Source> World<'_, S> {
         Ok(())
     }
 
-    /// Whether an instance is asked.
+    /// Whether an instance counts: it is not hidden, and of a group of this world.
     fn sees(&self, index: usize) -> bool {
         let is_hidden = self.source.places().bounds(index).is_empty();
         !is_hidden && self.source.tags()[index].mask & self.mask != 0
@@ -305,11 +305,9 @@ struct Placed {
 
 impl Placed {
     fn new(instance: &Instance) -> Self {
-        let matrix = |m: &[[f32; 4]; 3]| {
-            let column = |k: usize| DVec3::new(m[0][k].into(), m[1][k].into(), m[2][k].into());
-            (DMat3::from_cols(column(0), column(1), column(2)), column(3))
-        };
-        let ((to_world, moved), (to_ball, _)) = (matrix(&instance.to_world), matrix(&instance.to_object));
+        let [to_world, to_object] = [&instance.to_world, &instance.to_object].map(from_rows);
+        let moved = to_world.w_axis.truncate();
+        let [to_world, to_ball] = [to_world, to_object].map(DMat3::from_mat4);
         Self { to_world, moved, to_ball, ball_moved: -(to_ball * moved) }
     }
 

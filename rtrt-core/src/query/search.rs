@@ -44,7 +44,7 @@ pub(crate) trait Collect {
 pub(crate) struct Limits {
     /// The largest coordinate of the world and the ray's start.
     pub magnitude: f32,
-    /// The groups of instances that are asked.
+    /// The groups of instances that count.
     pub mask: u32,
 }
 

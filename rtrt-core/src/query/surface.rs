@@ -6,7 +6,7 @@ use crate::kernel::offset::{ErrorBound, offset};
 use crate::kernel::sphere::{longitude_and_latitude, point, start};
 use crate::lane::V3;
 use crate::num::sqrt;
-use crate::scene::MaterialIndex;
+use crate::scene::{MaterialIndex, from_rows};
 use glam::{DMat3, DVec3};
 
 /// The surface at a hit, world space.
@@ -47,12 +47,10 @@ const HALF_ULP: f64 = 1.000_001 / 16_777_216.0;
 /// The surface at a hit of an instance that is there, on a triangle that it has.
 pub(super) fn surface(source: &impl Parts, index: usize, hit: &Hit) -> Surface {
     let instance = &source.instances()[index];
-    let matrix = |m: &[[f32; 4]; 3]| {
-        let column = |k: usize| DVec3::new(m[0][k].into(), m[1][k].into(), m[2][k].into());
-        (DMat3::from_cols(column(0), column(1), column(2)), column(3))
-    };
-    let (to_world, moved) = matrix(&instance.to_world);
-    let to_normal = matrix(&instance.to_object).0.transpose();
+    let to_world = from_rows(&instance.to_world);
+    let moved = to_world.w_axis.truncate();
+    let to_world = DMat3::from_mat4(to_world);
+    let to_normal = DMat3::from_mat4(from_rows(&instance.to_object)).transpose();
     let place = |p: DVec3| to_world * p + moved;
     let exact = |v: [f32; 3]| DVec3::from(v.map(f64::from));
     let unit = |v: DVec3| v / libm::sqrt(v.length_squared());

@@ -5,12 +5,11 @@ use super::source::{MeshNodes, Parts, Source};
 use super::wide::{Child, WIDTH, WideTree, widened};
 use super::world::World;
 use crate::layout::NONE;
-use crate::scene::{Bounds, Bvh, Join, Sequential, around};
+use crate::scene::{Bounds, Bvh, Join, Sequential, around, from_rows};
 use alloc::collections::BinaryHeap;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicBool, Ordering};
-use glam::{DMat4, DVec4};
 
 /// A tree with so many times the cost that it had when it was built is built again.
 const WORN: f64 = 2.0;
@@ -372,7 +371,7 @@ impl Part {
         }
         let mesh = &meshes[source.mesh_of(self.instance as usize)];
         let bounds = mesh.tree.nodes[self.node as usize].all_bounds();
-        if instance.is_identity == 1 { bounds } else { around(&matrix(&instance.to_world), &bounds) }
+        if instance.is_identity == 1 { bounds } else { around(&from_rows(&instance.to_world), &bounds) }
     }
 }
 
@@ -424,12 +423,6 @@ fn opened(source: &impl Parts, meshes: &[MeshTree]) -> Vec<Part> {
     }
     closed.sort_unstable_by_key(|part| (part.instance, part.node));
     closed
-}
-
-/// The matrix with these rows.
-fn matrix(rows: &[[f32; 4]; 3]) -> DMat4 {
-    let row = |row: &[f32; 4]| DVec4::from(row.map(f64::from));
-    DMat4::from_cols(row(&rows[0]), row(&rows[1]), row(&rows[2]), DVec4::W).transpose()
 }
 
 /// The node and the slot of a place.

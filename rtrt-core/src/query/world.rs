@@ -52,7 +52,7 @@ pub struct World<'a, S: Source = Scene> {
     pub(super) source: &'a S,
     /// The largest coordinate of all.
     pub(super) magnitude: f32,
-    /// The groups of instances that are asked.
+    /// The groups of instances that count.
     pub(super) mask: u32,
 }
 

@@ -5,7 +5,7 @@ use crate::num::flush;
 use crate::scene::bvh::Bounds;
 use crate::scene::camera::single;
 use crate::scene::{Bvh, COORDINATE_LIMIT, SceneError};
-use glam::{DMat4, DVec3, Mat4};
+use glam::{DMat4, DVec3, DVec4, Mat4};
 
 /// The range of a mesh in the scene's arrays.
 #[derive(Debug, Clone, Copy)]
@@ -97,8 +97,7 @@ pub(super) fn sphere(positions: &[[f32; 3]], bounds: &Bounds) -> (DVec3, f64) {
 
 /// The transform that an instance was placed with, without denormals.
 pub(super) fn matrix(instance: &Instance) -> Mat4 {
-    let [x, y, z] = instance.to_world.map(glam::Vec4::from_array);
-    Mat4::from_cols(x, y, z, glam::Vec4::W).transpose()
+    from_rows(&instance.to_world).as_mat4()
 }
 
 /// The instance of a mesh placed in the world, computed in `f64`.
@@ -187,6 +186,12 @@ pub(crate) fn around(m: &DMat4, bounds: &Bounds) -> Bounds {
 /// From the middle of a box to its corners.
 fn half_diagonal(bounds: &Bounds) -> f64 {
     (DVec3::from(bounds.high.map(f64::from)) - DVec3::from(bounds.low.map(f64::from))).length() * 0.5
+}
+
+/// The matrix with these upper three rows.
+pub(crate) fn from_rows(rows: &[[f32; 4]; 3]) -> DMat4 {
+    let row = |row: &[f32; 4]| DVec4::from(row.map(f64::from));
+    DMat4::from_cols(row(&rows[0]), row(&rows[1]), row(&rows[2]), DVec4::W).transpose()
 }
 
 /// The upper three rows, without denormals.

@@ -19,8 +19,8 @@ const LONGEST: f32 = f32::from_bits((127 + 32) << 23);
 /// Starts are within this: 2³⁰.
 const FARTHEST: f32 = f32::from_bits((127 + 30) << 23);
 
-/// What rays are asked of. The geometry's nodes hold the tree over the instances too, whose leaves have the number
-/// of an instance each.
+/// A scene, as rays search it. The geometry's nodes end with the tree over the instances: each of its leaves holds
+/// the number of one instance.
 #[derive(Clone, Copy)]
 pub struct QueryWorld<'a> {
     /// Its numbers.
