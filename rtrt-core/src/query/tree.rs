@@ -439,6 +439,7 @@ fn largest(slacks: &[f32; WIDTH]) -> f32 {
 mod tests {
     use super::*;
     use crate::layout::Attribute;
+    use crate::query::{Hit, Volume};
     use crate::scene::{Material, Mesh, Scene};
     use glam::{Mat4, Vec3};
 
@@ -461,10 +462,15 @@ mod tests {
         };
         // One alone gains nothing.
         assert_eq!(parts(&Tree::new(&scene, &Sequential), 0), 1);
-        scene.add_instance(index, white, Mat4::from_translation(Vec3::X)).unwrap();
+        let moved = scene.add_instance(index, white, Mat4::from_translation(Vec3::X)).unwrap();
         let mut tree = Tree::new(&scene, &Sequential);
         assert!(parts(&tree, 0) > 10 && parts(&tree, 0) <= PARTS);
         assert_eq!(parts(&tree, 1), 1);
+        // An instance is named once, however many of its parts are met.
+        let mut met = [Hit::NONE.instance; 8];
+        let all = Volume::between([-1e3; 3], [1e3; 3]);
+        let count = tree.world(&scene).overlapped_instances(&all, &mut met).unwrap();
+        assert_eq!(met[..count], [whole, moved]);
         // Parts go with their instance.
         scene.set_transform(whole, Mat4::from_translation(Vec3::Y)).unwrap();
         tree.world(&scene);
