@@ -2,7 +2,7 @@
 
 use super::options::DoctorOptions;
 use super::report::Machine;
-use super::{Error, defaults, output};
+use super::{Error, defaults, gpus, output};
 use rtrt::choose::{Options, choose};
 use rtrt_core::backend::Backend;
 use rtrt_cpu::Cpu;
@@ -13,8 +13,8 @@ use std::path::PathBuf;
 #[derive(serde::Serialize)]
 struct DoctorReport {
     version: &'static str,
-    /// SHA-256 of the shaders.
-    shaders: String,
+    /// SHA-256 of the shaders; null without the feature `gpu`.
+    shaders: Option<String>,
     /// The file with defaults, if there is one.
     defaults: Option<PathBuf>,
     cpu: Vec<Offer>,
@@ -35,16 +35,16 @@ enum Offer {
 
 /// A GPU.
 #[derive(serde::Serialize)]
-struct AdapterReport {
-    number: usize,
-    name: String,
-    kind: String,
-    api: String,
-    driver: String,
+pub struct AdapterReport {
+    pub number: usize,
+    pub name: String,
+    pub kind: String,
+    pub api: String,
+    pub driver: String,
     /// Whether it takes unchanged SPIR-V.
-    passthrough: bool,
+    pub passthrough: bool,
     /// Why it is refused; null if it computes what the CPU does.
-    refused: Option<String>,
+    pub refused: Option<String>,
 }
 
 /// A backend, and the reason for it.
@@ -67,24 +67,14 @@ fn report() -> Result<DoctorReport, Error> {
             Ok(cpu) => Offer::Available(Machine::from(cpu.describe())),
             Err(error) => Offer::Missing { lanes, error: error.to_string() },
         });
-    let adapters = rtrt_gpu::adapters().into_iter().enumerate().map(|(number, adapter)| AdapterReport {
-        number,
-        kind: adapter.kind.to_string(),
-        passthrough: adapter.passthrough,
-        refused: adapter.open().err().map(|error| error.to_string()),
-        name: adapter.name,
-        api: adapter.api,
-        driver: adapter.driver,
-    });
-    let adapters = adapters.collect();
     let chosen = choose(&Options::default())?;
     Ok(DoctorReport {
         version: env!("CARGO_PKG_VERSION"),
-        shaders: rtrt::hash::of(rtrt_gpu::SHADERS),
+        shaders: gpus::shaders(),
         defaults: defaults::path(),
         cpu: cpu.into(),
-        adapters,
-        left_out: rtrt_gpu::left_out(),
+        adapters: gpus::adapters(),
+        left_out: gpus::left_out(),
         auto: Choice { machine: Machine::from(chosen.backend.describe()), why: chosen.why },
     })
 }

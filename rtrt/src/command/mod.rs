@@ -9,6 +9,8 @@ mod defaults;
 mod doctor;
 mod error;
 mod exr;
+#[cfg_attr(not(feature = "gpu"), path = "no_gpus.rs")]
+mod gpus;
 mod job;
 mod line;
 mod memory;

@@ -2,6 +2,7 @@
 //!
 //! Its list `frames` has the keys of [`rtrt::poses`], so that `--cameras` renders the same views again.
 
+use super::gpus;
 use super::job::RenderJob;
 use super::memory::peak_rss_bytes;
 use super::report::{Machine, PerStage};
@@ -21,8 +22,8 @@ use std::time::Instant;
 #[derive(Serialize)]
 pub struct RunReport {
     version: &'static str,
-    /// SHA-256 of the shaders.
-    shaders: String,
+    /// SHA-256 of the shaders; null without the feature `gpu`.
+    shaders: Option<String>,
     #[serde(flatten)]
     machine: Machine,
     scenes: Vec<SceneReport>,
@@ -168,7 +169,7 @@ impl RunReport {
     pub fn new(machine: &Machine) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            shaders: hash::of(rtrt_gpu::SHADERS),
+            shaders: gpus::shaders(),
             machine: machine.clone(),
             scenes: vec![],
             frames: vec![],

@@ -2,16 +2,16 @@
 
 use super::Error;
 use super::console::Console;
+use super::gpus::GpuVariant;
 use super::job::RenderJob;
 use super::options::{BackendOptions, VerifyOptions};
 use super::output;
 use super::report::{buffer_hashes, counted};
-use rtrt::choose::{Choice, ChooseError, is_called};
+use rtrt::choose::{Choice, ChooseError};
 use rtrt::hash;
 use rtrt_core::backend::{Backend, Picture};
 use rtrt_core::compare::compare;
 use rtrt_cpu::Cpu;
-use rtrt_gpu::{Gpu, Route};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
@@ -62,12 +62,7 @@ enum Variant {
         lanes: u32,
         threads: usize,
     },
-    Gpu {
-        /// Its number; none for the first usable one.
-        adapter: Option<usize>,
-        name: String,
-        route: Route,
-    },
+    Gpu(GpuVariant),
 }
 
 /// The reference of all comparisons.
@@ -133,7 +128,7 @@ fn verdict(
     };
     let gpu = match variant {
         Variant::Cpu { .. } => None,
-        Variant::Gpu { name, .. } => Some(name.clone()),
+        Variant::Gpu(gpu) => Some(gpu.name().into()),
     };
     Ok(Verdict { variant: variant.to_string(), result, detail, gpu })
 }
@@ -159,7 +154,7 @@ fn failure(verdicts: &[Verdict], scene: &Path) -> Option<Error> {
 /// The variants that match the options.
 fn variants(options: &BackendOptions) -> Result<Vec<Variant>, ChooseError> {
     let cpu = if options.backend == Choice::Gpu { vec![] } else { cpu_variants(options) };
-    let gpu = if options.backend == Choice::Cpu { vec![] } else { gpu_variants(options)? };
+    let gpu = if options.backend == Choice::Cpu { vec![] } else { GpuVariant::all(options)?.into_iter().map(Variant::Gpu).collect() };
     Ok(cpu.into_iter().chain(gpu).collect())
 }
 
@@ -171,39 +166,13 @@ fn cpu_variants(options: &BackendOptions) -> Vec<Variant> {
     each.map(|(lanes, threads)| Variant::Cpu { lanes, threads }).filter(|v| *v != REFERENCE).collect()
 }
 
-fn gpu_variants(options: &BackendOptions) -> Result<Vec<Variant>, ChooseError> {
-    let adapters = rtrt_gpu::adapters().into_iter().enumerate();
-    let (wanted, other): (Vec<_>, Vec<_>) = adapters.partition(|(number, report)| {
-        options.adapter.as_ref().is_none_or(|name| is_called(report, *number, name))
-    });
-    if let Some(wanted) = options.adapter.clone().filter(|_| wanted.is_empty()) {
-        let tried = other.into_iter().map(|(_, report)| report.name).collect();
-        return Err(ChooseError::Adapter { wanted, tried });
-    }
-    let mut names: Vec<_> = wanted
-        .into_iter()
-        .map(|(number, report)| (Some(number), format!("adapter {number}, {}", report.name)))
-        .collect();
-    if names.is_empty() {
-        // Opening it gives the reason for the absence.
-        names.push((None, "any adapter".into()));
-    }
-    let both = |(adapter, name): (Option<usize>, String)| {
-        [Route::Passthrough, Route::Naga].map(|route| Variant::Gpu { adapter, name: name.clone(), route })
-    };
-    Ok(names.into_iter().flat_map(both).collect())
-}
-
 impl Variant {
     fn open(&self) -> Result<Box<dyn Backend>, ChooseError> {
-        Ok(match *self {
-            Self::Cpu { lanes, threads } => {
+        Ok(match self {
+            &Self::Cpu { lanes, threads } => {
                 Box::new(Cpu::new(rtrt_cpu::Options { lanes: Some(lanes), threads: Some(threads) })?)
             }
-            Self::Gpu { adapter, route, .. } => {
-                let adapter = adapter.map(|number| number.to_string());
-                Box::new(Gpu::new(rtrt_gpu::Options { adapter, route, ..Default::default() })?)
-            }
+            Self::Gpu(gpu) => gpu.open()?,
         })
     }
 }
@@ -214,8 +183,7 @@ impl fmt::Display for Variant {
             Self::Cpu { lanes, threads } => {
                 write!(f, "cpu, {}, {}", counted(*lanes, "lane"), counted(*threads as u32, "thread"))
             }
-            Self::Gpu { name, route: Route::Naga, .. } => write!(f, "gpu, {name}, naga"),
-            Self::Gpu { name, .. } => write!(f, "gpu, {name}, passthrough"),
+            Self::Gpu(gpu) => gpu.fmt(f),
         }
     }
 }
