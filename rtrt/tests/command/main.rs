@@ -15,6 +15,7 @@ mod folder;
 mod help;
 mod hybrid;
 mod input;
+mod instructions;
 mod layers;
 mod names;
 mod pictures;
