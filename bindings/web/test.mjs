@@ -102,7 +102,7 @@ test("with WebGPU both give the same picture and pass the scenes with hashes", {
   opened(true, `?cases=${process.env.CASES ?? "visibility/one,shadow/point,light/spot"}`, async (page) => {
     await waits(page, "gpu-note", "GPU:");
     console.log(await text(page, "gpu-note"));
-    assert.match(await text(page, "gpu-note"), /^GPU: /);
+    assert.match(await text(page, "gpu-note"), /^GPU: .*swiftshader/i);
     const start = Date.now();
     await page.locator("input[value=gpu]").check();
     await waits(page, "hash-gpu", "^[0-9a-f]{64}$");
@@ -121,6 +121,7 @@ test("with WebGPU both give the same picture and pass the scenes with hashes", {
       assert.ok(run.hashes.length > 0);
       for (const line of run.hashes) assert.ok(golden.includes(line), line);
     }
+    assert.match(proof.runs[1].device, /swiftshader/i);
     // A hash that is wrong is not in the file: the comparison can fail.
     assert.ok(!golden.includes(proof.runs[0].hashes[0].replace(/.$/, "x")));
   }));

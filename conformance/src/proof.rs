@@ -168,11 +168,12 @@ fn check(run: &ProofRun) -> Result<(), String> {
     }
 }
 
-/// A text from elsewhere, as a cell of a table: of one line, without marks, not endless.
+/// A text from elsewhere, as a cell of a table: of one line, without marks, not endless; `-` for none.
 fn cell(text: &str) -> String {
     let plain = |c: char| if c.is_ascii_graphic() && !"|`<>[]*_\\".contains(c) { c } else { ' ' };
     let words: String = text.chars().take(160).map(plain).collect();
-    words.split_whitespace().collect::<Vec<_>>().join(" ")
+    let words: Vec<_> = words.split_whitespace().collect();
+    if words.is_empty() { "-".into() } else { words.join(" ") }
 }
 
 #[cfg(test)]
@@ -210,7 +211,7 @@ mod tests {
         let count = questions().count();
         let text = of(&proof()).unwrap();
         let row = format!(
-            "| a | b | c | d |\n| A GPU b |  | WebGPU, in Browser/1 | {count} cases, and all hashes of `conformance/golden.txt`: equal |\n\nText.\n"
+            "| a | b | c | d |\n| A GPU b | - | WebGPU, in Browser/1 | {count} cases, and all hashes of `conformance/golden.txt`: equal |\n\nText.\n"
         );
         assert!(text.ends_with(&row), "{text}");
         assert!(accepted(&serde_json::to_string(&proof()).unwrap(), &text).is_err(), "it is there already");

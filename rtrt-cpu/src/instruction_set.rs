@@ -129,7 +129,13 @@ impl InstructionSet {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             Self::Sse4_2(_) => "SSE4.2",
             #[cfg(all(feature = "simd", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
-            Self::Baseline(_) => "baseline",
+            Self::Baseline(_) => {
+                if cfg!(target_arch = "wasm32") {
+                    "simd128"
+                } else {
+                    "baseline"
+                }
+            }
         }
     }
 

@@ -4,8 +4,9 @@ import init, { Page, openGpu } from "./rtrt_web.js";
 const page = init({ module_or_path: new URL("rtrt_web_bg.wasm", import.meta.url) }).then(() => new Page());
 
 const calls = {
-  async take({ gpu }) {
-    return (await page).takeGpu(gpu);
+  async take({ gpu, name }) {
+    (await page).takeGpu(gpu, name);
+    return name;
   },
   async show({ name, file, width, height }) {
     return (await page).show(name, new Uint8Array(file ?? 0), width, height);
@@ -46,7 +47,11 @@ const next = (call, args) => {
 async function gpu() {
   if (!navigator.gpu) throw new Error("this browser has no WebGPU");
   await page;
-  return next("take", { gpu: await openGpu() });
+  const gpu = await openGpu();
+  // What wgpu tells is the description, which browsers leave empty.
+  const { vendor, architecture, device, description } = (await navigator.gpu.requestAdapter()).info;
+  const name = [vendor, architecture, device, description].filter(Boolean).join(" ") || "a GPU without a name";
+  return next("take", { gpu, name });
 }
 
 onmessage = async ({ data: { id, call, args } }) => {

@@ -17,6 +17,8 @@ use wasm_bindgen::{JsError, JsValue};
 pub struct Page {
     cpu: Cpu,
     gpu: Option<Gpu>,
+    /// What the browser tells of the GPU.
+    gpu_name: String,
     shown: Option<Shown>,
     picture: Picture,
     /// What the suite has found so far: on the processor, on the GPU.
@@ -30,15 +32,13 @@ impl Page {
     pub fn new() -> Result<Page, JsError> {
         console_error_panic_hook::set_once();
         let cpu = Cpu::new(rtrt_cpu::Options::default())?;
-        Ok(Self { cpu, gpu: None, shown: None, picture: Picture::default(), runs: [None, None] })
+        Ok(Self { cpu, gpu: None, gpu_name: String::new(), shown: None, picture: Picture::default(), runs: [None, None] })
     }
 
-    /// Takes an opened GPU. Gives what it is.
+    /// Takes an opened GPU, with what the browser tells of it.
     #[wasm_bindgen(js_name = takeGpu)]
-    pub fn take_gpu(&mut self, OpenedGpu(gpu): OpenedGpu) -> String {
-        let name = gpu.description().adapter;
-        self.gpu = Some(gpu);
-        name
+    pub fn take_gpu(&mut self, OpenedGpu(gpu): OpenedGpu, name: String) {
+        (self.gpu, self.gpu_name) = (Some(gpu), name);
     }
 }
 

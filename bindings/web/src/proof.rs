@@ -4,6 +4,7 @@ use crate::{Page, error, json};
 use conformance::proof::{Proof, ProofRun, judge, questions};
 use conformance::report::Verdict;
 use rtrt_core::backend::Backend;
+use rtrt_gpu::Gpu;
 use wasm_bindgen::JsError;
 use wasm_bindgen::prelude::wasm_bindgen;
 use web_time::Instant;
@@ -17,9 +18,9 @@ impl Page {
 
     /// Begins the suite, on the processor or the GPU. Gives the device.
     pub fn begin(&mut self, on_gpu: bool) -> Result<String, JsError> {
-        let gpu = self.gpu.as_ref().map(|gpu| (gpu.description().adapter, gpu.driver()));
-        let (device, driver, route) = match (on_gpu, gpu) {
-            (true, Some((adapter, driver))) => (adapter, driver, "naga, WebGPU"),
+        let driver = self.gpu.as_ref().map(Gpu::driver);
+        let (device, driver, route) = match (on_gpu, driver) {
+            (true, Some(driver)) => (self.gpu_name.clone(), driver, "naga, WebGPU"),
             (true, None) => return Err(error("there is no GPU")),
             (false, _) => {
                 let processor = self.cpu.describe();
