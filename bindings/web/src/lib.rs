@@ -32,7 +32,14 @@ impl Page {
     pub fn new() -> Result<Page, JsError> {
         console_error_panic_hook::set_once();
         let cpu = Cpu::new(rtrt_cpu::Options::default())?;
-        Ok(Self { cpu, gpu: None, gpu_name: String::new(), shown: None, picture: Picture::default(), runs: [None, None] })
+        Ok(Self {
+            cpu,
+            gpu: None,
+            gpu_name: String::new(),
+            shown: None,
+            picture: Picture::default(),
+            runs: [None, None],
+        })
     }
 
     /// Takes an opened GPU, with what the browser tells of it.

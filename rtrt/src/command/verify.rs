@@ -58,10 +58,7 @@ enum Outcome {
 /// A backend with its settings.
 #[derive(PartialEq)]
 enum Variant {
-    Cpu {
-        lanes: u32,
-        threads: usize,
-    },
+    Cpu { lanes: u32, threads: usize },
     Gpu(GpuVariant),
 }
 
@@ -154,7 +151,11 @@ fn failure(verdicts: &[Verdict], scene: &Path) -> Option<Error> {
 /// The variants that match the options.
 fn variants(options: &BackendOptions) -> Result<Vec<Variant>, ChooseError> {
     let cpu = if options.backend == Choice::Gpu { vec![] } else { cpu_variants(options) };
-    let gpu = if options.backend == Choice::Cpu { vec![] } else { GpuVariant::all(options)?.into_iter().map(Variant::Gpu).collect() };
+    let gpu = if options.backend == Choice::Cpu {
+        vec![]
+    } else {
+        GpuVariant::all(options)?.into_iter().map(Variant::Gpu).collect()
+    };
     Ok(cpu.into_iter().chain(gpu).collect())
 }
 

@@ -14,7 +14,17 @@ fn counted(scene: &str, folder: &Folder) -> u64 {
     let output = Command::new("valgrind")
         .args(["--tool=callgrind", "--demangle=no", "--toggle-collect=_ZN8rtrt_cpu6Memory5frame17h*E"])
         .arg(format!("--callgrind-out-file={}", counts.display()))
-        .args([env!("CARGO_BIN_EXE_rtrt"), "render", scene, "--size", "320x180", "--samples", "1", "--threads", "1"])
+        .args([
+            env!("CARGO_BIN_EXE_rtrt"),
+            "render",
+            scene,
+            "--size",
+            "320x180",
+            "--samples",
+            "1",
+            "--threads",
+            "1",
+        ])
         .args(["--lanes", "8", "--backend", "cpu", "--quiet", "-o"])
         .arg(folder.0.join("frame.png"))
         // A string instruction that clears or copies memory counts as one for each byte: libc does without.
