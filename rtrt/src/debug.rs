@@ -119,13 +119,14 @@ pub fn show(
         }
         DebugView::Heat => {
             let counts: Vec<u32> = inspected(scene, request, picture)?.map(|found| found.entries).collect();
-            legend = Some(format!("white is {} entries", most(&counts)));
+            legend = Some(format!("white is {}", counted(most(&counts), ["entry", "entries"])));
             heat_map(&counts)
         }
         DebugView::Tests => {
             let counts: Vec<u32> =
                 inspected(scene, request, picture)?.map(|found| found.boxes + found.triangles).collect();
-            legend = Some(format!("white is {} tests of boxes and triangles", most(&counts)));
+            let most = counted(most(&counts), ["test", "tests"]);
+            legend = Some(format!("white is {most} of boxes and triangles"));
             heat_map(&counts)
         }
     };
@@ -168,6 +169,11 @@ fn block(found: &Inspection) -> Option<[f32; 3]> {
 fn heat_map(counts: &[u32]) -> Vec<u32> {
     let scale = 1.0 / most(counts).max(1) as f32;
     counts.iter().map(|&count| pack(heat(count as f32 * scale))).collect()
+}
+
+/// `1 entry`, `2 entries`.
+fn counted(count: u32, [one, many]: [&str; 2]) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 fn most(counts: &[u32]) -> u32 {

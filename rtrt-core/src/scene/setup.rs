@@ -257,6 +257,27 @@ mod tests {
     }
 
     #[test]
+    fn a_removed_environment_leaves_what_was_before() {
+        let camera = Camera {
+            eye: Vec3::Z,
+            look_at: Vec3::ZERO,
+            up: Vec3::Y,
+            projection: Projection::Perspective { fov_y: 1.0 },
+        };
+        let mut scene = Scene::new();
+        let mut frame = |scene: &Scene| {
+            let mut setup = Setup::default();
+            setup.prepare(scene, &Request::new(&camera, [32, 16])).unwrap();
+            setup.frame
+        };
+        let before = frame(&scene);
+        scene.set_environment(&crate::scene::studio().0).unwrap();
+        assert_ne!(frame(&scene).sky_first, before.sky_first);
+        scene.remove_environment();
+        assert_eq!(frame(&scene), before);
+    }
+
+    #[test]
     fn nothing_that_kernels_read_is_denormal() {
         let small = Vec3::new(1e-40, 1e-30, -1e-39);
         let mut scene = Scene::new();

@@ -2,11 +2,11 @@
 
 use super::Error;
 use super::console::Console;
-use super::job::{RenderJob, open};
+use super::job::{Opened, RenderJob, open};
 use super::memory::peak_rss_bytes;
 use super::options::BenchOptions;
 use super::output;
-use super::report::{Machine, PerStage};
+use super::report::{Machine, PerStage, counted};
 use rtrt::hash;
 use rtrt_core::backend::{Backend, Picture, Shadows};
 use rtrt_core::scene::Structure;
@@ -75,7 +75,7 @@ pub fn run(options: &BenchOptions) -> Result<(), Error> {
         u64::from(options.frames + WARM_UP) + 3 + u64::from(options.common.structure != Structure::Blocks),
     );
     let mut job = RenderJob::load(&options.common, SAMPLES, true, options.common.start(), &console)?;
-    let (mut backend, machine) = open(&options.common.backend, options.hybrid, &console)?;
+    let Opened { mut backend, machine, .. } = open(&options.common.backend, options.hybrid, &console)?;
     job.expose(&mut *backend, &console)?;
     let mut picture = Picture::default();
     let mut frames: Vec<[f64; Stage::COUNT]> = Vec::new();
@@ -156,9 +156,10 @@ impl fmt::Display for BenchReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const MEGA: f64 = 1e-6;
         let [width, height] = self.size;
-        writeln!(f, "{}: {width}x{height}, {} samples", self.machine, self.samples)?;
+        writeln!(f, "{}: {width}x{height}, {}", self.machine, counted(self.samples, "sample"))?;
         let Self { triangles, drawn_triangles, objects, .. } = self;
-        writeln!(f, "{objects} objects, {triangles} triangles, {drawn_triangles} drawn")?;
+        let [objects, triangles] = [counted(*objects as u64, "object"), counted(*triangles, "triangle")];
+        writeln!(f, "{objects}, {triangles}, {drawn_triangles} drawn")?;
         for (stage, Times { median, min }) in Stage::ALL.iter().zip(self.stages_ms.0) {
             writeln!(f, "{:>12} {median:9.3} ms (min {min:.3})", stage.name())?;
         }

@@ -7,7 +7,7 @@ use super::options::{BackendOptions, CameraOptions, Common};
 use super::parse::Environment;
 use super::parse::{AmbientOcclusion, Exposure};
 use super::repaint::{self, Repaint};
-use super::report::Machine;
+use super::report::{Machine, counted};
 use super::stream;
 use super::surroundings::{Surrounded, surrounded};
 use super::views::{View, Viewpoint};
@@ -23,15 +23,41 @@ use rtrt_core::layout::Kind;
 use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
 use std::collections::BTreeMap;
+use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
-use std::time::Instant;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// The limit of rays of a frame. They have 32-bit numbers, and blocks may reach outside of the frame.
 const MAX_RAYS: u64 = 1 << 31;
 
+/// A scene that pictures in progress may share. Who changes it waits until they are done.
+#[derive(Debug)]
+pub struct Shared(Arc<Scene>);
+
+impl Deref for Shared {
+    type Target = Scene;
+
+    fn deref(&self) -> &Scene {
+        &self.0
+    }
+}
+
+impl DerefMut for Shared {
+    fn deref_mut(&mut self) -> &mut Scene {
+        while Arc::get_mut(&mut self.0).is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        match Arc::get_mut(&mut self.0) {
+            Some(scene) => scene,
+            None => unreachable!("nobody else shares it, and who does not cannot begin to"),
+        }
+    }
+}
+
 /// A scene with a camera and settings.
 pub struct RenderJob {
-    pub scene: Scene,
+    pub scene: Shared,
     /// What the scene's coordinates are relative to, in those of the file.
     pub origin: DVec3,
     pub camera: Camera,
@@ -89,9 +115,9 @@ impl RenderJob {
             console.warn(3, warning)?;
         }
         console.detail(format_args!(
-            "scene: {} objects, {} triangles stored, {} drawn; the BVHs took {:.1} ms",
-            loaded.scene.instances().len(),
-            loaded.scene.triangles(),
+            "scene: {}, {} stored, {} drawn; the BVHs took {:.1} ms",
+            counted(loaded.scene.instances().len() as u64, "object"),
+            counted(loaded.scene.triangles(), "triangle"),
             loaded.scene.drawn_triangles(),
             loaded.bvh_build_ms
         ));
@@ -113,7 +139,7 @@ impl RenderJob {
         }
         let surrounded = surrounded(&mut scene, common)?;
         let files: Vec<_> = files.into_iter().chain(surrounded.surroundings.files.iter().cloned()).collect();
-        console.detail(format_args!("read from {} files", files.len()));
+        console.detail(format_args!("read from {}", counted(files.len() as u64, "file")));
         if let Some(ambient) = common.ambient {
             scene.ambient = ambient;
         }
@@ -132,7 +158,7 @@ impl RenderJob {
         scene.structure = common.structure;
         show_lights(&mut scene, common)?;
         let mut job = Self {
-            scene,
+            scene: Shared(Arc::new(scene)),
             origin,
             camera,
             size: common.size,
@@ -348,6 +374,21 @@ pub fn rays(size: [u32; 2], samples: u32, deferred: bool) -> Result<u64, Error> 
 /// Changes by the viewer.
 #[cfg(feature = "viewer")]
 impl RenderJob {
+    /// What a picture of the scene as it is needs. It cannot be changed.
+    pub fn still(&self) -> Self {
+        Self {
+            scene: Shared(Arc::clone(&self.scene.0)),
+            surrounded: Surrounded::default(),
+            animation: None,
+            cameras: Vec::new(),
+            labels: Vec::new(),
+            files: Vec::new(),
+            hidden: BTreeMap::new(),
+            common: self.common.clone(),
+            ..*self
+        }
+    }
+
     /// Moves the spheres that show lights to their lights.
     pub fn lights_changed(&mut self) -> Result<(), Error> {
         show_lights(&mut self.scene, &self.common)
@@ -375,7 +416,8 @@ impl RenderJob {
         Ok(shown.map_err(|source| ImportError::Scene { path: path.clone(), source })?)
     }
 
-    /// Surrounds the scene with another environment, whose sun replaces that of the one before.
+    /// Surrounds the scene with another environment, whose sun replaces that of the one before. It is turned, and as bright,
+    /// as that was.
     pub fn surround_with(&mut self, environment: Environment) -> Result<(), Error> {
         let lights = self.scene.lights().to_vec();
         if let Some(sun) = self.surrounded.sun.filter(|sun| *sun < lights.len()) {
@@ -383,6 +425,8 @@ impl RenderJob {
         }
         let mut common = self.common.clone();
         common.surroundings.environment = Some(environment);
+        common.surroundings.rotation = self.scene.environment_rotation;
+        common.surroundings.intensity = self.scene.environment_intensity;
         match surrounded(&mut self.scene, &common) {
             Ok(surrounded) => (self.surrounded, self.common) = (surrounded, common),
             Err(error) => {
@@ -585,13 +629,22 @@ fn changed(camera: Camera, options: &CameraOptions, scene: &Scene, origin: DVec3
     }
 }
 
+/// A backend.
+pub struct Opened {
+    pub backend: Box<dyn Backend>,
+    pub machine: Machine,
+    /// Whether it is a GPU that computes on the processor.
+    #[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "the viewer avoids it"))]
+    pub is_software: bool,
+}
+
 /// Opens the backend of the options, and prints its name and the reason for the choice. With `hybrid` it
 /// rasterizes the first surfaces.
 pub fn open(
     options: &BackendOptions,
     hybrid: bool,
     console: &Console,
-) -> Result<(Box<dyn Backend>, Machine), Error> {
+) -> Result<Opened, Error> {
     console.step("opening the backend");
     let Chosen { backend, why, is_software } =
         choose(&choose::Options { hybrid, ..options.choose(console.on_gpu_failure()) })?;
@@ -601,5 +654,5 @@ pub fn open(
         let why = "this adapter is software: it computes on the processor, and --backend cpu is faster";
         console.warn(4, why)?;
     }
-    Ok((backend, machine))
+    Ok(Opened { backend, machine, is_software })
 }

@@ -125,12 +125,16 @@ pub struct DoctorOptions {
     pub json: bool,
 }
 
+/// The name of a screenshot if nothing is said. Nobody may want one, so nothing is checked in advance.
+#[cfg(feature = "viewer")]
+pub const OUTPUT: &str = "rtrt-{frame}.png";
+
 /// Options of `rtrt view`.
 #[cfg(feature = "viewer")]
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct ViewOptions {
     /// The PNG file that F12 writes; {frame} becomes the first unused number
-    #[arg(short, long, value_name = "FILE", default_value = "rtrt-{frame}.png", value_parser = PathBufValueParser::new().try_map(png))]
+    #[arg(short, long, value_name = "FILE", default_value = OUTPUT, value_parser = PathBufValueParser::new().try_map(png))]
     pub output: PathBuf,
     /// While something moves, trace fewer rays to reach this frame rate
     #[arg(long, value_name = "N", default_value = "25", value_parser = rate, allow_negative_numbers = true)]

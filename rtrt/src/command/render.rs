@@ -5,7 +5,7 @@ use super::clipped::clipped;
 use super::compare::{self, compare};
 use super::console::Console;
 use super::exr;
-use super::job::{RenderJob, open};
+use super::job::{Opened, RenderJob, open};
 use super::memory::peak_rss_bytes;
 use super::names::{self, filled, has_camera, is_numbered};
 use super::npy::{Array, npz};
@@ -114,7 +114,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Error> {
     let (mut opened, mut report) = (None, None);
     for scene in scenes {
         let mut job = load(options, scene, &poses, &console)?;
-        let (backend, machine) = match &mut opened {
+        let Opened { backend, machine, .. } = match &mut opened {
             Some(opened) => opened,
             None => opened.insert(open(&options.common.backend, options.hybrid, &console)?),
         };

@@ -46,7 +46,8 @@ impl fmt::Display for Machine {
 }
 
 /// `1 lane`, `8 lanes`.
-pub fn counted(count: u32, what: &str) -> String {
+pub fn counted(count: impl Into<u64>, what: &str) -> String {
+    let count = count.into();
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 

@@ -43,7 +43,10 @@ pub fn surrounded(scene: &mut Scene, common: &Common) -> Result<Surrounded, Erro
             let path = &common.scene;
             surround_with_studio(scene).map_err(|source| ImportError::Scene { path: path.clone(), source })?
         }
-        _ => return Ok(Surrounded::default()),
+        _ => {
+            scene.remove_environment();
+            return Ok(Surrounded::default());
+        }
     };
     // The studio's key light is for scenes that have none.
     let has_sun = *sun == EnvironmentSun::Light && !(is_studio && is_lit);

@@ -83,6 +83,34 @@ pub fn dollied(camera: &Camera, target: DVec3, notches: f64, least: f64) -> Came
     )
 }
 
+/// The camera on its way by so many notches of a wheel, where it comes to a surface: each notch takes no more than 13 % of
+/// the distance, so that it slows down, and it stops before it is nearer than `margin`. `free` is the distance to the next
+/// surface from a point along a direction of length 1. Nothing stops a camera with parallel rays, or on its way back. Also
+/// returns whether it was there before.
+pub fn slowed(
+    before: &Camera,
+    after: &Camera,
+    notches: f64,
+    margin: f64,
+    free: impl FnOnce(DVec3, DVec3) -> Option<f64>,
+) -> (Camera, bool) {
+    let (from, to) = (before.eye.as_dvec3(), after.eye.as_dvec3());
+    let is_parallel = matches!(before.projection, Projection::Orthographic { .. });
+    let (Some(direction), false) = (unit(to - from), is_parallel || notches <= 0.0) else {
+        return (*after, false);
+    };
+    let Some(distance) = free(from, direction) else { return (*after, false) };
+    let left = (distance - margin).max(0.0);
+    let most = left.min(distance * (1.0 - libm::pow(NOTCH, -notches)));
+    if from.distance(to) <= most {
+        return (*after, false);
+    }
+    let by = direction * most;
+    let shifted = |place: glam::Vec3| (place.as_dvec3() + by).as_vec3();
+    let next = Camera { eye: shifted(before.eye), look_at: shifted(before.look_at), ..*after };
+    (usable(before, next), left <= 0.5 * margin)
+}
+
 /// The camera in the same direction, with a ball in view.
 pub fn framed(camera: &Camera, ball: (DVec3, f64), aspect: f64) -> Camera {
     let Some(before) = axes(camera) else { return *camera };
@@ -308,6 +336,30 @@ mod tests {
             camera = dollied(&camera, DVec3::ZERO, 1.0, 0.1);
         }
         assert!(camera.eye.z < -1.0, "{}", camera.eye);
+    }
+
+    #[test]
+    fn a_dolly_slows_down_and_does_not_pass_a_surface() {
+        // A wall at z = 1, three units before the camera.
+        let wall = |from: DVec3, along: DVec3| (along.z < 0.0).then(|| (1.0 - from.z) / along.z);
+        let step = |camera: &Camera, notches: f64| {
+            let next = dollied(camera, DVec3::ZERO, notches, 0.1);
+            slowed(camera, &next, notches, 0.01, wall)
+        };
+        let (mut camera, mut last) = (FRONT, f32::MAX);
+        for number in 0..100 {
+            let (next, is_stopped) = step(&camera, 1.0);
+            let by = camera.eye.z - next.eye.z;
+            assert!(by <= last && next.eye.z >= 1.01 - 1e-6, "{number}: {}", next.eye);
+            assert!(!is_stopped || next.eye.z < 1.03, "{number}: {}", next.eye);
+            (camera, last) = (next, by);
+        }
+        assert!(step(&camera, 1.0).1 && camera.eye.z < 1.011);
+        // A turn of many notches neither; and back there is no wall.
+        assert!(step(&FRONT, 30.0).0.eye.z >= 1.01 - 1e-6);
+        assert!(step(&camera, -1.0).0.eye.z > 1.1);
+        let flat = dollied(&FLAT, DVec3::ONE, 1.0, 0.0);
+        assert_eq!(slowed(&FLAT, &flat, 1.0, 0.01, |_, _| Some(0.0)), (flat, false));
     }
 
     #[test]

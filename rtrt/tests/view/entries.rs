@@ -91,6 +91,12 @@ fn shots(test: &str, options: &str, inputs: &[String]) -> Option<Vec<String>> {
     let folder = folder(test);
     let display = Display::start(&folder)?;
     write_scene(&folder);
+    for name in ["sky.hdr", "other/dawn.hdr"] {
+        fs::create_dir_all(folder.join("other")).unwrap();
+        let hdr = fs::File::create(folder.join(name)).unwrap();
+        let light: Vec<_> = (0..128).map(|i| image::Rgb([i as f32 * 0.01, 0.5, 0.1])).collect();
+        image::codecs::hdr::HdrEncoder::new(hdr).encode(&light, 16, 8).unwrap();
+    }
     fs::write(folder.join("z.obj"), "v -2 0 -2\nv 2 0 -2\nv 0 0 2\nf 3 2 1\n").unwrap();
     fs::create_dir_all(folder.join("state/rtrt")).unwrap();
     fs::create_dir_all(folder.join("other")).unwrap();
@@ -130,8 +136,8 @@ fn picture_light_and_camera_of_the_panel() {
             + "point 30.0\nframe 0.1\n"
             + &(choose("neutral") + &choose("aces"))
             + &set("exposure", "1.5")
-            + &set("environment's turn", "30")
-            + &set("light", "0.5")
+            + &set("turn", "30")
+            + &set("intensity", "0.5")
             + &set("blur behind", "0.25"),
         choose("auto"),
         choose("camera") + &set("angle of view", "30"),
@@ -153,14 +159,63 @@ fn picture_light_and_camera_of_the_panel() {
     ] {
         assert!(picture.contains(wanted), "{wanted}: {picture}");
     }
-    let turn: f64 = option(picture, "--environment-rotation").unwrap().parse().unwrap();
-    assert!((turn - 30.0).abs() < 1e-3, "{picture}");
+    assert_eq!(option(picture, "--environment-rotation"), Some("30"));
     assert!(option(metered, "--exposure") != Some("1.5"), "{metered}");
-    let fov: f64 = option(lens, "--fov-y").unwrap().parse().unwrap();
-    assert!((fov - 30.0).abs() < 1e-3, "{lens}");
+    assert_eq!(option(lens, "--fov-y"), Some("30"));
     assert_eq!(option(side, "--eye"), Some("6,0,6"));
     assert_eq!(option(fly, "--eye"), Some("6,0,6"));
     assert!(option(fly, "--look-at") != option(side, "--look-at"), "{fly}");
+}
+
+#[test]
+fn environments_of_the_panel() {
+    // An environment replaces ambient light and background, which are offered where there is none.
+    let offered = "point ambient\nframe 0.1\npoint background\nframe 0.1\n";
+    let inputs = [
+        key("P") + &choose("studio") + &choose("none") + offered + &tint("ambient", [102, 51, 204]),
+        choose("none") + &choose("studio") + &set("turn", "30"),
+        // Files beside the scene are offered, and others are named.
+        choose("studio") + &choose("sky.hdr"),
+        choose("path, then Enter") + "text other/dawn.hdr\nframe 0.1\n" + &key("Enter"),
+        choose("dawn.hdr") + &choose("none"),
+    ];
+    let Some(printed) = shots("environments", "500x760", &inputs) else { return };
+    let chosen: Vec<_> = printed.iter().map(|line| option(line, "--environment").unwrap()).collect();
+    assert!(chosen[..2] == ["none", "studio"] && chosen[2].ends_with("sky.hdr"), "{printed:?}");
+    assert_eq!(chosen[3..], ["other/dawn.hdr", "none"]);
+    let turns: Vec<_> = printed.iter().map(|line| option(line, "--environment-rotation")).collect();
+    assert_eq!(turns, [None, Some("30"), Some("30"), Some("30"), None]);
+    let ambient: Vec<_> = printed.iter().map(|line| option(line, "--ambient").is_some()).collect();
+    assert_eq!(ambient, [true, false, false, false, true]);
+    let folder = folder("offered");
+    let Some(display) = Display::start(&folder) else { return };
+    write_scene(&folder);
+    let output = replayed(&display, &folder, "500x760", &(key("P") + "point ambient\nframe 0.1\n"));
+    assert!(stderr(&output).contains("says \"ambient\""), "{}", stderr(&output));
+}
+
+#[test]
+fn small_windows_show_what_they_have_room_for() {
+    let small = "size 640 401 2\nframe 0.1\n";
+    let inputs = [
+        // The material is in sight.
+        small.to_owned() + &click("move 228 215") + "frames 5 0.1\n" + &set("roughness", "0.5"),
+        // The list of objects takes the place of the panel, and the panel that of the list.
+        key("P")
+            + "point samples\nframe 0.1\n"
+            + &key("L")
+            + "point find\nframe 0.1\n"
+            + &key("P")
+            + "point samples\nframe 0.1\n",
+    ];
+    let Some(printed) = shots("small", "640x401", &inputs) else { return };
+    assert_eq!(option(&printed[0], "--material"), Some("0:roughness=0.5"));
+    let folder = folder("covered");
+    let Some(display) = Display::start(&folder) else { return };
+    write_scene(&folder);
+    let keys = small.to_owned() + &key("P") + &key("L") + "point samples\nframe 0.1\n";
+    let output = replayed(&display, &folder, "640x401", &keys);
+    assert!(stderr(&output).contains("says \"samples\""), "{}", stderr(&output));
 }
 
 #[test]
@@ -253,7 +308,8 @@ fn boxes_of_the_panel() {
 #[test]
 fn time_of_the_panel() {
     let inputs = [
-        key("P") + &choose("time") + &set("speed", "2") + &choose("play") + &choose("stop"),
+        // What is animated has its time in sight.
+        key("P") + &set("speed", "2") + &choose("play") + &choose("stop"),
         // Near the end of the slider, in front of the number.
         click("before 1.00"),
         choose("rise") + &choose("sink") + &click("before 0.00"),

@@ -131,6 +131,60 @@ fn steps_of_an_animation_and_files_of_the_folder() {
 }
 
 #[test]
+fn a_broken_file_of_the_folder_is_passed_and_named() {
+    let folder = folder("passed");
+    let Some(display) = Display::start(&folder) else { return };
+    for name in ["a.obj", "d.obj"] {
+        fs::write(folder.join(name), "v -2 0 -2\nv 2 0 -2\nv 0 0 2\nf 3 2 1\n").unwrap();
+    }
+    fs::write(folder.join("b.glb"), "glTF, but not really").unwrap();
+    fs::write(folder.join("c.obj"), "v 0 0 0\n").unwrap();
+    let recording = [
+        &key("ArrowRight"),
+        "point loaded ./d.obj; passed b.glb, c.obj\nframe 0.05\n",
+        SHOT,
+        &key("ArrowLeft"),
+        "point loaded ./a.obj; passed c.obj, b.glb\nframe 0.05\n",
+        SHOT,
+    ];
+    let output = view(&display, &folder, "a.obj --size 64x36 --backend cpu", &recording.concat());
+    let printed = lines(&output);
+    let scenes: Vec<_> = printed.iter().map(|line| line.split(' ').nth(2).unwrap()).collect();
+    assert_eq!(scenes, ["./d.obj", "./a.obj"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(said.matches("warning: ./b.glb is passed: ").count(), 2, "{said}");
+    fs::remove_file(folder.join("d.obj")).unwrap();
+    let none = "point the folder has no other scene that can be loaded; passed b.glb, c.obj\nframe 0.05\n";
+    let recording = key("ArrowRight") + none + SHOT;
+    let printed = lines(&view(&display, &folder, "a.obj --size 64x36 --backend cpu", &recording));
+    assert!(printed[0].starts_with("rtrt render a.obj "), "{printed:?}");
+}
+
+#[test]
+fn the_wheel_stops_at_a_wall_and_flies_through_it() {
+    let folder = folder("wall");
+    let Some(display) = Display::start(&folder) else { return };
+    fs::write(folder.join("wall.obj"), "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n").unwrap();
+    let turns = "wheel 1\nframe 0.05\n".repeat(80);
+    let recording = [
+        "frame 0.05\n",
+        &turns,
+        "point a surface is in the way: W passes it, or T for the mode fly\nframe 0.05\n",
+        SHOT,
+        &(key("T") + &key("T")),
+        &turns,
+        SHOT,
+    ];
+    let line = "wall.obj --size 320x180 --samples 1 --backend cpu --eye 0,0,12 --look-at 0,0,0";
+    let printed = lines(&view(&display, &folder, line, &recording.concat()));
+    let z = |number: usize| {
+        let eye = option(&printed[number], "--eye").unwrap();
+        eye.rsplit(',').next().unwrap().parse::<f64>().unwrap()
+    };
+    assert!(z(0) > 0.0 && z(0) < 0.1 && z(1) < -1.0, "{printed:?}");
+}
+
+#[test]
 fn what_lies_over_the_picture_is_seen() {
     // Where something changes by each key, and where nothing does.
     let (low, left, all) = ([0.8, 0.8, 1.0, 1.0], [0.0, 0.0, 0.4, 0.5], [0.0, 0.0, 1.0, 1.0]);

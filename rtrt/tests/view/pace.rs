@@ -1,10 +1,12 @@
 //! How soon a picture follows what a person does.
 
 use crate::display::{
-    Display, SCREEN, Window, changed, command, folder, lines, pixels, present, stderr, view,
+    Display, SCREEN, Window, changed, command, folder, lines, pixels, present, rendered, stderr, view,
 };
 use image::RgbaImage;
-use std::process::Command;
+use std::fs;
+use std::io::Write;
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -104,13 +106,137 @@ fn the_cpu_draws_while_a_gpu_compiles_and_escape_closes() {
     assert_eq!(code, Some(0), "{said}");
 }
 
+/// The figures of a replay.
+fn figures(display: &Display, test: &str, options: &str, recording: &str) -> serde_json::Value {
+    let line = format!("demo:matchbox --size 64x36 --backend cpu --json {options}");
+    let output = view(display, &folder(test), &line, recording);
+    let printed = lines(&output);
+    assert_eq!(printed.len(), 1, "{}", stderr(&output));
+    serde_json::from_str::<serde_json::Value>(&printed[0]).unwrap()["loop"].take()
+}
+
 #[test]
-fn a_replay_that_is_not_live_reports_as_well() {
+fn every_replay_that_ends_well_reports() {
     let folder = folder("reports");
     let Some(display) = Display::start(&folder) else { return };
-    let output =
-        view(&display, &folder, "demo:matchbox --size 64x36 --backend cpu --json", "press W\nframes 3 0.1\n");
-    let printed = lines(&output);
-    let report: serde_json::Value = serde_json::from_str(&printed[0]).unwrap();
-    assert_eq!((printed.len(), report["loop"]["pictures"].as_u64()), (1, Some(3)), "{}", stderr(&output));
+    let move_on = "press W\nframes 3 0.1\n";
+    let pictures = |report: &serde_json::Value| report["pictures"].as_u64();
+    assert_eq!(pictures(&figures(&display, "reports_plain", "", move_on)), Some(3));
+    // Recordings of a person end so.
+    let closed = format!("{move_on}press Escape\nframe 0.1\n");
+    assert!(pictures(&figures(&display, "reports_closed", "", &closed)) >= Some(3));
+    assert!(pictures(&figures(&display, "reports_live", "--live", &closed)) >= Some(1));
+}
+
+#[test]
+fn the_end_of_a_recording_waits_for_all_pixels() {
+    let folder = folder("waits");
+    let Some(display) = Display::start(&folder) else { return };
+    // The rest is shorter than what a picture at rest waits for.
+    let short = "frame 0.5\npress W\nframe 0.1\nrelease W\nframe 0.01\nframe 0.01\n";
+    let report = figures(&display, "waits_short", "--live", short);
+    assert!(report["sharp_after_ms"]["median"].as_f64() > Some(0.0), "{report}");
+    // What moves by itself is not waited for.
+    let start = Instant::now();
+    let report = figures(&display, "waits_moving", "--live", "frame 0.5\npress W\nframe 0.1\nframe 0.1\n");
+    assert!(start.elapsed() < Duration::from_secs(9), "{report}");
+}
+
+/// Processor time of a process so far, in hundredths of a second.
+#[cfg(target_os = "linux")]
+fn processor_time(process: u32) -> u64 {
+    let stat = fs::read_to_string(format!("/proc/{process}/stat")).unwrap();
+    let fields: Vec<&str> = stat.rsplit(") ").next().unwrap().split(' ').collect();
+    fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn an_idle_window_is_drawn_again_where_something_changes_and_rests_otherwise() {
+    let folder = folder("idle");
+    let Some(display) = Display::start(&folder) else { return };
+    let line = "demo:matchbox --size 400x300 --samples 1 --backend cpu";
+    let done = command(&folder, &format!("render {line} -o plain.png")).status().unwrap();
+    assert!(done.success());
+    let plain = pixels(&folder, "plain.png");
+    let mut window = Window::open(&display, &folder, &format!("view {line}"));
+    let seen = |place| changed(&plain, &display.pixels([400, 300]), place);
+    let (low, high) = ([0.3, 0.85, 0.7, 1.0], [0.0, 0.0, 1.0, 0.8]);
+    window.until("there is a picture with a hint", || seen(high) == 0 && seen(low) > 100);
+    let start = Instant::now();
+    window.until("the hint is gone", || seen([0.0, 0.0, 1.0, 1.0]) == 0);
+    // It lasts six seconds.
+    assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+    sleep(Duration::from_millis(500));
+    let before = processor_time(window.viewer.id());
+    sleep(Duration::from_secs(3));
+    let used = processor_time(window.viewer.id()) - before;
+    assert!(used <= 1, "{used} hundredths of a second");
+    // A click selects, and what is selected is described after a moment.
+    let mut xdotool = Command::new("timeout");
+    xdotool.args("60 xdotool mousemove 200 150 click 1".split(' ')).env("DISPLAY", &display.name);
+    if present("xdotool", xdotool.status()).is_none() {
+        return;
+    }
+    window.until("what is selected is described", || seen([0.0, 0.4, 0.4, 1.0]) > 3000);
+}
+
+#[test]
+fn a_window_opens_before_its_scene_is_loaded_and_escape_closes_it() {
+    let folder = folder("opens");
+    let Some(display) = Display::start(&folder) else { return };
+    let Some(key) = keys(&display) else { return };
+    let open = || {
+        let mut viewer = command(&folder, "view - --size 400x300 --samples 1 --backend cpu");
+        viewer.stdin(Stdio::piped());
+        Window::run(viewer, &display, &folder)
+    };
+    let is_seen = |place| {
+        let seen = display.pixels([400, 300]);
+        changed(&RgbaImage::from_pixel(400, 300, [0, 0, 0, 255].into()), &seen, place) > 100
+    };
+    let (low, high) = ([0.3, 0.85, 0.7, 1.0], [0.0, 0.0, 1.0, 0.5]);
+    let mut window = open();
+    window.until("it says that it loads", || is_seen(low) && !is_seen(high));
+    let mut scene = window.viewer.stdin.take().unwrap();
+    scene.write_all(b"v -2 -2 0\nv 2 -2 0\nv 0 2 0\nf 1 2 3\n").unwrap();
+    drop(scene);
+    window.until("the scene is seen", || is_seen(high));
+    drop(window);
+    let mut window = open();
+    window.until("it says that it loads again", || is_seen(low) && !is_seen(high));
+    let start = Instant::now();
+    assert!(key("keydown", "Escape"));
+    let code = window.viewer.wait().unwrap().code();
+    assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    assert_eq!(code, Some(0));
+}
+
+#[test]
+fn keys_work_while_a_screenshot_is_made_and_a_closed_window_writes_it() {
+    let folder = folder("aside");
+    let Some(display) = Display::start(&folder) else { return };
+    let Some(key) = keys(&display) else { return };
+    let line = "view demo:glass --size 800x600 --samples 16 --backend cpu -o shot-{n}.png";
+    let mut window = Window::open(&display, &folder, line);
+    window.until("there is a picture", || sharpness(&display.pixels(SCREEN)) > 0.5);
+    sleep(Duration::from_secs(8));
+    let (before, shot) = (display.pixels(SCREEN), folder.join("shot-0.png"));
+    assert!(key("key", "F12") && key("key", "h"));
+    let middle = [0.4, 0.3, 0.6, 0.7];
+    window.until("the keys are seen", || changed(&before, &display.pixels(SCREEN), middle) > 500);
+    assert!(!shot.exists(), "it has waited for the screenshot");
+    window.until("the screenshot is written", || shot.exists());
+    assert!(key("key", "h") && key("keydown", "Escape"));
+    assert_eq!(window.viewer.wait().unwrap().code(), Some(0));
+    let printed = fs::read_to_string(folder.join("stdout")).unwrap();
+    assert!(pixels(&folder, "shot-0.png") == rendered(&folder, printed.trim_end()), "{printed}");
+    // One that is not there yet when the window closes.
+    let mut window = Window::open(&display, &folder, line);
+    window.until("there is a picture again", || sharpness(&display.pixels(SCREEN)) > 0.5);
+    sleep(Duration::from_secs(1));
+    assert!(key("key", "F12") && key("keydown", "Escape"));
+    assert_eq!(window.viewer.wait().unwrap().code(), Some(0));
+    let printed = fs::read_to_string(folder.join("stdout")).unwrap();
+    assert!(pixels(&folder, "shot-1.png") == rendered(&folder, printed.trim_end()), "{printed}");
 }

@@ -28,8 +28,10 @@ fn what_is_changed_in_the_panel_is_an_option_of_the_command() {
     let samples = click(445, 59);
     let shadows = click(429, 83) + &click(406, 132);
     let depth = number(519, 105, "3");
-    let ambient =
-        click(455, 206) + &click(380, 150) + "press Escape\nframe 0.1\nrelease Escape\nframes 3 0.1\n";
+    let ambient = click(455, 206)
+        + "point R \nframe 0.1\nbutton left down\nframe 0.1\nbutton left up\nframes 3 0.1\n"
+        + "text 200\nframe 0.1\npress Enter\nframe 0.1\nrelease Enter\nframe 0.1\n"
+        + "press Escape\nframe 0.1\nrelease Escape\nframes 3 0.1\n";
     let light = number(473, 275, "4") + &number(463, 298, "7") + &number(463, 367, "0.5");
     let shown = click(429, 174) + &click(409, 224);
     let changes = [zoom, OPEN, &samples, &shadows, &depth, &light, SHOT, &ambient, SHOT, &shown, SHOT];

@@ -48,6 +48,12 @@ impl Scene {
         self.surround(|texels| Ok(cube.append(texels)?))
     }
 
+    /// Takes the environment away: ambient light replaces it, and the background's color is behind all surfaces. It stays
+    /// in memory, unused.
+    pub fn remove_environment(&mut self) {
+        self.sky = Sky::default();
+    }
+
     fn surround(
         &mut self,
         append: impl FnOnce(&mut Vec<u32>) -> Result<Sky, SceneError>,

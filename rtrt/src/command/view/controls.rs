@@ -16,7 +16,7 @@ pub const KEYS: [(&str, &str); 28] = [
     ("double click", "put the pivot on the surface"),
     ("right button", "drag to look around"),
     ("middle button", "drag to shift the picture"),
-    ("wheel  pinch", "go nearer; with Shift to what is under the pointer"),
+    ("wheel  pinch", "go nearer, up to a surface; with Shift to what is under the pointer"),
     ("Ctrl wheel", "focal length"),
     ("two fingers", "drag to shift the picture"),
     ("W A S D", "move; with Shift faster"),
@@ -75,7 +75,7 @@ const FOV_Y: f32 = 0.8;
 const STILL: f32 = 4.0;
 /// The least distance that a notch of the wheel counts with, radii of the scene.
 const LEAST: f64 = 0.02;
-/// The distance that an orbit keeps from walls, radii of the scene.
+/// The distance that an orbit and the wheel keep from walls, radii of the scene.
 const MARGIN: f64 = 0.002;
 /// The time of a frame of an animation, seconds.
 const FRAME: f64 = 1.0 / 24.0;
@@ -220,11 +220,11 @@ impl Controls {
                     return self.click(rig);
                 }
             }
-            Event::Wheel(notches) if free.pointer => self.wheel(f64::from(*notches), rig),
+            Event::Wheel(notches) if free.pointer => return self.wheel(f64::from(*notches), rig),
             Event::Pinch(factor) if free.pointer => {
                 let notches = libm::log(f64::from(*factor).max(1e-3)) / libm::log(motion::NOTCH);
                 let target = self.under_pointer(rig);
-                rig.camera = motion::dollied(&rig.camera, target, notches, rig.ball().1 * LEAST);
+                return self.dolly(target, notches, rig);
             }
             Event::Pan(x, y) if free.pointer => {
                 let depth = self.depth(rig);
@@ -293,10 +293,10 @@ impl Controls {
         ))
     }
 
-    fn wheel(&mut self, notches: f64, rig: &mut Rig<'_>) {
+    fn wheel(&mut self, notches: f64, rig: &mut Rig<'_>) -> Option<Action> {
         if self.modifiers.ctrl {
             rig.camera = camera::zoomed(&rig.camera, notches);
-            return;
+            return None;
         }
         let target = if self.modifiers.shift {
             self.under_pointer(rig)
@@ -304,7 +304,21 @@ impl Controls {
             let (middle, depth) = (rig.middle(), self.depth(rig));
             rig.level(middle, depth)
         };
-        rig.camera = motion::dollied(&rig.camera, target, notches, rig.ball().1 * LEAST);
+        self.dolly(target, notches, rig)
+    }
+
+    /// Moves towards a point, up to what is in the way. To fly is to pass.
+    fn dolly(&self, target: DVec3, notches: f64, rig: &mut Rig<'_>) -> Option<Action> {
+        let (before, radius) = (rig.camera, rig.ball().1);
+        let next = motion::dollied(&before, target, notches, radius * LEAST);
+        if self.mode == Mode::Fly {
+            rig.camera = next;
+            return None;
+        }
+        let (camera, is_stopped) =
+            motion::slowed(&before, &next, notches, radius * MARGIN, &mut *rig.surface);
+        rig.camera = camera;
+        is_stopped.then(|| Action::Say("a surface is in the way: W passes it, or T for the mode fly".into()))
     }
 
     fn pressed(&mut self, key: Key, rig: &mut Rig<'_>) -> Option<Action> {
@@ -532,7 +546,9 @@ mod tests {
     #[test]
     fn the_wheel_goes_nearer_and_with_ctrl_changes_the_focal_length() {
         let (camera, _) = after(FREE, &[Event::Wheel(1.0)]);
-        assert!((camera.eye.z - 5.0 / 1.15).abs() < 1e-4 && camera.projection == CAMERA.projection);
+        // The wall on the way is nearer than the middle of the scene.
+        let near = 1.0 + 4.0 / 1.15;
+        assert!((camera.eye.z - near).abs() < 1e-4 && camera.projection == CAMERA.projection);
         let ctrl = Event::Modifiers(Modifiers { ctrl: true, ..Modifiers::default() });
         let (camera, _) = after(FREE, &[ctrl, Event::Wheel(1.0)]);
         assert!(camera.eye == CAMERA.eye && camera.projection != CAMERA.projection);
@@ -540,6 +556,20 @@ mod tests {
         let (camera, _) = after(FREE, &[shift, Event::Move(640.0, 180.0), Event::Wheel(1.0)]);
         // Towards the wall on the right.
         assert!(camera.eye.x > 0.1 && (camera.eye.z - (1.0 + 4.0 / 1.15)).abs() < 1e-4, "{}", camera.eye);
+    }
+
+    #[test]
+    fn the_wheel_stops_at_a_wall_and_flies_through_it_in_the_mode_fly() {
+        let notches = [Event::Wheel(1.0)].repeat(100);
+        for before in [vec![], vec![Event::Modifiers(Modifiers { shift: true, ..Modifiers::default() })]] {
+            let (camera, said) = after(FREE, &[&before[..], &notches].concat());
+            assert!(camera.eye.z > 1.0 && camera.eye.z < 1.01, "{}", camera.eye);
+            assert!(matches!(said.last(), Some(Action::Say(text)) if text.contains("in the way")), "{said:?}");
+        }
+        let fly = [Event::Press(Key::T), Event::Release(Key::T), Event::Press(Key::T)];
+        assert!(after(FREE, &[&fly[..], &notches].concat()).0.eye.z < 0.0);
+        let (pinched, _) = after(FREE, &[Event::Pinch(1.9)].repeat(30));
+        assert!(pinched.eye.z > 1.0 && pinched.eye.z < 1.01, "{}", pinched.eye);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::command::Error;
 use crate::command::console::Console;
-use crate::command::job::open;
+use crate::command::job::{Opened, open};
 use crate::command::options::BackendOptions;
 use crate::command::report::Machine;
 use rtrt::choose::{Choice, ChooseError};
@@ -20,6 +20,8 @@ pub struct Engine {
     options: BackendOptions,
     /// Whether it rasterizes the first surfaces.
     hybrid: bool,
+    /// Whether it is a GPU that computes on the processor.
+    is_software: bool,
     /// Whether it has rendered a picture. A GPU compiles shaders for the first one.
     pub is_warm: bool,
 }
@@ -35,9 +37,9 @@ enum Renders {
 impl Engine {
     /// Opens a backend. With `hybrid` it rasterizes the first surfaces.
     pub fn open(options: &BackendOptions, hybrid: bool, console: &Console) -> Result<Self, Error> {
-        let (backend, machine) = open(options, hybrid, console)?;
+        let Opened { backend, machine, is_software } = open(options, hybrid, console)?;
         let (renders, options) = (Renders::Separate(backend), options.clone());
-        Ok(Self { renders, machine, options, hybrid, is_warm: false })
+        Ok(Self { renders, machine, options, hybrid, is_software, is_warm: false })
     }
 
     /// The CPU.
@@ -51,6 +53,7 @@ impl Engine {
             machine,
             options,
             hybrid: false,
+            is_software: false,
             is_warm: false,
         })
     }
@@ -102,6 +105,11 @@ impl Engine {
     /// Whether it is a GPU.
     pub fn is_gpu(&self) -> bool {
         self.machine.kind() == "gpu"
+    }
+
+    /// Whether it is a GPU that is no slower than the CPU.
+    pub fn is_fast(&self) -> bool {
+        self.is_gpu() && !self.is_software
     }
 
     /// Stops sharing the window's device.

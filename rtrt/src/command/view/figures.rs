@@ -50,7 +50,8 @@ pub struct Report {
     event_to_begin_ms: Option<Spread>,
     /// Milliseconds from an event to the presentation of the picture that answers it.
     event_to_picture_ms: Option<Spread>,
-    /// Milliseconds from the last change to a picture with all pixels.
+    /// Milliseconds from the last change before a rest to a picture with all pixels; none if the window was closed before
+    /// there was one.
     sharp_after_ms: Option<Spread>,
 }
 
@@ -134,6 +135,11 @@ impl Figures {
         }
     }
 
+    /// Whether a picture with all pixels is still to follow a change.
+    pub fn is_waited_for(&self) -> bool {
+        self.changed.is_some()
+    }
+
     /// The last figures.
     pub fn last(&self) -> Last {
         let last = |times: &VecDeque<f64>| times.back().copied();
@@ -188,7 +194,9 @@ mod tests {
             figures.begins(at(100 * number + 40));
             figures.presented(at(100 * number + 50), MOVING);
         }
+        assert!(figures.is_waited_for());
         figures.presented(at(700), SHARP);
+        assert!(!figures.is_waited_for());
         figures.event(at(800));
         figures.step();
         figures.unanswered();

@@ -3,17 +3,22 @@
 use super::input::{Event, Replay, Step};
 use std::time::{Duration, Instant};
 
+/// How long the end of a recording waits for a picture with all pixels.
+const PATIENCE: Duration = Duration::from_secs(10);
+
 /// A recording and a clock.
 #[derive(Debug)]
 pub struct Live {
     steps: std::iter::Peekable<Replay>,
     /// The time of the next step; none before the first call.
     next: Option<Instant>,
+    /// Until when the end may be waited for.
+    end: Option<Instant>,
 }
 
 impl Live {
     pub fn new(replay: Replay) -> Self {
-        Self { steps: replay.peekable(), next: None }
+        Self { steps: replay.peekable(), next: None, end: None }
     }
 
     /// The events up to now with their times; none after the end of the recording. The first call starts the clock.
@@ -32,9 +37,14 @@ impl Live {
         Some(events)
     }
 
-    /// The time of the next step.
+    /// Whether a picture may still be waited for at the end of the recording.
+    pub fn waits(&mut self, now: Instant) -> bool {
+        *self.end.get_or_insert(now + PATIENCE) > now
+    }
+
+    /// The time of the next step, or of the end.
     pub fn wake(&self) -> Option<Instant> {
-        self.next
+        self.end.or(self.next)
     }
 }
 
@@ -55,5 +65,7 @@ mod tests {
         assert_eq!(live.due(at(1600)), Some(vec![(at(500), Event::Leave), (at(1500), Event::Wheel(1.0))]));
         assert_eq!(live.due(at(2499)), Some(vec![]));
         assert_eq!(live.due(at(2500)), None);
+        assert!(live.waits(at(2500)) && live.waits(at(12_499)) && !live.waits(at(12_500)));
+        assert_eq!(live.wake(), Some(at(12_500)));
     }
 }

@@ -56,40 +56,38 @@ mod recent;
 mod reproduce;
 mod screen;
 mod seen;
+mod shots;
 mod system;
 mod viewer;
 mod watch;
 mod window;
 
-use super::options::ViewOptions;
+use super::options::{OUTPUT, ViewOptions};
 use super::stream::is_stream;
-use super::{Error, names};
+use super::{Error, names, output};
 pub use controls::keys;
 use failure::{panics_caught, reason};
 use input::Replay;
 use std::fs;
 use std::path::Path;
-use std::sync::Arc;
-use viewer::Viewer;
-use window::{App, Woken};
+use window::App;
 use winit::event_loop::EventLoop;
 
 /// Opens a window, and shows the scene until it is closed.
 pub fn run(options: &ViewOptions) -> Result<(), Error> {
     let refused = |why| Error::Window { scene: options.common.scene.clone(), why };
     names::check(&options.output)?;
+    if options.output != Path::new(OUTPUT) {
+        output::check(&names::filled(&options.output, &options.common.scene, "camera", 0))?;
+    }
     if options.watch && is_stream(&options.common.scene) {
         return Err(Error::Usage("--watch needs a file: standard input and pipes can be read only once"));
     }
     let replay = options.replay.as_deref().map(replay).transpose()?;
-    // Before the scene is loaded: loading is in vain without a display.
+    // Before anything is loaded: loading is in vain without a display.
     let events = panics_caught(|| EventLoop::with_user_event().build().map_err(|error| reason(&error)));
     let events = events.map_err(refused)?;
-    let proxy = events.create_proxy();
-    // The window may be closed.
-    let waker = Arc::new(move || _ = proxy.send_event(Woken::Backend));
-    let viewer = Viewer::new(options, waker)?;
-    let mut app = App::new(options, viewer, replay, events.create_proxy())?;
+    let mut app = App::new(options, replay, events.create_proxy())?;
     let ran = events.run_app(&mut app).map_err(|error| refused(reason(&error)));
     let result = std::mem::replace(&mut app.result, Ok(()));
     // The process ends: to free a scene takes time for nothing.

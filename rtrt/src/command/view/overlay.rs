@@ -4,8 +4,10 @@ use super::controls::KEYS;
 use super::figures::Last;
 use super::pace::Detail;
 use super::viewer::{Timing, Viewer};
+use crate::command::report::counted;
 use egui::{Align2, Area, Color32, Context, FontId, Frame, Grid, Id, Order, Rect, Sense, Ui, vec2};
 use rtrt_core::schedule::Stage;
+use std::path::Path;
 
 /// The margin at the sides of the window.
 pub const MARGIN: f32 = 8.0;
@@ -18,21 +20,41 @@ const LINE: f32 = 1.6;
 const TALL: f32 = 1.3;
 
 /// Shows the overlay.
-pub fn show(context: &Context, viewer: &Viewer) {
+pub fn show(context: &Context, viewer: &Viewer, last: &Last) {
     if viewer.settings.timing {
         // The list of objects is on the left.
         let side = if viewer.settings.objects { Align2::CENTER_TOP } else { Align2::LEFT_TOP };
-        boxed(context, Order::Background, "timing", side, |ui| timing(ui, viewer));
+        // Over the panels, which take most of a small window.
+        boxed(context, Order::Foreground, "timing", side, |ui| timing(ui, viewer, last));
     }
     if viewer.settings.help {
         boxed(context, Order::Foreground, "help", Align2::CENTER_CENTER, help);
     }
     if let Some(text) = viewer.message() {
-        boxed(context, Order::Foreground, "message", Align2::CENTER_BOTTOM, |ui| ui.label(text));
+        boxed(context, Order::Foreground, "message", Align2::CENTER_BOTTOM, |ui| line(ui, &text));
     }
     if let Some(legend) = viewer.legend() {
-        boxed(context, Order::Background, "legend", Align2::RIGHT_BOTTOM, |ui| ui.label(legend));
+        boxed(context, Order::Background, "legend", Align2::RIGHT_BOTTOM, |ui| line(ui, &legend));
     }
+}
+
+/// Shows that a scene is being loaded.
+pub fn waits(context: &Context, scene: &Path) {
+    boxed(context, Order::Foreground, "message", Align2::CENTER_BOTTOM, |ui| {
+        line(ui, &format!("loading {}", scene.display()));
+    });
+}
+
+/// A text in a line, or in more where the window is not wide enough.
+fn line(ui: &mut Ui, text: &str) {
+    let room = ui.ctx().content_rect().width() - 6.0 * MARGIN;
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let width = ui.painter().layout_no_wrap(text.into(), font, Color32::WHITE).rect.width();
+    if width > room {
+        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Wrap);
+        ui.set_width(room);
+    }
+    ui.label(text);
 }
 
 /// A dark box at a side of the window, through which the mouse reaches the picture.
@@ -96,12 +118,12 @@ fn help(ui: &mut Ui) {
     });
 }
 
-fn timing(ui: &mut Ui, viewer: &Viewer) {
+fn timing(ui: &mut Ui, viewer: &Viewer, last: &Last) {
     ui.style_mut().override_text_style = Some(egui::TextStyle::Small);
     ui.label(viewer.machine().to_string());
     let Some(Timing { detail, frame_ms, stages_ms }) = viewer.timing else { return };
     let Detail { size: [width, height], samples } = detail;
-    ui.label(format!("{width}x{height}, {samples} samples"));
+    ui.label(format!("{width}x{height}, {}", counted(samples, "sample")));
     ui.label(format!("{frame_ms:.1} ms to render"));
     ui.label(format!("{:.2} million camera rays a second", detail.rays() / frame_ms * 1e-3));
     if let Some((now, end)) = viewer.time() {
@@ -109,7 +131,7 @@ fn timing(ui: &mut Ui, viewer: &Viewer) {
     }
     ui.separator();
     ui.label(format!("window: {}", viewer.drawn_by));
-    let Last { begin_ms, answer_ms, sharp_ms, pictures } = viewer.figures.last();
+    let Last { begin_ms, answer_ms, sharp_ms, pictures } = *last;
     ui.label(format!("pictures in the last second: {pictures}"));
     if let Some(ms) = begin_ms {
         ui.label(format!("{ms:.0} ms from an event to the beginning of its picture"));

@@ -60,7 +60,7 @@ impl EnvironmentShot {
     /// That of the job's scene.
     pub fn new(job: &RenderJob) -> Self {
         let Surrounded { is_default, is_studio, .. } = job.surrounded;
-        let Scene { environment_rotation, environment_intensity, environment_blur, .. } = job.scene;
+        let Scene { environment_rotation, environment_intensity, environment_blur, .. } = *job.scene;
         Self {
             is_default,
             is_studio,
@@ -196,8 +196,7 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
             option(format_args!("--environment studio"));
         }
         if environment.rotation != 0.0 {
-            let degrees = f64::from(environment.rotation).to_degrees();
-            option(format_args!("--environment-rotation {degrees}"));
+            option(format_args!("--environment-rotation {}", degrees(environment.rotation)));
         }
         if environment.intensity != 1.0 {
             option(format_args!("--environment-intensity {}", environment.intensity));
@@ -240,7 +239,7 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     option(format_args!("--up {}", vector(camera.up)));
     match camera.projection {
         Projection::Perspective { fov_y } => {
-            option(format_args!("--fov-y {}", f64::from(fov_y).to_degrees()));
+            option(format_args!("--fov-y {}", degrees(fov_y)));
         }
         Projection::Orthographic { height } => option(format_args!("--parallel {height}")),
         // No file and no option of the viewer makes one.
@@ -276,13 +275,26 @@ fn in_file(point: Vec3, origin: DVec3) -> String {
     if origin == DVec3::ZERO {
         return vector(point);
     }
-    let DVec3 { x, y, z } = point.as_dvec3() + origin;
+    let [x, y, z] = [0, 1, 2].map(|axis| {
+        let is_same = |number: f64| (number - origin[axis]) as f32 == point[axis];
+        shortest(f64::from(point[axis]) + origin[axis], is_same)
+    });
     format!("{x},{y},{z}")
+}
+
+/// The shortest number of degrees that is the same angle.
+fn degrees(radians: f32) -> f64 {
+    shortest(f64::from(radians).to_degrees(), |degrees| degrees.to_radians() as f32 == radians)
+}
+
+/// The number of the fewest digits near this one that is the same, or this one.
+fn shortest(number: f64, is_same: impl Fn(f64) -> bool) -> f64 {
+    let rounded = (0..16).filter_map(|digits| format!("{number:.digits$e}").parse().ok());
+    rounded.into_iter().find(|number| is_same(*number)).unwrap_or(number)
 }
 
 /// The value of `--light` for a light that is there, in the file's coordinates.
 fn light_option(light: &Light, position: &str) -> String {
-    let degrees = |radians: f32| f64::from(radians).to_degrees();
     let Light { kind, direction, color, reach, inverse_square, inner, outer, radius, .. } = *light;
     let mut text = match kind {
         LightKind::Point => format!("point:{position}:{radius}"),
@@ -422,6 +434,27 @@ mod tests {
                 let text = light_option(&light, &in_file(light.position, DVec3::ZERO));
                 assert_eq!(crate::command::parse::light(&text), Ok(light), "{text}");
             }
+        }
+    }
+
+    #[test]
+    fn numbers_are_as_short_as_they_can_be() {
+        for text in ["45", "30", "0.5", "48.7", "-90", "179.99", "1e-7"] {
+            let number: f64 = text.parse().unwrap();
+            assert_eq!(degrees(number.to_radians() as f32), number);
+        }
+        let origin = DVec3::new(6e6, -3e6, 0.5);
+        let point = (DVec3::new(6_000_000.1, -2_999_999.7, 0.75) - origin).as_vec3();
+        assert_eq!(in_file(point, origin), "6000000.1,-2999999.7,0.75");
+        let mut bits = 1_u32;
+        for _ in 0..10_000 {
+            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // From 2^-23 to 4.
+            let angle = f32::from_bits(0x3400_0000 + (bits >> 4) % 0x0c80_0000);
+            let text = degrees(angle).to_string();
+            assert_eq!(text.parse::<f64>().unwrap().to_radians() as f32, angle, "{text}");
+            // A float has 9 digits at most.
+            assert!(text.trim_start_matches(['0', '.']).len() <= 10, "{text}");
         }
     }
 

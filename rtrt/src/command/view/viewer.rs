@@ -9,12 +9,12 @@ mod time;
 
 use super::controls::{Action, Controls, DOUBLE, Free, Rig};
 use super::engine::Engine;
-use super::figures::Figures;
 use super::input::Event;
 use super::motion::Mode;
 use super::pace::{Detail, Pace};
 use super::recent::Recent;
 use super::reproduce;
+use super::shots::Shots;
 use crate::command::Error;
 use crate::command::arguments;
 use crate::command::console::Console;
@@ -26,6 +26,7 @@ pub use draw::Rendered;
 use engines::Engines;
 pub use engines::Waker;
 use files::Opening;
+pub use files::named;
 use glam::DVec3;
 pub use pick::{Selection, textures};
 use rtrt::debug::{DebugImage, DebugView};
@@ -33,6 +34,7 @@ use rtrt_core::backend::{Picture, Shadows, ToneMap};
 use rtrt_core::query::Tree;
 use rtrt_core::scene::{Camera, Material, Projection, Sequential, Setup};
 use rtrt_core::schedule::Stage;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -124,6 +126,7 @@ pub struct Viewer {
     output: PathBuf,
     console: Console,
     engines: Engines,
+    shots: Shots,
     /// Wakes the window.
     waker: Waker,
     controls: Controls,
@@ -137,8 +140,6 @@ pub struct Viewer {
     pace: Pace,
     /// Whether every picture has full detail at once: a replay has no clock.
     is_exact: bool,
-    /// Times of the whole loop.
-    pub figures: Figures,
     changes: u64,
     /// The time since the last change, seconds.
     still: f64,
@@ -157,7 +158,7 @@ pub struct Viewer {
 
 impl Viewer {
     /// Loads the scene and opens the backend.
-    pub fn new(options: &options::ViewOptions, waker: Waker) -> Result<Self, Error> {
+    pub fn new(options: &options::ViewOptions, waker: Waker, shots: Shots) -> Result<Self, Error> {
         let is_exact = options.replay.is_some() && !options.live;
         let common = options.common.clone();
         let console = Console::new(common.talk, 2);
@@ -204,6 +205,7 @@ impl Viewer {
             output: options.output.clone(),
             console,
             engines,
+            shots,
             waker,
             controls: Controls::default(),
             start: job.camera,
@@ -213,7 +215,6 @@ impl Viewer {
             size: job.size,
             pace: Pace::default(),
             is_exact,
-            figures: Figures::default(),
             changes: 0,
             still: 0.0,
             before: None,
@@ -271,10 +272,13 @@ impl Viewer {
     }
 
     /// The current message.
-    pub fn message(&self) -> Option<&str> {
-        let waits =
-            self.engines.is_getting_ready().then_some("a GPU compiles shaders; the CPU draws meanwhile");
-        self.message.as_ref().map(|(text, _)| text.as_str()).or(waits)
+    pub fn message(&self) -> Option<Cow<'_, str>> {
+        let said = self.message.as_ref().map(|(text, _)| text.into());
+        said.or_else(|| self.shots.in_progress().map(|path| format!("rendering {}", path.display()).into()))
+            .or_else(|| {
+                let compiles = "a GPU compiles shaders; the CPU draws meanwhile";
+                self.engines.is_getting_ready().then_some(compiles.into())
+            })
     }
 
     /// The name of the debug view that is shown, and what its colors mean.
@@ -316,7 +320,10 @@ impl Viewer {
     pub fn advance(&mut self, seconds: f64) -> bool {
         let (camera, ()) = self.with_rig(|controls, rig| controls.advance(seconds, rig));
         self.look(camera);
-        if let (true, Some(end)) = (self.is_playing, self.job.end()) {
+        self.take_shots();
+        // The scene stays as it is while a picture of it is made.
+        let plays = self.is_playing && self.shots.in_progress().is_none();
+        if let (true, Some(end)) = (plays, self.job.end()) {
             let time = self.time.map_or(0.0, |time| time + seconds * self.settings.speed);
             let played = self.play(if time > end { 0.0 } else { time });
             self.note(played);
@@ -353,8 +360,13 @@ impl Viewer {
         let settles = (self.still < SETTLE).then_some(SETTLE - self.still);
         let ticks = self.message.as_ref().map(|_| TICK);
         let appears = self.selection.as_ref().map(|_| DOUBLE - self.selected_for).filter(|rest| *rest > 0.0);
-        let moves = (self.is_playing || self.controls.is_busy()).then_some(0.0);
+        let moves = self.moves().then_some(0.0);
         [moves, settles, ticks, appears].into_iter().flatten().reduce(f64::min)
+    }
+
+    /// Whether something moves without an event.
+    pub fn moves(&self) -> bool {
+        self.is_playing || self.controls.is_busy()
     }
 
     /// The next picture, if it differs from the last requested one.
@@ -389,7 +401,7 @@ impl Viewer {
 
     /// Builds the trees that find what a ray hits, until `stop` is true.
     pub fn work(&mut self, stop: &AtomicBool) {
-        if self.tree.update_until(&self.job.scene, &Sequential, stop) {
+        if self.tree.update_until(&*self.job.scene, &Sequential, stop) {
             self.tree_of = Some(self.job.scene.id());
         }
     }

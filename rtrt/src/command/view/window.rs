@@ -2,7 +2,7 @@
 
 use super::controls::Free;
 use super::failure::{panics_caught, reason};
-use super::figures::{Presented, Report};
+use super::figures::{Figures, Presented, Report};
 use super::fullscreen::FullScreen;
 use super::input::{Event, Replay, Step, header};
 use super::interface::Interface;
@@ -10,12 +10,14 @@ use super::live::Live;
 use super::screen::Screen;
 use super::seen::Seen;
 use super::system::{Fingers, translated};
-use super::viewer::{Rendered, Viewer, Wanted};
+use super::shots::Shots;
+use super::viewer::{Rendered, Viewer, Waker, Wanted};
 use super::watch::{self, Change, Watch};
 use super::{guides, overlay, panel};
 use crate::command::Error;
 use crate::command::options::ViewOptions;
 use crate::command::output;
+use egui::style::ScrollStyle;
 use egui::{Context, FullOutput, Popup};
 use rtrt::choose::Choice;
 use std::fs::File;
@@ -38,14 +40,21 @@ const LONGEST: f32 = 0.1;
 const FRAME: f32 = 1.0 / 60.0;
 /// How long a closed window waits for the frame in progress.
 const LEAVES: Duration = Duration::from_millis(50);
+/// How long a window waits for its first scene before it opens, so that it opens with a picture, or not at all.
+const OPENS: Duration = Duration::from_millis(100);
+
+/// A window of fewer units than these, across and down, has a smaller user interface.
+const ROOM: [f32; 2] = [480.0, 300.0];
+/// The size of the smallest one, in sizes of the usual one.
+const LEAST: f32 = 2.0 / 3.0;
 
 /// What wakes the window.
 #[derive(Debug, Clone, Copy)]
 pub enum Woken {
-    /// A frame is finished.
-    Frame,
-    /// A backend is ready.
-    Backend,
+    /// The work of this number is finished.
+    Work(u32),
+    /// Something else is: a backend is ready, a screenshot is written.
+    Viewer,
 }
 
 /// Where input comes from.
@@ -59,9 +68,16 @@ enum Source {
 
 /// The viewer in its window.
 pub struct App {
-    /// None while a thread renders with it.
+    /// None while a thread loads the first scene, or works with it.
     viewer: Option<Viewer>,
-    in_progress: Option<FrameInProgress>,
+    in_progress: Option<InProgress>,
+    /// The number of the last work.
+    works: u32,
+    /// Whether the viewer knows the screen.
+    is_met: bool,
+    shots: Shots,
+    /// Times of the whole loop.
+    figures: Figures,
     /// Wakes the window when the thread ends.
     proxy: EventLoopProxy<Woken>,
     /// The scene of the title and of the watch.
@@ -73,6 +89,7 @@ pub struct App {
     interface: Interface,
     /// The list of objects.
     rows: panel::Rows,
+    opened: panel::Opened,
     /// The events since the last frame, with their times.
     events: Vec<(Instant, Event)>,
     fingers: Fingers,
@@ -92,6 +109,8 @@ pub struct App {
     /// The file of the replay.
     replayed: Option<PathBuf>,
     record: Option<(PathBuf, File)>,
+    /// Whether files are watched, and how, once there is a scene.
+    watches: bool,
     watch: Option<Watch>,
     /// The time at which the overlay needs the next frame.
     wake: Option<Instant>,
@@ -108,9 +127,10 @@ struct LoopReport {
     figures: Report,
 }
 
-/// A frame in progress. The viewer renders on a worker thread; input waits in a queue.
-struct FrameInProgress {
-    thread: JoinHandle<(Viewer, Rendered)>,
+/// Work in progress. The viewer renders on a worker thread; input waits in a queue.
+struct InProgress {
+    number: u32,
+    thread: JoinHandle<Result<(Viewer, Rendered), Error>>,
     /// None if nothing is to be shown afterwards.
     frame: Option<Frame>,
     stop: Arc<AtomicBool>,
@@ -137,21 +157,20 @@ struct Frame {
     is_settled: bool,
 }
 
-/// Wakes the window when the thread ends, also by a panic.
-struct Wake(EventLoopProxy<Woken>);
+/// Wakes the window when the thread of this work ends, also by a panic.
+struct Wake(EventLoopProxy<Woken>, u32);
 
 impl Drop for Wake {
     fn drop(&mut self) {
         // The window may be closed.
-        _ = self.0.send_event(Woken::Frame);
+        _ = self.0.send_event(Woken::Work(self.1));
     }
 }
 
 impl App {
-    /// A viewer without its window.
+    /// A viewer without its window, which begins to load its scene.
     pub fn new(
         options: &ViewOptions,
-        viewer: Viewer,
         replay: Option<Replay>,
         proxy: EventLoopProxy<Woken>,
     ) -> Result<Self, Error> {
@@ -164,21 +183,32 @@ impl App {
         let context = Context::default();
         // The viewer uses these keys.
         context.options_mut(|options| options.zoom_with_keyboard = false);
+        // What can be scrolled shows it.
+        context.all_styles_mut(|style| style.spacing.scroll = ScrollStyle::solid());
         let source = match replay {
             None => Source::Person,
             Some(replay) if options.live => Source::Live(Live::new(replay)),
             Some(replay) => Source::Replay(replay),
         };
-        Ok(Self {
-            watch: options.watch.then(|| Watch::new(&scene, viewer.job.files())),
-            viewer: Some(viewer),
+        let wakes = proxy.clone();
+        // The window may be closed.
+        let waker: Waker = Arc::new(move || _ = wakes.send_event(Woken::Viewer));
+        let mut app = Self {
+            watches: options.watch,
+            watch: None,
+            viewer: None,
             in_progress: None,
+            works: 0,
+            is_met: false,
+            shots: Shots::new(Waker::clone(&waker)),
+            figures: Figures::default(),
             proxy,
             screen: None,
             draws: options.window,
             context,
             interface: Interface::default(),
             rows: panel::Rows::default(),
+            opened: panel::Opened::default(),
             fingers: Fingers::default(),
             full_screen: FullScreen::default(),
             seen: Seen::default(),
@@ -196,7 +226,12 @@ impl App {
             wake: None,
             result: Ok(()),
             scene,
-        })
+        };
+        let (options, shots) = (options.clone(), app.shots.clone());
+        app.spawn(None, Ends::Itself, move |_| {
+            Viewer::new(&options, waker, shots).map(|viewer| (viewer, Rendered::Nowhere))
+        });
+        Ok(app)
     }
 
     fn open(&mut self, events: &ActiveEventLoop) -> Result<Screen, String> {
@@ -205,20 +240,28 @@ impl App {
             .with_title(title(&self.scene))
             .with_inner_size(PhysicalSize::new(width, height));
         let window = events.create_window(attributes).map_err(|error| reason(&error))?;
-        let screen = Screen::new(Arc::new(window), events, self.draws)?;
-        if let (Some(viewer), Some((device, queue))) = (&mut self.viewer, screen.device()) {
-            viewer.share(device, queue);
-        }
-        Ok(screen)
+        Screen::new(Arc::new(window), events, self.draws)
     }
 
-    /// Takes the screen. A software adapter is a warning.
+    /// Takes the screen.
     fn take(&mut self, screen: Screen) -> Result<(), Error> {
         screen.window.request_redraw();
         let scale = screen.window.scale_factor() as f32;
         self.queue(Event::Size(screen.size(), scale));
-        let screen = self.screen.insert(screen);
-        let Some(viewer) = &mut self.viewer else { return Ok(()) };
+        self.screen = Some(screen);
+        self.meet()
+    }
+
+    /// Tells the viewer of its screen, once both are there. A software adapter is a warning.
+    fn meet(&mut self) -> Result<(), Error> {
+        let (Some(viewer), Some(screen), false) = (&mut self.viewer, &self.screen, self.is_met) else {
+            return Ok(());
+        };
+        self.is_met = true;
+        self.watch = self.watches.then(|| Watch::new(&self.scene, viewer.job.files()));
+        if let Some((device, queue)) = screen.device() {
+            viewer.share(device, queue);
+        }
         viewer.drawn_by.clone_from(&screen.drawn_by);
         match &screen.software {
             Some(name) => viewer.warn(format_args!("the window is drawn by a software adapter: {name}")),
@@ -226,26 +269,40 @@ impl App {
         }
     }
 
+    /// Shows that the first scene is being loaded.
+    fn wait(&mut self, events: &ActiveEventLoop) {
+        let Some(screen) = self.screen.as_mut().filter(|_| !self.is_met) else { return };
+        // A replay begins with its first frame.
+        if matches!(self.source, Source::Replay(_)) {
+            return;
+        }
+        let (size, scale) = (screen.size(), screen.window.scale_factor() as f32);
+        let input = self.interface.input(&[], (size, readable(size, scale)), (self.time, FRAME));
+        let over = self.context.run_ui(input, |ui| overlay::waits(ui.ctx(), &self.scene));
+        let shown = screen.show(&self.context, over, size);
+        if let Err(why) = shown {
+            let scene = self.scene.clone();
+            self.end(events, Err(Error::Window { scene, why }));
+        }
+    }
+
     /// Runs a frame: events, overlay, picture. Events wait while a frame is in progress.
     fn frame(&mut self, events: &ActiveEventLoop) {
-        let Some(mut viewer) = self.viewer.take() else { return };
+        let Some(mut viewer) = self.viewer.take() else { return self.wait(events) };
         let began = Instant::now();
         let over = match self.step(&mut viewer) {
             Ok(Some(step)) => self.happen(&mut viewer, &step),
-            Ok(None) => {
-                let printed = self.report(&viewer);
-                return self.end(events, printed);
-            }
+            Ok(None) => return self.end(events, Ok(())),
             Err(error) => return self.end(events, Err(error)),
         };
         let wanted = if viewer.has_to_open() { None } else { viewer.next() };
         let frame = Frame { over, began, wanted, is_settled: viewer.is_settled() };
         let Some(wanted) = wanted else {
-            viewer.figures.unanswered();
+            self.figures.unanswered();
             self.finish(events, viewer, frame, Rendered::Nowhere);
             return self.use_time();
         };
-        viewer.figures.begins(began);
+        self.figures.begins(began);
         let screen = self.screen.as_mut().filter(|_| viewer.is_rendered_in_place(&wanted));
         let texture = screen.and_then(|screen| screen.texture(wanted.detail.size));
         if matches!(self.source, Source::Replay(_)) {
@@ -253,19 +310,19 @@ impl App {
             return self.finish(events, viewer, frame, rendered);
         }
         let ends = if frame.is_settled { Ends::WithInput } else { Ends::WithEscape };
-        self.spawn(viewer, Some(frame), ends, move |viewer, stop| viewer.render(wanted, texture, stop));
+        self.work(viewer, Some(frame), ends, move |viewer, stop| viewer.render(wanted, texture, stop));
     }
 
     /// Has a thread open files, or do what can be done while nothing is to be drawn.
     fn use_time(&mut self) {
         let Some(viewer) = self.viewer.take_if(|_| self.screen.is_some()) else { return };
         if viewer.has_to_open() {
-            self.spawn(viewer, None, Ends::Itself, |viewer, _| {
+            self.work(viewer, None, Ends::Itself, |viewer, _| {
                 viewer.open_files();
                 Rendered::Nowhere
             });
         } else if viewer.has_spare_work() {
-            self.spawn(viewer, None, Ends::WithInput, |viewer, stop| {
+            self.work(viewer, None, Ends::WithInput, |viewer, stop| {
                 viewer.work(stop);
                 Rendered::Nowhere
             });
@@ -275,21 +332,49 @@ impl App {
     }
 
     /// Has a thread work with the viewer.
-    fn spawn(
+    fn work(
         &mut self,
         mut viewer: Viewer,
         frame: Option<Frame>,
         ends: Ends,
         work: impl FnOnce(&mut Viewer, &AtomicBool) -> Rendered + Send + 'static,
     ) {
-        let stop = Arc::new(AtomicBool::new(false));
-        let (wake, flag) = (Wake(self.proxy.clone()), Arc::clone(&stop));
+        self.spawn(frame, ends, move |stop| {
+            let rendered = work(&mut viewer, stop);
+            Ok((viewer, rendered))
+        });
+    }
+
+    /// Has a thread work.
+    fn spawn(
+        &mut self,
+        frame: Option<Frame>,
+        ends: Ends,
+        work: impl FnOnce(&AtomicBool) -> Result<(Viewer, Rendered), Error> + Send + 'static,
+    ) {
+        self.works = self.works.wrapping_add(1);
+        let (number, stop) = (self.works, Arc::new(AtomicBool::new(false)));
+        let (wake, flag) = (Wake(self.proxy.clone(), number), Arc::clone(&stop));
         let thread = std::thread::spawn(move || {
             let _wake = wake;
-            let rendered = work(&mut viewer, &flag);
-            (viewer, rendered)
+            work(&flag)
         });
-        self.in_progress = Some(FrameInProgress { thread, frame, stop, ends });
+        self.in_progress = Some(InProgress { number, thread, frame, stop, ends });
+    }
+
+    /// Takes over what a thread has done.
+    fn done(&mut self, events: &ActiveEventLoop, InProgress { thread, frame, .. }: InProgress) {
+        let done = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+        match (done, frame) {
+            (Ok((viewer, rendered)), Some(frame)) => self.finish(events, viewer, frame, rendered),
+            (Ok((viewer, _)), None) => {
+                self.viewer = Some(viewer);
+                if let Err(error) = self.meet() {
+                    self.end(events, Err(error));
+                }
+            }
+            (Err(error), _) => self.end(events, Err(error)),
+        }
     }
 
     /// Handles the events of a step. Returns the overlay.
@@ -305,7 +390,7 @@ impl App {
             viewer.handle(event, free);
         }
         if viewer.advance(f64::from(step.seconds)) {
-            viewer.figures.changed(self.last);
+            self.figures.changed(self.last);
         }
         over
     }
@@ -337,7 +422,7 @@ impl App {
         if let Some(wanted) = wanted.filter(|_| rendered != Rendered::Nowhere) {
             let now = Instant::now();
             let picture = Presented { is_moving: !is_settled, is_sharp: viewer.is_sharp(&wanted) };
-            viewer.figures.presented(now, picture);
+            self.figures.presented(now, picture);
             let render_ms = viewer.timing.map_or(0.0, |timing| timing.frame_ms);
             viewer.presented(((now - began).as_secs_f64() * 1e3 - render_ms).max(0.0));
         }
@@ -363,8 +448,12 @@ impl App {
                 seconds = step.seconds;
             }
             Source::Live(live) => {
-                let Some(due) = live.due(now) else { return Ok(None) };
-                self.events.extend(due);
+                match live.due(now) {
+                    Some(due) => self.events.extend(due),
+                    // What moves by itself never rests.
+                    None if self.figures.is_waited_for() && !viewer.moves() && live.waits(now) => {}
+                    None => return Ok(None),
+                }
             }
         }
         let mut step = Step { events: Vec::new(), seconds };
@@ -372,15 +461,15 @@ impl App {
             let event = self.pointed(event)?;
             // A window gets its size without a person.
             if !matches!(event, Event::Size(..)) {
-                viewer.figures.event(at);
+                self.figures.event(at);
             }
             step.events.push(event);
         }
-        viewer.figures.step();
+        self.figures.step();
         self.write(&step)?;
         for event in &step.events {
             if let Event::Size(size, scale) = event {
-                (self.size, self.scale) = (*size, *scale);
+                (self.size, self.scale) = (*size, readable(*size, *scale));
                 viewer.resize(*size);
                 if let (true, Some(screen)) = (self.is_replay(), &self.screen) {
                     // The system may refuse; the picture has its size nevertheless.
@@ -413,9 +502,11 @@ impl App {
         self.time += f64::from(step.seconds);
         let times = (self.time, step.seconds);
         let input = self.interface.input(&step.events, (self.size, self.scale), times);
+        let last = self.figures.last();
         let over = self.context.run_ui(input, |ui| {
             guides::show(ui.ctx(), viewer);
-            overlay::show(ui.ctx(), viewer);
+            overlay::show(ui.ctx(), viewer, &last);
+            self.opened.give_room(ui.ctx(), &mut viewer.settings);
             if viewer.settings.panel {
                 panel::show(ui.ctx(), viewer);
             }
@@ -451,7 +542,7 @@ impl App {
 
     /// Ends the work in progress, if input ends it, or in any case.
     fn interrupt(&self, in_any_case: bool) {
-        if let Some(FrameInProgress { stop, ends, .. }) = &self.in_progress
+        if let Some(InProgress { stop, ends, .. }) = &self.in_progress
             && (in_any_case || *ends == Ends::WithInput)
         {
             stop.store(true, Ordering::Relaxed);
@@ -461,7 +552,7 @@ impl App {
     /// Whether Escape closes the window before the work in progress ends. What a person did before is done first, unless
     /// that lasts; and Escape may close a part of the overlay.
     fn closes_at_once(&self) -> bool {
-        let Some(FrameInProgress { ends, .. }) = &self.in_progress else { return false };
+        let Some(InProgress { ends, .. }) = &self.in_progress else { return false };
         let is_deed = |event: &Event| {
             matches!(event, Event::Press(_) | Event::Text(_) | Event::Button(..) | Event::Drop(_))
         };
@@ -479,30 +570,40 @@ impl App {
     }
 
     /// Prints the figures of a replay.
-    fn report(&self, viewer: &Viewer) -> Result<(), Error> {
-        if !self.reports {
+    fn report(&mut self) -> Result<(), Error> {
+        if !std::mem::take(&mut self.reports) {
             return Ok(());
         }
-        output::print(output::json(&LoopReport { figures: viewer.figures.report() })?)
+        output::print(output::json(&LoopReport { figures: self.figures.report() })?)
     }
 
+    /// Closes the window.
     fn end(&mut self, events: &ActiveEventLoop, result: Result<(), Error>) {
         if self.result.is_ok() {
             self.result = result;
         }
         // Whatever is still to end, the window is gone at once.
         self.screen = None;
+        events.exit();
         self.interrupt(true);
         // A frame ends in a moment. What lasts is given up together with the process; files are whole or not there.
-        if let Some(FrameInProgress { thread, .. }) = self.in_progress.take() {
+        if let Some(InProgress { thread, .. }) = self.in_progress.take() {
             let start = Instant::now();
             while !thread.is_finished() && start.elapsed() < LEAVES {
                 std::thread::sleep(Duration::from_millis(1));
             }
-            rtrt::replace::abandon();
         }
-        events.exit();
+        // A picture that somebody wanted is written.
+        let written = self.shots.all().into_iter().try_for_each(|(_, written)| written);
+        let result = std::mem::replace(&mut self.result, Ok(()));
+        self.result = result.and(written).and_then(|()| self.report());
     }
+}
+
+/// The pixels per unit of a user interface that can be read: in a small window it is smaller, so that more of it is seen.
+fn readable(size: [u32; 2], scale: f32) -> f32 {
+    let room = |side: usize| size[side] as f32 / (ROOM[side] * scale);
+    scale * room(0).min(room(1)).clamp(LEAST, 1.0)
 }
 
 fn title(scene: &Path) -> String {
@@ -514,6 +615,17 @@ impl ApplicationHandler<Woken> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.screen.is_some() {
             return;
+        }
+        let start = Instant::now();
+        let is_loaded = |work: &InProgress| work.thread.is_finished();
+        while !self.in_progress.as_ref().is_none_or(is_loaded) && start.elapsed() < OPENS {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        if let Some(loaded) = self.in_progress.take_if(|work| is_loaded(work)) {
+            self.done(events, loaded);
+            if events.exiting() {
+                return;
+            }
         }
         match panics_caught(|| self.open(events)) {
             Ok(screen) => {
@@ -555,13 +667,9 @@ impl ApplicationHandler<Woken> for App {
     }
 
     fn user_event(&mut self, events: &ActiveEventLoop, woken: Woken) {
-        let is_finished = matches!(woken, Woken::Frame);
-        if let Some(FrameInProgress { thread, frame, .. }) = self.in_progress.take_if(|_| is_finished) {
-            let (viewer, rendered) = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
-            match frame {
-                Some(frame) => self.finish(events, viewer, frame, rendered),
-                None => self.viewer = Some(viewer),
-            }
+        let is_done = |work: &mut InProgress| matches!(woken, Woken::Work(number) if number == work.number);
+        if let Some(done) = self.in_progress.take_if(is_done) {
+            self.done(events, done);
         }
         // For the queued events and the new timing.
         if let Some(screen) = &self.screen {

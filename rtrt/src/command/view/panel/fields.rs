@@ -1,15 +1,7 @@
-//! Fields of the panel: colors, points, numbers.
+//! Fields of the panel: points, numbers.
 
 use egui::{DragValue, Ui};
 use glam::{DVec3, Vec3};
-
-/// A button for a color. Without a change the color keeps its bits.
-pub fn tone(ui: &mut Ui, color: &mut Vec3) {
-    let mut shown = color.to_array();
-    if ui.color_edit_button_rgb(&mut shown).changed() {
-        *color = shown.into();
-    }
-}
 
 /// Three numbers.
 pub fn vector(ui: &mut Ui, name: &str, v: &mut Vec3) {
@@ -39,8 +31,9 @@ pub fn coordinates(ui: &mut Ui, name: &str, point: &mut Vec3, origin: DVec3) {
     }
 }
 
-/// A share of 0 to 1.
+/// A share of 0 to 1, in a row.
 pub fn share(ui: &mut Ui, name: &str, value: &mut f32) {
     let drag = DragValue::new(value).speed(0.005).range(0.0..=1.0).clamp_existing_to_range(false);
-    ui.horizontal(|ui| (ui.label(name), ui.add(drag)));
+    ui.label(name);
+    ui.add(drag);
 }

@@ -1,19 +1,22 @@
 //! The lights of the panel.
 
-use super::fields::{coordinates, tone, vector};
+use super::fields::{coordinates, vector};
+use super::tone::tone;
 use crate::command::view::viewer::Viewer;
 use egui::{CollapsingHeader, DragValue, Ui};
 use glam::{DVec3, Vec3};
 use rtrt_core::scene::{Light, LightKind};
 
-/// Ambient light, the background, and all lights.
+/// All lights, and the ambient light and the background, which an environment replaces.
 pub fn lights(ui: &mut Ui, viewer: &mut Viewer) {
     let origin = viewer.job.origin;
-    let scene = &mut viewer.job.scene;
+    let scene = &viewer.job.scene;
     let (mut ambient, mut background) = (scene.ambient, scene.background);
     let mut lights = scene.lights().to_vec();
-    ui.horizontal(|ui| (ui.label("ambient"), tone(ui, &mut ambient)));
-    ui.horizontal(|ui| (ui.label("background"), tone(ui, &mut background)));
+    if !viewer.job.surrounded.has_environment {
+        ui.horizontal(|ui| (ui.label("ambient"), tone(ui, &mut ambient)));
+        ui.horizontal(|ui| (ui.label("background"), tone(ui, &mut background)));
+    }
     for (number, light) in lights.iter_mut().enumerate() {
         let kind = match light.kind {
             LightKind::Point => "point light",
@@ -27,6 +30,7 @@ pub fn lights(ui: &mut Ui, viewer: &mut Viewer) {
     if is_same && scene.lights() == lights {
         return;
     }
+    let scene = &mut *viewer.job.scene;
     (scene.ambient, scene.background) = (ambient, background);
     *scene.lights_mut() = lights;
     if let Err(error) = viewer.job.lights_changed() {

@@ -1,6 +1,6 @@
 //! The list of objects: a tree of nodes, and which are drawn.
 
-use super::{MARGIN, half, height};
+use super::{MARGIN, WIDTH, half, height};
 use crate::command::view::viewer::Viewer;
 use egui::{Context, ScrollArea, TextEdit, Window, vec2};
 use rtrt::import::Label;
@@ -34,7 +34,7 @@ pub fn show(context: &Context, viewer: &mut Viewer, list: &mut Rows) {
     }
     let mut is_open = viewer.settings.objects;
     let corner = context.content_rect().left_top() + vec2(MARGIN, MARGIN);
-    let window = Window::new("objects").open(&mut is_open).default_width(260.0).default_pos(corner);
+    let window = Window::new("objects").open(&mut is_open).default_width(WIDTH).default_pos(corner);
     let most = if viewer.shows_selection() { half(context) } else { height(context) };
     window.max_height(most).show(context, |ui| {
         ui.add(TextEdit::singleline(&mut list.filter).hint_text("find"));

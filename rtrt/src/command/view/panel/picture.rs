@@ -1,4 +1,4 @@
-//! Samples, shadows, debug views, exposure and environment.
+//! Samples, shadows, debug views, exposure.
 
 use crate::command::parse::SHADOWS;
 use crate::command::view::viewer::{Settings, Viewer};
@@ -62,24 +62,5 @@ pub fn exposure(ui: &mut Ui, viewer: &mut Viewer) {
     });
     if meters.inner {
         viewer.meter();
-    }
-}
-
-/// How the environment is shown.
-pub fn environment(ui: &mut Ui, viewer: &mut Viewer) {
-    let scene = &viewer.job.scene;
-    let before = (scene.environment_rotation, scene.environment_intensity, scene.environment_blur);
-    let (mut rotation, mut intensity, mut blur) = before;
-    ui.horizontal(|ui| (ui.label("environment's turn"), ui.drag_angle(&mut rotation)));
-    ui.horizontal(|ui| {
-        ui.label("light");
-        ui.add(DragValue::new(&mut intensity).range(0.0..=65_536.0).speed(0.01));
-        ui.label("blur behind");
-        ui.add(DragValue::new(&mut blur).range(0.0..=1.0).speed(0.01));
-    });
-    if (rotation, intensity, blur) != before {
-        viewer.job.turn_environment(rotation.clamp(-600.0, 600.0), intensity);
-        viewer.job.scene.environment_blur = blur;
-        viewer.touch();
     }
 }

@@ -92,6 +92,9 @@ impl MemoryScreen {
         self.painter.paint(&jobs, units, &mut Canvas { pixels: &mut buffer, size: self.size });
         self.window.pre_present_notify();
         buffer.present().map_err(why)?;
+        // What a display is asked for waits in a buffer until an answer is wanted: without this question the picture would
+        // be seen when the next event comes.
+        self.window.is_minimized();
         over.textures_delta.free.drain().for_each(|id| self.painter.free(id));
         Ok(())
     }

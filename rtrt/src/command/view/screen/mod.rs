@@ -9,6 +9,7 @@ use device::DeviceScreen;
 use egui::{Context, FullOutput};
 use memory::MemoryScreen;
 use rtrt::choose::Choice;
+use rtrt_gpu::Kind;
 use std::sync::Arc;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
@@ -39,6 +40,11 @@ impl Screen {
         };
         let (paints, drawn_by, software) = match choice {
             Choice::Cpu => memory("as asked for".into()),
+            // Who draws in windows is asked last: drivers then look for all window systems, and complain on their own about
+            // one that is not there.
+            Choice::Auto if !rtrt_gpu::adapters().iter().any(|adapter| adapter.kind != Kind::Software) => {
+                memory("there is no GPU, or only software".into())
+            }
             choice => match (DeviceScreen::new(Arc::clone(&window), events), choice) {
                 (Ok((_, name, true)), Choice::Auto) => memory(format!("{name} is software")),
                 (Ok((screen, name, is_software)), _) => {

@@ -2,9 +2,10 @@
 
 use super::{Timing, Viewer, Wanted};
 use crate::command::Error;
-use crate::command::job::rays;
+use crate::command::job::{RenderJob, rays};
 use crate::command::view::pace::Detail;
-use rtrt_core::backend::{RenderError, little_endian};
+use rtrt::debug::DebugImage;
+use rtrt_core::backend::{Picture, RenderError, little_endian};
 use rtrt_core::schedule::Stage;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
@@ -97,13 +98,10 @@ impl Viewer {
 
     /// Applies the settings of a picture to the job.
     fn begin(&mut self, wanted: Wanted) -> Result<(), Error> {
-        let Wanted { detail, shadows, layers, exposure, tone_map, hybrid, debug, .. } = wanted;
         (self.drawn, self.shown) = (None, None);
-        rays(detail.size, detail.samples, debug.is_some())?;
-        self.engines.drawing_mut().set_hybrid(hybrid, &self.console)?;
-        let job = &mut self.job;
-        (job.size, job.samples, job.shadows, job.layers) = (detail.size, detail.samples, shadows, layers);
-        (job.exposure, job.tone_map) = (exposure, tone_map);
+        wanted.check()?;
+        self.engines.drawing_mut().set_hybrid(wanted.hybrid, &self.console)?;
+        wanted.apply(&mut self.job);
         Ok(())
     }
 
@@ -121,10 +119,29 @@ impl Viewer {
 
     /// The pixels of the last picture, row by row: red, green, blue, alpha.
     pub fn pixels(&self) -> Cow<'_, [u8]> {
-        match &self.shown {
-            Some(shown) => little_endian(&shown.pixels),
-            None => self.picture.bytes(),
-        }
+        pixels(self.shown.as_ref(), &self.picture)
+    }
+}
+
+/// The pixels of a debug view, or else of a picture, row by row: red, green, blue, alpha.
+pub(super) fn pixels<'a>(shown: Option<&'a DebugImage>, picture: &'a Picture) -> Cow<'a, [u8]> {
+    match shown {
+        Some(shown) => little_endian(&shown.pixels),
+        None => picture.bytes(),
+    }
+}
+
+impl Wanted {
+    /// An error if the picture has too many rays.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        rays(self.detail.size, self.detail.samples, self.debug.is_some()).map(drop)
+    }
+
+    /// Gives a job the settings of the picture.
+    pub(super) fn apply(&self, job: &mut RenderJob) {
+        let Self { detail, shadows, layers, exposure, tone_map, .. } = *self;
+        (job.size, job.samples, job.shadows, job.layers) = (detail.size, detail.samples, shadows, layers);
+        (job.exposure, job.tone_map) = (exposure, tone_map);
     }
 }
 
@@ -137,6 +154,7 @@ fn is_of_device(error: &RenderError) -> bool {
 mod tests {
     use super::*;
     use crate::command::Command;
+    use crate::command::view::shots::Shots;
     use clap::Parser;
 
     /// A viewer without a window on a GPU; none, with a message, without a GPU.
@@ -144,7 +162,8 @@ mod tests {
         // A replay does not let the CPU draw while shaders are compiled.
         let line = "rtrt view demo:matchbox --size 64x36 --samples 1 --backend gpu --quiet --replay none";
         let Command::View(options) = Command::parse_from(line.split(' ')) else { unreachable!() };
-        match Viewer::new(&options, std::sync::Arc::new(|| ())) {
+        let waker: crate::command::view::viewer::Waker = std::sync::Arc::new(|| ());
+        match Viewer::new(&options, waker.clone(), Shots::new(waker)) {
             Err(error @ Error::Choose(_)) if std::env::var_os("RTRT_REQUIRE_GPU").is_none() => {
                 println!("skipped: {error}");
                 None

@@ -81,7 +81,7 @@ impl Viewer {
     fn picked(&mut self, place: [f64; 2]) -> Option<Selection> {
         let (origin, direction) = motion::ray(&self.job.camera, self.size, place)?;
         let hit = nearest(&mut self.tree, &self.job.scene, origin, direction)?;
-        let world = self.tree.world(&self.job.scene);
+        let world = self.tree.world(&*self.job.scene);
         let surface = world.surface(&hit)?;
         let position = DVec3::from(surface.position.map(f64::from));
         let point = Point {
@@ -100,7 +100,7 @@ impl Viewer {
             return None;
         }
         let (camera, near) = (self.job.camera, self.job.clip[0]);
-        let world = self.tree.world(&self.job.scene);
+        let world = self.tree.world(&*self.job.scene);
         Some(move |point: DVec3| {
             let Some((origin, way)) = motion::way_to(&camera, point) else { return true };
             let depth = crate::command::view::camera::depth(&camera, point).max(1e-9);
