@@ -15,13 +15,22 @@ fn main() -> ExitCode {
         rtrt::replace::abandon();
         std::process::exit(INTERRUPTED);
     });
-    match command::parsed(std::env::args_os()).and_then(|command| command::run(&command)) {
-        Ok(()) => ExitCode::SUCCESS,
+    let (ran, has_window) = match command::parsed(std::env::args_os()) {
+        Ok(command) => (command::run(&command), command.has_window()),
+        Err(error) => (Err(error), false),
+    };
+    let code = match ran {
+        Ok(()) => 0,
         Err(error) => {
             // Standard error may be closed.
             let _ = writeln!(std::io::stderr(), "error: {error}");
             let _ = writeln!(std::io::stderr(), "hint: {}", error.hint());
-            ExitCode::from(error.exit_code())
+            error.exit_code()
         }
+    };
+    if has_window {
+        // Who has closed a window waits for nothing.
+        rtrt::replace::leave(code);
     }
+    ExitCode::from(code)
 }

@@ -81,6 +81,24 @@ pub fn abandon() {
     }
 }
 
+/// Ends the process at once: partial files are removed, and nothing that a library does at the end of a process is done. A
+/// graphics driver would wait for its frame, and a thread that works is not waited for either.
+pub fn leave(code: u8) -> ! {
+    abandon();
+    // Standard output may be closed.
+    io::stdout().flush().ok();
+    #[cfg(unix)]
+    _exit(code.into());
+    #[cfg(not(unix))]
+    std::process::exit(code.into())
+}
+
+#[cfg(unix)]
+// SAFETY: POSIX declares it so; it may be called at any time.
+unsafe extern "C" {
+    safe fn _exit(status: std::ffi::c_int) -> !;
+}
+
 /// The folder of a file.
 pub fn folder(path: &Path) -> &Path {
     match path.parent() {

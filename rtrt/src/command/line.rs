@@ -49,6 +49,20 @@ pub enum Command {
     Man,
 }
 
+impl Command {
+    /// Whether it opens a window.
+    #[cfg(feature = "viewer")]
+    pub fn has_window(&self) -> bool {
+        matches!(self, Self::View(_))
+    }
+
+    /// Whether it opens a window.
+    #[cfg(not(feature = "viewer"))]
+    pub fn has_window(&self) -> bool {
+        false
+    }
+}
+
 const EXAMPLES: &str = "\
 Examples:
   rtrt render demo:matchbox -o matchbox.png

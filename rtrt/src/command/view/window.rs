@@ -117,7 +117,7 @@ pub struct App {
     /// Whether the figures of the loop are printed in the end.
     reports: bool,
     /// Why the viewer ended.
-    pub result: Result<(), Error>,
+    result: Result<(), Error>,
 }
 
 /// The figures of a replay, as `--json` prints them.
@@ -569,14 +569,6 @@ impl App {
         self.end(events, written);
     }
 
-    /// Prints the figures of a replay.
-    fn report(&mut self) -> Result<(), Error> {
-        if !std::mem::take(&mut self.reports) {
-            return Ok(());
-        }
-        output::print(output::json(&LoopReport { figures: self.figures.report() })?)
-    }
-
     /// Closes the window.
     fn end(&mut self, events: &ActiveEventLoop, result: Result<(), Error>) {
         if self.result.is_ok() {
@@ -587,16 +579,23 @@ impl App {
         events.exit();
         self.interrupt(true);
         // A frame ends in a moment. What lasts is given up together with the process; files are whole or not there.
-        if let Some(InProgress { thread, .. }) = self.in_progress.take() {
-            let start = Instant::now();
-            while !thread.is_finished() && start.elapsed() < LEAVES {
+        if let Some(InProgress { thread, ends, .. }) = self.in_progress.take() {
+            let (start, most) = (Instant::now(), if ends == Ends::Itself { Duration::ZERO } else { LEAVES });
+            while !thread.is_finished() && start.elapsed() < most {
                 std::thread::sleep(Duration::from_millis(1));
             }
         }
-        // A picture that somebody wanted is written.
+    }
+
+    /// What is left to be done without a window: screenshots that somebody wanted are written, and the figures of a replay
+    /// are printed. Returns why the viewer ended.
+    pub fn rest(&mut self) -> Result<(), Error> {
         let written = self.shots.all().into_iter().try_for_each(|(_, written)| written);
-        let result = std::mem::replace(&mut self.result, Ok(()));
-        self.result = result.and(written).and_then(|()| self.report());
+        std::mem::replace(&mut self.result, Ok(())).and(written)?;
+        if self.reports {
+            output::print(output::json(&LoopReport { figures: self.figures.report() })?)?;
+        }
+        Ok(())
     }
 }
 
