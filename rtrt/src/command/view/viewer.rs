@@ -359,7 +359,9 @@ impl Viewer {
     pub fn due(&self) -> Option<f64> {
         let settles = (self.still < SETTLE).then_some(SETTLE - self.still);
         let ticks = self.message.as_ref().map(|_| TICK);
-        let appears = self.selection.as_ref().map(|_| DOUBLE - self.selected_for).filter(|rest| *rest > 0.0);
+        let appears = self.selection.as_ref().map(|_| DOUBLE - self.selected_for);
+        // No longer than a step may be.
+        let appears = appears.filter(|rest| *rest > 0.0).map(|rest| rest.min(TICK));
         let moves = self.moves().then_some(0.0);
         [moves, settles, ticks, appears].into_iter().flatten().reduce(f64::min)
     }
