@@ -141,10 +141,10 @@ fn a_broken_file_of_the_folder_is_passed_and_named() {
     fs::write(folder.join("c.obj"), "v 0 0 0\n").unwrap();
     let recording = [
         &key("ArrowRight"),
-        "point loaded ./d.obj; passed b.glb, c.obj\nframe 0.05\n",
+        "frame 0.05\npoint loaded ./d.obj; passed b.glb, c.obj\nframe 0.05\n",
         SHOT,
         &key("ArrowLeft"),
-        "point loaded ./a.obj; passed c.obj, b.glb\nframe 0.05\n",
+        "frame 0.05\npoint loaded ./a.obj; passed c.obj, b.glb\nframe 0.05\n",
         SHOT,
     ];
     let output = view(&display, &folder, "a.obj --size 640x360 --samples 1 --backend cpu", &recording.concat());
@@ -154,7 +154,7 @@ fn a_broken_file_of_the_folder_is_passed_and_named() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(said.matches("warning: ./b.glb is passed: ").count(), 2, "{said}");
     fs::remove_file(folder.join("d.obj")).unwrap();
-    let none = "point the folder has no other scene that can be loaded; passed b.glb, c.obj\nframe 0.05\n";
+    let none = "frame 0.05\npoint the folder has no other scene that can be loaded; passed b.glb, c.obj\nframe 0.05\n";
     let recording = key("ArrowRight") + none + SHOT;
     let printed = lines(&view(&display, &folder, "a.obj --size 640x360 --samples 1 --backend cpu", &recording));
     assert!(printed[0].starts_with("rtrt render a.obj "), "{printed:?}");

@@ -97,6 +97,16 @@ pub struct Timing {
     pub stages_ms: [f64; Stage::COUNT],
 }
 
+/// What lies over the picture, without figures, which change all the time.
+#[derive(Debug, PartialEq)]
+pub struct Over {
+    settings: Settings,
+    message: Option<String>,
+    legend: Option<String>,
+    selection: Option<Selection>,
+    shows_selection: bool,
+}
+
 /// A viewer.
 pub struct Viewer {
     pub job: RenderJob,
@@ -289,6 +299,17 @@ impl Viewer {
         let meaning = view.meaning();
         let scale = shown.legend.as_ref().map_or(String::new(), |scale| format!("; {scale}"));
         Some(format!("{name}: {meaning}{scale}"))
+    }
+
+    /// What is to lie over the picture.
+    pub fn over(&self) -> Over {
+        Over {
+            settings: self.settings,
+            message: self.message().map(Cow::into_owned),
+            legend: self.legend(),
+            selection: self.selection.clone(),
+            shows_selection: self.shows_selection(),
+        }
     }
 
     /// Shares the device of the window.

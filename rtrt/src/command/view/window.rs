@@ -11,7 +11,7 @@ use super::screen::Screen;
 use super::seen::Seen;
 use super::system::{Fingers, translated};
 use super::shots::Shots;
-use super::viewer::{Rendered, Viewer, Waker, Wanted};
+use super::viewer::{Over, Rendered, Viewer, Waker, Wanted};
 use super::watch::{self, Change, Watch};
 use super::{guides, overlay, panel};
 use crate::command::Error;
@@ -151,6 +151,8 @@ enum Ends {
 /// What a frame shows, and when it began.
 struct Frame {
     over: FullOutput,
+    /// What that shows.
+    showed: Over,
     began: Instant,
     /// The picture, if it is a new one.
     wanted: Option<Wanted>,
@@ -289,14 +291,14 @@ impl App {
     /// Runs a frame: events, overlay, picture. Events wait while a frame is in progress.
     fn frame(&mut self, events: &ActiveEventLoop) {
         let Some(mut viewer) = self.viewer.take() else { return self.wait(events) };
-        let began = Instant::now();
+        let (began, showed) = (Instant::now(), viewer.over());
         let over = match self.step(&mut viewer) {
             Ok(Some(step)) => self.happen(&mut viewer, &step),
             Ok(None) => return self.end(events, Ok(())),
             Err(error) => return self.end(events, Err(error)),
         };
         let wanted = if viewer.has_to_open() { None } else { viewer.next() };
-        let frame = Frame { over, began, wanted, is_settled: viewer.is_settled() };
+        let frame = Frame { over, showed, began, wanted, is_settled: viewer.is_settled() };
         let Some(wanted) = wanted else {
             self.figures.unanswered();
             self.finish(events, viewer, frame, Rendered::Nowhere);
@@ -404,11 +406,13 @@ impl App {
     fn finish(&mut self, events: &ActiveEventLoop, viewer: Viewer, frame: Frame, rendered: Rendered) {
         let viewer = self.viewer.insert(viewer);
         let Some(screen) = &mut self.screen else { return };
-        let Frame { over, began, wanted, is_settled } = frame;
+        let Frame { over, showed, began, wanted, is_settled } = frame;
         if let (Some(wanted), Rendered::InMemory) = (wanted, rendered) {
             screen.upload(&viewer.pixels(), wanted.detail.size);
         }
         let delay = over.viewport_output.values().map(|output| output.repaint_delay).min();
+        // Events, time and pictures change what lies over the picture after it was laid out.
+        let delay = if viewer.over() == showed { delay } else { Some(Duration::ZERO) };
         self.wake = delay.and_then(|delay| Instant::now().checked_add(delay));
         if self.scene != viewer.scene() {
             self.scene = viewer.scene().to_owned();
