@@ -265,7 +265,7 @@ mod tests {
             projection: Projection::Perspective { fov_y: 1.0 },
         };
         let mut scene = Scene::new();
-        let mut frame = |scene: &Scene| {
+        let frame = |scene: &Scene| {
             let mut setup = Setup::default();
             setup.prepare(scene, &Request::new(&camera, [32, 16])).unwrap();
             setup.frame
