@@ -108,7 +108,7 @@ fn the_cpu_draws_while_a_gpu_compiles_and_escape_closes() {
 
 /// The figures of a replay.
 fn figures(display: &Display, test: &str, options: &str, recording: &str) -> serde_json::Value {
-    let line = format!("demo:matchbox --size 64x36 --backend cpu --json {options}");
+    let line = format!("demo:matchbox --backend cpu --json {options}");
     let output = view(display, &folder(test), &line, recording);
     let printed = lines(&output);
     assert_eq!(printed.len(), 1, "{}", stderr(&output));
@@ -121,11 +121,11 @@ fn every_replay_that_ends_well_reports() {
     let Some(display) = Display::start(&folder) else { return };
     let move_on = "press W\nframes 3 0.1\n";
     let pictures = |report: &serde_json::Value| report["pictures"].as_u64();
-    assert_eq!(pictures(&figures(&display, "reports_plain", "", move_on)), Some(3));
+    assert_eq!(pictures(&figures(&display, "reports_plain", "--size 64x36", move_on)), Some(3));
     // Recordings of a person end so.
     let closed = format!("{move_on}press Escape\nframe 0.1\n");
-    assert!(pictures(&figures(&display, "reports_closed", "", &closed)) >= Some(3));
-    assert!(pictures(&figures(&display, "reports_live", "--live", &closed)) >= Some(1));
+    assert!(pictures(&figures(&display, "reports_closed", "--size 64x36", &closed)) >= Some(3));
+    assert!(pictures(&figures(&display, "reports_live", "--size 64x36 --live", &closed)) >= Some(1));
 }
 
 #[test]
@@ -135,12 +135,12 @@ fn the_end_of_a_recording_waits_for_all_pixels() {
     // The rest is shorter than what a picture at rest waits for.
     let short = "frame 0.5\npress W\nframe 0.1\nrelease W\nframe 0.01\nframe 0.01\n";
     let start = Instant::now();
-    let report = figures(&display, "waits_short", "--live", short);
+    let report = figures(&display, "waits_short", "--size 1280x720 --live", short);
     let usual = start.elapsed();
     assert!(report["sharp_after_ms"]["median"].as_f64() > Some(0.0), "{report}");
     // What moves by itself is not waited for: that would take ten seconds.
     let start = Instant::now();
-    let report = figures(&display, "waits_moving", "--live", "frame 0.5\npress W\nframe 0.1\nframe 0.1\n");
+    let report = figures(&display, "waits_moving", "--size 64x36 --live", "frame 0.5\npress W\nframe 0.1\nframe 0.1\n");
     assert!(start.elapsed() < usual + Duration::from_secs(9), "{report}");
 }
 

@@ -560,7 +560,7 @@ mod tests {
 
     #[test]
     fn the_wheel_stops_at_a_wall_and_flies_through_it_in_the_mode_fly() {
-        let notches = [Event::Wheel(1.0)].repeat(100);
+        let notches = vec![Event::Wheel(1.0); 100];
         for before in [vec![], vec![Event::Modifiers(Modifiers { shift: true, ..Modifiers::default() })]] {
             let (camera, said) = after(FREE, &[&before[..], &notches].concat());
             assert!(camera.eye.z > 1.0 && camera.eye.z < 1.01, "{}", camera.eye);
@@ -568,7 +568,7 @@ mod tests {
         }
         let fly = [Event::Press(Key::T), Event::Release(Key::T), Event::Press(Key::T)];
         assert!(after(FREE, &[&fly[..], &notches].concat()).0.eye.z < 0.0);
-        let (pinched, _) = after(FREE, &[Event::Pinch(1.9)].repeat(30));
+        let (pinched, _) = after(FREE, &vec![Event::Pinch(1.9); 30]);
         assert!(pinched.eye.z > 1.0 && pinched.eye.z < 1.01, "{}", pinched.eye);
     }
 
