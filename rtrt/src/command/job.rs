@@ -640,11 +640,7 @@ pub struct Opened {
 
 /// Opens the backend of the options, and prints its name and the reason for the choice. With `hybrid` it
 /// rasterizes the first surfaces.
-pub fn open(
-    options: &BackendOptions,
-    hybrid: bool,
-    console: &Console,
-) -> Result<Opened, Error> {
+pub fn open(options: &BackendOptions, hybrid: bool, console: &Console) -> Result<Opened, Error> {
     console.step("opening the backend");
     let Chosen { backend, why, is_software } =
         choose(&choose::Options { hybrid, ..options.choose(console.on_gpu_failure()) })?;

@@ -147,7 +147,8 @@ fn a_broken_file_of_the_folder_is_passed_and_named() {
         "frame 0.05\npoint loaded ./a.obj; passed c.obj, b.glb\nframe 0.05\n",
         SHOT,
     ];
-    let output = view(&display, &folder, "a.obj --size 640x360 --samples 1 --backend cpu", &recording.concat());
+    let output =
+        view(&display, &folder, "a.obj --size 640x360 --samples 1 --backend cpu", &recording.concat());
     let printed = lines(&output);
     let scenes: Vec<_> = printed.iter().map(|line| line.split(' ').nth(2).unwrap()).collect();
     assert_eq!(scenes, ["./d.obj", "./a.obj"]);
@@ -156,7 +157,8 @@ fn a_broken_file_of_the_folder_is_passed_and_named() {
     fs::remove_file(folder.join("d.obj")).unwrap();
     let none = "frame 0.05\npoint the folder has no other scene that can be loaded; passed b.glb, c.obj\nframe 0.05\n";
     let recording = key("ArrowRight") + none + SHOT;
-    let printed = lines(&view(&display, &folder, "a.obj --size 640x360 --samples 1 --backend cpu", &recording));
+    let printed =
+        lines(&view(&display, &folder, "a.obj --size 640x360 --samples 1 --backend cpu", &recording));
     assert!(printed[0].starts_with("rtrt render a.obj "), "{printed:?}");
 }
 

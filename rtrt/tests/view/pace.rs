@@ -140,7 +140,12 @@ fn the_end_of_a_recording_waits_for_all_pixels() {
     assert!(report["sharp_after_ms"]["median"].as_f64() > Some(0.0), "{report}");
     // What moves by itself is not waited for: that would take ten seconds.
     let start = Instant::now();
-    let report = figures(&display, "waits_moving", "--size 64x36 --live", "frame 0.5\npress W\nframe 0.1\nframe 0.1\n");
+    let report = figures(
+        &display,
+        "waits_moving",
+        "--size 64x36 --live",
+        "frame 0.5\npress W\nframe 0.1\nframe 0.1\n",
+    );
     assert!(start.elapsed() < usual + Duration::from_secs(9), "{report}");
 }
 

@@ -564,7 +564,10 @@ mod tests {
         for before in [vec![], vec![Event::Modifiers(Modifiers { shift: true, ..Modifiers::default() })]] {
             let (camera, said) = after(FREE, &[&before[..], &notches].concat());
             assert!(camera.eye.z > 1.0 && camera.eye.z < 1.01, "{}", camera.eye);
-            assert!(matches!(said.last(), Some(Action::Say(text)) if text.contains("in the way")), "{said:?}");
+            assert!(
+                matches!(said.last(), Some(Action::Say(text)) if text.contains("in the way")),
+                "{said:?}"
+            );
         }
         let fly = [Event::Press(Key::T), Event::Release(Key::T), Event::Press(Key::T)];
         assert!(after(FREE, &[&fly[..], &notches].concat()).0.eye.z < 0.0);

@@ -38,7 +38,8 @@ fn typed(ui: &mut Ui) -> Option<Environment> {
     let id = Id::unique("environment's path");
     let mut path: String = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     let field = ui.add(TextEdit::singleline(&mut path).hint_text("path, then Enter"));
-    let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) && !path.is_empty();
+    let is_entered =
+        field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) && !path.is_empty();
     let typed = is_entered.then(|| environment(PathBuf::from(&path)));
     ui.data_mut(|data| data.insert_temp(id, if is_entered { String::new() } else { path }));
     typed

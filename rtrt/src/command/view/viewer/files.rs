@@ -142,7 +142,10 @@ impl Viewer {
             (path, places) = (next, places.signum());
         }
         if !passed.is_empty() {
-            self.say(format!("the folder has no other scene that can be loaded; passed {}", passed.join(", ")));
+            self.say(format!(
+                "the folder has no other scene that can be loaded; passed {}",
+                passed.join(", ")
+            ));
         }
         Ok(())
     }
