@@ -68,8 +68,8 @@ impl Backend for OneByOne {
         now.resize(frame);
         // A hit at 0 says that nothing has been looked for yet.
         now.hits.fill(Hit::zeroed());
-        // Behind the colors is what goes through the layers so far.
-        now.colors.resize(2 * frame.rays as usize, [1.0; 4]);
+        // The first records of all rays, then the second ones, and so on.
+        now.colors.resize((frame.records().max(2) * frame.rays) as usize, [1.0; 4]);
         let mut shadows = vec![0; (ShadowBuffer::new(frame).words_per_ray() * frame.rays) as usize];
         let mut around = vec![[0.0; 2]; frame.rays as usize];
         [picture.width, picture.height] = request.size;
@@ -191,18 +191,24 @@ fn run(
         Pass::Shade | Pass::Blend => {
             let record = |ray: u32| ambient::record(around[ray as usize], &surfaces[ray as usize]);
             let share = ambient::share::<f32>((), frame, unit, record);
-            let shaded = shade::shade(frame, maps, direction, &found, &IncomingLight::new(&lit[at]), share);
+            let rays = frame.rays as usize;
+            let mut before = LayerSum::new(direction);
+            if pass == Pass::Blend {
+                before = LayerSum::load(frame, direction, array::from_fn(|i| colors[i * rays + at]));
+            }
+            let incoming = IncomingLight::new(&lit[at]);
+            let shaded = shade::shade(frame, maps, direction, &before.beyond, &found, &incoming, share);
             if pass == Pass::Blend {
                 layers[(unit * *layer_count + *layer_count - frame.layers) as usize] = hits[at];
             }
-            colors[at] = if frame.has_layers() {
-                let through = at + frame.rays as usize;
-                let sum = LayerSum::load(frame, colors[at], colors[through]).blend(frame, &shaded);
-                colors[through] = sum.through_record();
-                sum.color
+            if frame.has_layers() {
+                let sum = before.blend(frame, &shaded);
+                for number in 0..frame.records() {
+                    colors[number as usize * rays + at] = sum.record(number);
+                }
             } else {
-                shaded.record()
-            };
+                colors[at] = shaded.record();
+            }
         }
         Pass::Resolve => {
             let grid = frame.grid();

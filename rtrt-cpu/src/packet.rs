@@ -23,12 +23,16 @@ use rtrt_core::stage::surface::Surfaces;
 use rtrt_core::stage::visibility::{directions, hit, visibility};
 use rtrt_core::stage::{ambient, detail, light, occlusion, surface};
 
+/// The most records of a ray: [`Frame::records`].
+pub const RECORDS: usize = 4;
+
 /// Words of a hit.
 pub const HIT: usize = 5;
 
 /// What the rays of a block leave for later steps, ray after ray or, of words, plane after plane: the first
 /// word of all rays, then the second.
 pub struct Rays<'a> {
+    /// [`RECORDS`] planes.
     pub colors: &'a mut [[f32; 4]],
     /// A plane a light, where shadows are not bits.
     pub transmittance: &'a mut [u32],
@@ -381,16 +385,12 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     fn shade(&self, step: Step, frame: &Frame, colors: &mut [[f32; 4]], ambient: &[ambient::Record]) {
         let Self { directions, surfaces, incoming, token, .. } = self;
         let maps = &self.context.maps;
-        // Behind the colors is what goes through colored layers.
-        let (colors, throughs) = colors.split_at_mut(RAYS);
-        let colors = &mut colors[self.first..];
-        let throughs = if frame.has_colored_layers() { &mut throughs[self.first..] } else { throughs };
         L::outlined(
             *token,
             #[inline(always)]
             || {
                 for g in 0..G {
-                    let colors = &mut colors[g * L::WIDTH..];
+                    let at = |number: u32| number as usize * RAYS + self.first + g * L::WIDTH;
                     let share = ambient::share::<L>(
                         *token,
                         frame,
@@ -398,32 +398,29 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
                         #[inline(always)]
                         |ray| ambient[ray as usize],
                     );
-                    let shaded = shade(frame, maps, directions[g], &surfaces[g], &incoming[g], share);
-                    if !frame.has_layers() {
-                        store(&shaded.record(), colors);
-                        continue;
-                    }
-                    let mut before = LayerSum::new(*token);
+                    let direction = directions[g];
+                    let mut before = LayerSum::new(direction);
                     if step.pass == Pass::Blend {
-                        let [color] = L::gather_fours(
-                            *token,
-                            #[inline(always)]
-                            |lane| [colors[lane]],
-                        );
-                        let mut through = before.color;
-                        if frame.has_colored_layers() {
-                            [through] = L::gather_fours(
+                        let mut records = [before.color; RECORDS];
+                        for number in 0..frame.records() {
+                            let from = &colors[at(number)..];
+                            [records[number as usize]] = L::gather_fours(
                                 *token,
                                 #[inline(always)]
-                                |lane| [throughs[g * L::WIDTH + lane]],
+                                |lane| [from[lane]],
                             );
                         }
-                        before = LayerSum::load(frame, color, through);
+                        before = LayerSum::load(frame, direction, records);
+                    }
+                    let (beyond, incoming) = (&before.beyond, &incoming[g]);
+                    let shaded = shade(frame, maps, direction, beyond, &surfaces[g], incoming, share);
+                    if !frame.has_layers() {
+                        store(&shaded.record(), &mut colors[at(0)..]);
+                        continue;
                     }
                     let sum = before.blend(frame, &shaded);
-                    store(&sum.color, colors);
-                    if frame.has_colored_layers() {
-                        store(&sum.through_record(), &mut throughs[g * L::WIDTH..]);
+                    for number in 0..frame.records() {
+                        store(&sum.record(number), &mut colors[at(number)..]);
                     }
                 }
             },

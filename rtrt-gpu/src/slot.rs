@@ -107,8 +107,7 @@ pub(crate) const TABLE: [Row; Slot::COUNT] = {
         row::<u32>(Slot::Transmittance, "transmittance", Ray(|frame| shadow_words(frame)[1])),
         row::<[f32; 2]>(Slot::Ambient, "ambient", Ray(|frame| frame.has_ambient_rays().into())),
         row::<Lit>(Slot::Lit, "lit", Ray(|_| 1)),
-        // Behind the colors is what goes through colored layers.
-        row::<[f32; 4]>(Slot::Colors, "colors", Ray(|frame| 1 + u64::from(frame.has_colored_layers()))),
+        row::<[f32; 4]>(Slot::Colors, "colors", Ray(|frame| frame.records().into())),
         row::<Hit>(Slot::Layers, "layers", Ray(|frame| frame.layers_behind().into())),
         row::<u32>(Slot::Pixels, "pixels", Count::Frame(|frame| all(Unit::Pixel, frame))),
     ]

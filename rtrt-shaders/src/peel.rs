@@ -2,7 +2,7 @@
 
 use crate::ambient::share;
 use crate::index;
-use crate::shade::store;
+use crate::shade::{record, store};
 use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::kernel::geometry::Geometry;
@@ -81,11 +81,15 @@ pub fn blend(
         let surface = Surfaces::new(&surfaces[index as usize]);
         let arriving = IncomingLight::new(&lit[index as usize]);
         let share = share(frame, index, surfaces, found);
-        let shaded =
-            stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving, share);
-        let color = colors[index as usize];
-        let through =
-            if frame.has_colored_layers() { colors[(frame.rays + index) as usize] } else { [0.0; 4] };
-        store(frame, colors, index, &LayerSum::load(frame, color, through).blend(frame, &shaded));
+        let records = [
+            record(frame, colors, index, 0),
+            record(frame, colors, index, 1),
+            record(frame, colors, index, 2),
+            record(frame, colors, index, 3),
+        ];
+        let before = LayerSum::load(frame, direction, records);
+        let (maps, beyond) = (Maps { materials, texels }, before.beyond);
+        let shaded = stage::shade::shade(frame, &maps, direction, &beyond, &surface, &arriving, share);
+        store(frame, colors, index, &before.blend(frame, &shaded));
     }
 }

@@ -6,18 +6,25 @@ use rtrt_core::grid::RayIndex;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::layout::{Frame, Lit, MaterialRecord, Surface, View};
 use rtrt_core::stage;
+use rtrt_core::stage::beyond::Beyond;
 use rtrt_core::stage::light::IncomingLight;
 use rtrt_core::stage::peel::LayerSum;
 use rtrt_core::stage::surface::Surfaces;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
-/// Keeps what a ray has seen. What goes through colored layers is behind the colors of all rays of the dispatch.
+/// Keeps what a ray has seen. Behind the first records of all rays of the dispatch are their second ones, and so on.
 pub fn store(frame: &Frame, colors: &mut [[f32; 4]], index: u32, sum: &LayerSum<f32>) {
-    colors[index as usize] = sum.color;
-    if frame.has_colored_layers() {
-        colors[(frame.rays + index) as usize] = sum.through_record();
+    let mut number = 0;
+    while number < frame.records() {
+        colors[(number * frame.rays + index) as usize] = sum.record(number);
+        number += 1;
     }
+}
+
+/// The record of a ray with this number; zeros where frames keep none.
+pub fn record(frame: &Frame, colors: &[[f32; 4]], index: u32, number: u32) -> [f32; 4] {
+    if number < frame.records() { colors[(number * frame.rays + index) as usize] } else { [0.0; 4] }
 }
 
 /// The color that each ray brings back.
@@ -41,10 +48,11 @@ pub fn shade(
         let surface = Surfaces::new(&surfaces[index as usize]);
         let arriving = IncomingLight::new(&lit[index as usize]);
         let share = share(frame, index, surfaces, found);
-        let shaded =
-            stage::shade::shade(frame, &Maps { materials, texels }, direction, &surface, &arriving, share);
+        let maps = Maps { materials, texels };
+        let beyond = Beyond::new(direction);
+        let shaded = stage::shade::shade(frame, &maps, direction, &beyond, &surface, &arriving, share);
         if frame.has_layers() {
-            store(frame, colors, index, &LayerSum::new(()).blend(frame, &shaded));
+            store(frame, colors, index, &LayerSum::new(direction).blend(frame, &shaded));
         } else {
             colors[index as usize] = shaded.record();
         }

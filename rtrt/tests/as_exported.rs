@@ -576,8 +576,19 @@ fn glass_says_what_of_it_is_approximated() {
     let (material, warnings) = glass(r#"0},"extensions":{"KHR_materials_ior":{"ior":1.5}"#);
     assert_eq!((material.transmission, warnings.len()), (0.5, 0));
     assert_eq!(material.extensions, MaterialRecord::TRANSMITS | MaterialRecord::IGNORES_ALPHA);
-    let (_, warnings) = glass(r#"0.5},"extensions":{"KHR_materials_volume":{"thicknessFactor":1}"#);
-    assert_eq!(warnings, ["not drawn: refraction (glass is drawn as thin panes), the blur of rough glass"]);
+    assert_eq!((material.refraction, material.double_sided), (1.0, 0));
+    let volume = r#"0.5},"extensions":{"KHR_materials_volume":{"thicknessFactor":1}"#;
+    let (material, warnings) = glass(&format!(r#"{volume},"KHR_materials_ior":{{"ior":1.25}}"#));
+    let refraction = "refraction of what is behind glass, but for the environment";
+    let blur = "the blur of what is behind rough glass, but for the environment";
+    assert_eq!(warnings, [format!("not drawn: {refraction}, {blur}")]);
+    // Rays meet both sides of a body.
+    assert_eq!((material.refraction, material.double_sided), (1.25, 1));
+    assert_eq!(glass(volume).0.refraction, 1.5);
+    let deflects = |material: &MaterialRecord| material.extensions & MaterialRecord::DEFLECTS != 0;
+    assert!(
+        deflects(&material) && deflects(&glass(r#"0.5},"extensions":{"KHR_materials_ior":{"ior":1.5}"#).0)
+    );
 }
 
 #[test]

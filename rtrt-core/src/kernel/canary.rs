@@ -20,6 +20,7 @@ use crate::kernel::mip::{footprint, levels};
 use crate::kernel::offset::{ErrorBound, offset};
 use crate::kernel::penumbra::penumbra_radius;
 use crate::kernel::ray::{Ray, normal, point, vector};
+use crate::kernel::refraction::{exit_normal, refracted};
 use crate::kernel::screen_bounds::{screen_bounds, sphere_in_block};
 use crate::kernel::shadow_distance::is_near;
 use crate::kernel::sheen::Sheen;
@@ -108,6 +109,8 @@ names! {
     "reflectance",
     "sheen",
     "albedo of a sheen",
+    "refraction",
+    "normal where light leaves",
     "thin film",
     "variance of a triangle",
     "variance of a sphere",
@@ -255,9 +258,11 @@ pub fn canary<L: Lane>(token: L::Token, words: &[u32], given: &Given<'_>, index:
         bits(width),
         bits(flush(widened(w, u))),
         fold(bits(flush(white.sum)), bits(flush(white.grazing))),
-        bits(flush(white.reflectance(u, v, white.boost()))),
+        bits(flush(white.reflectance(u, v))),
         bits(fibers.respond(unit, lambert(ball, unit))),
         bits(flush(fibers.albedo(w))),
+        folded(flush3(refracted(-unit, ball, num::recip(u + 1.0)))),
+        folded(flush3(exit_normal(ball, facing, num::recip(u + 1.0)))),
         folded(Film { ior: u * 2.0 + 1.0, thickness: v * 2048.0 }.reflectance(w, V3 { x: u, y: v, z: w })),
         bits(variance::of_curve(w, u, &curve)),
         bits(variance::of_sphere(u, v)),

@@ -19,6 +19,7 @@ pub mod packet;
 pub mod penumbra;
 pub mod project;
 pub mod ray;
+pub(crate) mod refraction;
 pub mod screen_bounds;
 pub mod shadow_distance;
 pub mod shear;

@@ -13,8 +13,7 @@
 //!
 //! A microfacet hides part of the light that another one mirrors: a rough surface that mirrors everything gives
 //! back `A + B < 1`. What is hidden goes on to the next microfacet, and most of it comes out:
-//! [`Albedo::reflectance`] adds it (Turquin, "Practical multiple scattering compensation for microfacet
-//! models", 2019).
+//! [`Albedo::reflectance`] adds it.
 
 use crate::lane::Lane;
 use crate::num::{clamp, recip, rsqrt};
@@ -83,25 +82,23 @@ impl<L: Lane> Albedo<L> {
     /// gives back in the end:
     ///
     /// ```text
-    /// (F · A + F₉₀ · B) · (1 + F₀ · (1 / (A + B) − 1))
+    /// (F · A + F₉₀ · B) / (1 − F̄ · (1 − A − B))
     ///
     /// F = F₀ + max(F₉₀ · (1 − roughness) − F₀, 0) · (1 − n·v)⁵
+    /// F̄ = F₀ + (F₉₀ − F₀) / 21,   the mean of Schlick's F over all angles
     /// ```
     ///
-    /// which is 1 where both are. `F` in place of `F₀` is what Fdez-Agüera has ("A Multiple-Scattering Microfacet Model
-    /// for Real-Time Image-based Lighting", 2019) and, after him, the Khronos renderer, whose pictures people
-    /// expect: at grazing angles smooth surfaces mirror more than the integral says. `boost` is [`Albedo::boost`]. At most 1 for shares within 0 ..= 1.
+    /// which is 1 where both are: what is hidden is mirrored again and again, `1 + x + x² + …` with
+    /// `x = F̄ (1 − A − B)` (Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting",
+    /// 2019). `F` in place of `F₀` is his too, and the Khronos renderer's, whose pictures people expect: at grazing
+    /// angles smooth surfaces mirror more than the integral says. At most 1 for shares within 0 ..= 1.
     #[inline(always)]
-    pub fn reflectance(&self, normal: L, grazing: L, boost: L) -> L {
+    pub fn reflectance(&self, normal: L, grazing: L) -> L {
         let more = (grazing * self.smoothness - normal).max(normal.broadcast(0.0));
         let once = (normal + more * self.rise) * (self.sum - self.grazing) + grazing * self.grazing;
-        once + once * normal * boost
-    }
-
-    /// `1 / (A + B) − 1`.
-    #[inline(always)]
-    pub fn boost(&self) -> L {
-        recip(self.sum) - 1.0
+        let mean = normal + (grazing - normal) * (1.0 / 21.0);
+        let one = normal.broadcast(1.0);
+        once * recip(one - mean * (one - self.sum))
     }
 }
 
@@ -159,15 +156,26 @@ mod tests {
         for x in 0..=50 {
             for roughness in 0..=50 {
                 let albedo = albedo(x as f32 / 50.0, roughness as f32 / 50.0);
-                let boost = albedo.boost();
-                assert!((albedo.reflectance(1.0, 1.0, boost) - 1.0).abs() < 1e-5);
+                assert!((albedo.reflectance(1.0, 1.0) - 1.0).abs() < 1e-5);
                 assert!(albedo.grazing <= albedo.sum);
                 for normal in [0.0, 0.04, 0.3, 0.9] {
-                    let back = albedo.reflectance(normal, 1.0, boost);
+                    let back = albedo.reflectance(normal, 1.0);
                     assert!((0.0..=1.0 + 1e-6).contains(&back), "{x} {roughness} {normal} {back}");
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_rough_metal_gives_back_less_than_its_color() {
+        // Head-on, α = 1: A + B = 1 − ln 2, of which B is the part that facets at grazing angles mirror.
+        let albedo = albedo(1.0_f32, 1.0);
+        assert_eq!(albedo.grazing, 0.0);
+        let once = 0.5 * (1.0 - core::f64::consts::LN_2);
+        // What is hidden and mirrored, again and again.
+        let again = (0.5 + 0.5 / 21.0) * core::f64::consts::LN_2;
+        let series: f64 = (0..200).map(|n| once * again.powi(n)).sum();
+        assert!((f64::from(albedo.reflectance(0.5, 1.0)) - series).abs() < 0.01, "{series}");
     }
 
     #[test]
@@ -177,7 +185,7 @@ mod tests {
             let rise = (1.0 - cosine).powi(5);
             let fresnel = 0.04 + 0.96 * rise;
             let expected = fresnel * (1.0 - rise) + rise;
-            assert!((albedo.reflectance(0.04, 1.0, albedo.boost()) - expected).abs() < 0.05);
+            assert!((albedo.reflectance(0.04, 1.0) - expected).abs() < 0.05);
         }
     }
 }

@@ -157,11 +157,13 @@ pub struct MaterialRecord {
     /// The share of light that goes through it in place of being scattered, 0 ..= 1, multiplied with the red of its
     /// texture.
     pub transmission: f32,
+    /// The index of refraction of the body that it bounds where light goes through it, at least 1; 1 for a thin pane.
+    pub refraction: f32,
     /// [`MaterialRecord::COLOR`] and so on.
     pub textures: [Texture; MaterialRecord::TEXTURES],
 }
 const _: () =
-    assert!(size_of::<MaterialRecord>() == 140 + 16 * 60 && offset_of!(MaterialRecord, textures) == 140);
+    assert!(size_of::<MaterialRecord>() == 144 + 16 * 60 && offset_of!(MaterialRecord, textures) == 144);
 
 impl MaterialRecord {
     /// [`MaterialRecord::unlit`] of a surface that shows shadows and nothing else.
@@ -219,4 +221,6 @@ impl MaterialRecord {
     pub const IGNORES_ALPHA: u32 = 64;
     /// Catches shadows: [`MaterialRecord::unlit`] is [`MaterialRecord::CATCHES_SHADOWS`].
     pub const IS_SHADOW_CATCHER: u32 = 128;
+    /// Turns the light that it lets through, or scatters it.
+    pub const DEFLECTS: u32 = 256;
 }

@@ -372,6 +372,23 @@ impl Frame {
     pub fn has_colored_layers(&self) -> bool {
         self.has_layers() && self.has(MaterialRecord::TRANSMITS)
     }
+    /// Whether layers turn or scatter the light that they let through, so that rays keep behind that share where it
+    /// comes from.
+    #[inline(always)]
+    pub fn has_deflecting_layers(&self) -> bool {
+        self.has_colored_layers() && self.has(MaterialRecord::DEFLECTS)
+    }
+    /// Records that a ray keeps: its color, and see [`Frame::has_colored_layers`] and [`Frame::has_deflecting_layers`].
+    #[inline(always)]
+    pub fn records(&self) -> u32 {
+        if self.has_deflecting_layers() {
+            4
+        } else if self.has_colored_layers() {
+            2
+        } else {
+            1
+        }
+    }
     /// Whether shadows are transmittances instead of bits.
     #[inline(always)]
     pub fn has_transmittance(&self) -> bool {

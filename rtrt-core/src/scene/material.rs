@@ -97,6 +97,9 @@ pub struct Material {
     pub transmission: f32,
     /// The map that multiplies it (red).
     pub transmission_map: Option<Texture>,
+    /// The index of refraction, 1 ..= 8, of the body that the surface bounds and through which light goes; its mesh is
+    /// closed and has both sides. 1, for a thin pane, unless set.
+    pub refraction: f32,
     /// A clear coat. None unless set.
     pub clearcoat: Option<Clearcoat>,
     /// A sheen. None unless set.
@@ -132,6 +135,7 @@ impl Default for Material {
             unlit: false,
             transmission: 0.0,
             transmission_map: None,
+            refraction: 1.0,
             clearcoat: None,
             sheen: None,
             anisotropy: None,
@@ -206,6 +210,12 @@ impl Material {
     #[must_use]
     pub fn transmission(self, transmission: f32, map: impl Into<Option<Texture>>) -> Self {
         Self { transmission, transmission_map: map.into(), ..self }
+    }
+
+    /// The material of a body with this index of refraction.
+    #[must_use]
+    pub fn refraction(self, refraction: f32) -> Self {
+        Self { refraction, ..self }
     }
 
     /// The material with a clear coat.
@@ -318,6 +328,7 @@ impl Material {
             double_sided: u32::from(self.double_sided),
             brushed_turn: [1.0, 0.0],
             transmission: if transmits { self.transmission } else { 0.0 },
+            refraction: self.refraction,
             textures: [Texture::NONE; MaterialRecord::TEXTURES],
             ..MaterialRecord::zeroed()
         };
@@ -342,6 +353,9 @@ impl Material {
         }
         if transmits {
             record.extensions |= MaterialRecord::TRANSMITS;
+            if self.roughness > 0.0 || self.refraction > 1.0 {
+                record.extensions |= MaterialRecord::DEFLECTS;
+            }
         }
         if ignores_alpha {
             record.extensions |= MaterialRecord::IGNORES_ALPHA;
@@ -389,6 +403,7 @@ fn check(m: &mut MaterialRecord) -> Result<(), SceneError> {
         ("strength of scratches", &mut m.brushed, 0.0, 1.0),
         ("share of the film", &mut m.film, 0.0, 1.0),
         ("transmission", &mut m.transmission, 0.0, 1.0),
+        ("index of refraction", &mut m.refraction, 1.0, 8.0),
     ] {
         within(what, slice::from_mut(value), low, high)?;
     }

@@ -2,6 +2,7 @@
 //! the order of [`schedule`](crate::schedule).
 
 pub mod ambient;
+pub mod beyond;
 pub mod bin;
 mod coating;
 pub mod context;
@@ -49,7 +50,10 @@ mod tests {
             let [lit] = super::occlusion::word::<L, 1>(&context, 0, ray, &[seen]);
             let shadows = super::light::ShadowTerms::new(|_| lit, |_| lit);
             let incoming = super::light::light(frame, context.views, &maps, &shadows, ray, direction, &seen);
-            let color = super::shade::shade(frame, &maps, direction, &seen, &incoming, L::splat((), 1.0));
+            let color = {
+                let beyond = super::beyond::Beyond::new(direction);
+                super::shade::shade(frame, &maps, direction, &beyond, &seen, &incoming, L::splat((), 1.0))
+            };
             let numbers = color.record().map(|channel| channel.lane(0));
             let pixel = super::resolve::resolve::<L>((), frame, |_| [0, 0], |_| numbers, |_| [0.0; 4]);
             let sum = |v: V3<L>| (v.x.to_bits() + v.y.to_bits() + v.z.to_bits()).0;

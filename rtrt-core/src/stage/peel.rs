@@ -15,6 +15,7 @@ use crate::kernel::triangle::Intersection;
 use crate::lane::{Bits, Lane, Mask, Select, V3, groups};
 use crate::layout::{AlphaKind, Frame, NONE};
 use crate::num::flush;
+use crate::stage::beyond::Beyond;
 use crate::stage::context::Context;
 use crate::stage::shade::Shaded;
 use crate::stage::visibility::{rays, trace, unfound};
@@ -121,23 +122,26 @@ pub struct LayerSum<L> {
     /// The share of what is behind that reaches the camera, a channel. In frames without
     /// [colored layers](Frame::has_colored_layers) it is what `color` does not cover.
     pub through: V3<L>,
+    /// Where that comes from.
+    pub beyond: Beyond<L>,
 }
 
 impl<L: Lane> LayerSum<L> {
-    /// Nothing seen yet.
+    /// Nothing seen yet by rays in this direction.
     #[inline(always)]
-    pub fn new(token: L::Token) -> Self {
-        Self { color: [L::splat(token, 0.0); 4], through: V3::splat(token, [1.0; 3]) }
+    pub fn new(direction: V3<L>) -> Self {
+        let none = direction.x.broadcast(0.0);
+        let one = none.broadcast(1.0);
+        Self { color: [none; 4], through: V3 { x: one, y: one, z: one }, beyond: Beyond::new(direction) }
     }
 
-    /// That of rays whose records are a color, and, in frames with colored layers, what goes through.
+    /// That of rays in this direction with these records, of which the frame's first [`Frame::records`] count.
     #[inline(always)]
-    pub fn load(frame: &Frame, color: [L; 4], through: [L; 4]) -> Self {
-        if frame.has_colored_layers() {
-            return Self { color, through: V3 { x: through[0], y: through[1], z: through[2] } };
-        }
+    pub fn load(frame: &Frame, direction: V3<L>, [color, through, toward, entry]: [[L; 4]; 4]) -> Self {
         let uncovered = color[3].broadcast(1.0) - color[3];
-        Self { color, through: V3 { x: uncovered, y: uncovered, z: uncovered } }
+        let [x, y, z, _] = if frame.has_colored_layers() { through } else { [uncovered; 4] };
+        let beyond = Beyond::load(frame, direction, [toward, entry]);
+        Self { color, through: V3 { x, y, z }, beyond }
     }
 
     /// The sum with a layer behind those before.
@@ -151,7 +155,7 @@ impl<L: Lane> LayerSum<L> {
     /// counts as opaque, unless rays that hit nothing have an alpha of 0: it then covers what it hits.
     #[inline(always)]
     pub fn blend(&self, frame: &Frame, shaded: &Shaded<L>) -> Self {
-        let Self { color: before, through } = *self;
+        let Self { color: before, through, beyond } = *self;
         let one = before[3].broadcast(1.0);
         let done = is_covered(before[3]);
         let is_last = frame.layers == 1;
@@ -173,6 +177,7 @@ impl<L: Lane> LayerSum<L> {
                 before[3],
             ],
             through,
+            beyond,
         };
         if !frame.has_colored_layers() {
             let covered = alpha.ge(one).select(one, before[3] + through.x * alpha);
@@ -190,15 +195,24 @@ impl<L: Lane> LayerSum<L> {
         let left =
             V3 { x: rest(through.x, clear.x), y: rest(through.y, clear.y), z: rest(through.z, clear.z) };
         next.through = V3::select(done, through, left);
+        if frame.has_deflecting_layers() {
+            next.beyond = Beyond::select(done, beyond, shaded.beyond);
+        }
         let covered = one - (next.through.x + next.through.y + next.through.z) * THIRD;
         next.color[3] = done.select(before[3], ends.select(one, covered));
         next
     }
 
-    /// The record of what goes through.
+    /// The record with this number, below [`Frame::records`]: the color, what goes through, and where that comes from.
     #[inline(always)]
-    pub fn through_record(&self) -> [L; 4] {
-        [self.through.x, self.through.y, self.through.z, self.through.x.broadcast(0.0)]
+    pub fn record(&self, number: u32) -> [L; 4] {
+        let [toward, entry] = self.beyond.records();
+        match number {
+            0 => self.color,
+            1 => [self.through.x, self.through.y, self.through.z, self.through.x.broadcast(0.0)],
+            2 => toward,
+            _ => entry,
+        }
     }
 }
 
@@ -287,8 +301,10 @@ mod tests {
     fn layers_cover_what_those_before_left() {
         let frame = |layers| Frame { layers, ..Frame::zeroed() };
         let blend = |frame: &Frame, before: [f32; 4], [r, g, b, alpha]: [f32; 4]| {
-            let shaded = Shaded { color: V3 { x: r, y: g, z: b }, alpha, through: V3::splat((), [0.0; 3]) };
-            LayerSum::load(frame, before, [0.0; 4]).blend(frame, &shaded).color
+            let none = V3::splat((), [0.0; 3]);
+            let (color, beyond) = (V3 { x: r, y: g, z: b }, Beyond::new(none));
+            let shaded = Shaded { color, alpha, through: none, beyond };
+            LayerSum::load(frame, none, [before, [0.0; 4], [0.0; 4], [0.0; 4]]).blend(frame, &shaded).color
         };
         let first = blend(&frame(3), [0.0; 4], [1.0, 0.5, 0.0, 0.5]);
         assert_eq!(first, [0.5, 0.25, 0.0, 0.5]);
@@ -310,9 +326,10 @@ mod tests {
     fn glass_colors_what_is_behind_it() {
         let frame = |layers| Frame { layers, extensions: MaterialRecord::TRANSMITS, ..Frame::zeroed() };
         let at = |v| V3::<f32>::splat((), v);
-        let glass = Shaded { color: at([0.1; 3]), alpha: 1.0, through: at([0.75, 0.5, 0.0]) };
-        let wall = Shaded { color: at([0.5; 3]), alpha: 1.0, through: at([0.0; 3]) };
-        let first = LayerSum::new(()).blend(&frame(3), &glass);
+        let beyond = Beyond::new(at([0.0, 0.0, -1.0]));
+        let glass = Shaded { color: at([0.1; 3]), alpha: 1.0, through: at([0.75, 0.5, 0.0]), beyond };
+        let wall = Shaded { color: at([0.5; 3]), alpha: 1.0, through: at([0.0; 3]), beyond };
+        let first = LayerSum::new(beyond.direction).blend(&frame(3), &glass);
         assert_eq!((first.color[0], first.through.lane(0)), (0.1, [0.75, 0.5, 0.0]));
         assert!((first.color[3] - 7.0 / 12.0).abs() < 1e-6);
         let behind = first.blend(&frame(2), &wall);

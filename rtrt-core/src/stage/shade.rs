@@ -11,6 +11,7 @@ use crate::kernel::vertex_color::channels;
 use crate::lane::{Bits, Lane, Mask, Select, V3, times};
 use crate::layout::{AlphaKind, Frame, MaterialRecord};
 use crate::num::{FLOOR, clamp, flush, flush3, normalize, recip};
+use crate::stage::beyond::{Beyond, Pane};
 use crate::stage::coating::Coating;
 use crate::stage::light::{IncomingLight, brushed};
 use crate::stage::surface::Surfaces;
@@ -24,6 +25,8 @@ pub struct Shaded<L> {
     pub alpha: L,
     /// The share of light from behind that comes through what is covered, a channel; 0 but for glass.
     pub through: V3<L>,
+    /// Where that light comes from, in frames with [deflecting layers](Frame::has_deflecting_layers).
+    pub beyond: Beyond<L>,
 }
 
 impl<L: Lane> Shaded<L> {
@@ -65,13 +68,14 @@ impl<L: Lane> Shaded<L> {
 ///
 /// `ambient` comes from the environment, by the normal, and `mirrored` from it along the mirrored ray, blurred as
 /// the roughness says. Without an environment both are the ambient light, which has one radiance everywhere.
-/// An environment is the background too, unless the frame says otherwise. The paper mirrors it whatever occludes
+/// An environment is the background too, seen where `beyond` says, unless the frame says otherwise. The paper mirrors it whatever occludes
 /// it; here, as in glTF, the texture of occlusion dims all light that comes from no lamp.
 #[inline(always)]
 pub fn shade<L: Lane>(
     frame: &Frame,
     maps: &Maps<'_>,
     direction: V3<L>,
+    beyond: &Beyond<L>,
     surfaces: &Surfaces<L>,
     arriving: &IncomingLight<L>,
     share: L,
@@ -83,13 +87,22 @@ pub fn shade<L: Lane>(
     let shows_sky = frame.shows_sky();
     let clear = one.broadcast(if shows_sky { 1.0 } else { 0.0 });
     let background = if shows_sky && (!found).any() {
-        let behind = mirrored(maps, sky, direction, one.broadcast(frame.backdrop_blur));
+        let mut blur = one.broadcast(frame.backdrop_blur);
+        if frame.has_deflecting_layers() {
+            blur = blur.max(beyond.roughness());
+        }
+        let behind = mirrored(maps, sky, beyond.direction, blur);
         flush3(behind.scale(one.broadcast(frame.backdrop_strength)))
     } else {
         V3::splat(token, [0.0; 3])
     };
     if !found.any() {
-        return Shaded { color: background, alpha: clear, through: V3::splat(token, [0.0; 3]) };
+        return Shaded {
+            color: background,
+            alpha: clear,
+            through: V3::splat(token, [0.0; 3]),
+            beyond: *beyond,
+        };
     }
     let to_viewer = normalize(-direction);
     let material = surface_material(frame, maps, surfaces, to_viewer);
@@ -105,12 +118,21 @@ pub fn shade<L: Lane>(
     } else {
         V3::splat(token, [0.0; 3])
     };
+    let mut beyond = *beyond;
+    if frame.has_deflecting_layers() {
+        let [refraction]: [L; 1] =
+            MaterialLookup::new(surfaces.material).numbers::<Refraction, 1>(token, maps);
+        let none = one.broadcast(0.0);
+        let clear = through.x.gt(none) | through.y.gt(none) | through.z.gt(none);
+        let pane = Pane { normal: surfaces.normal, roughness: material.roughness, refraction };
+        beyond = beyond.through(clear, &pane);
+    }
     let color = V3::select(found, V3::select(material.unlit, flush3(material.base), lit), background);
     let mut alpha = material.alpha;
     if frame.has(MaterialRecord::IS_SHADOW_CATCHER) {
         alpha = material.catches.select(flush(shadow(ambient, share, arriving)), alpha);
     }
-    Shaded { color, alpha: found.select(alpha, clear), through }
+    Shaded { color, alpha: found.select(alpha, clear), through, beyond }
 }
 
 /// The light from all around.
@@ -154,9 +176,8 @@ fn lit<L: Lane>(
     let mirrored_share = occlusion * (share + (one - share) * flush(glossy * glossy));
     let occlusion = occlusion * share;
     let albedo = albedo(cosine, roughness);
-    let boost = albedo.boost();
-    let back = |normal: L| albedo.reflectance(normal, grazing, boost);
-    let kept = one - albedo.reflectance(dielectric, strength, boost);
+    let back = |normal: L| albedo.reflectance(normal, grazing);
+    let kept = one - albedo.reflectance(dielectric, strength);
     let through = flush3(ambient.scale(occlusion * kept)) + flush3(arriving.diffuse.scale(one - dielectric));
     let reflectance = V3 { x: back(mirror.x), y: back(mirror.y), z: back(mirror.z) };
     let reflected = flush3(times(reflectance, around.scale(mirrored_share)));
@@ -410,6 +431,16 @@ impl MaterialField<1> for Transmission {
     }
 }
 
+/// How much the body of a material turns light.
+struct Refraction;
+
+impl MaterialField<1> for Refraction {
+    #[inline(always)]
+    fn pick(material: &MaterialRecord) -> [f32; 1] {
+        [material.refraction]
+    }
+}
+
 /// What a material says of its surfaces, but for what they mirror.
 struct Numbers;
 
@@ -459,7 +490,8 @@ mod tests {
             grazing: V3::splat((), [0.25; 3]),
             coating: zero,
         };
-        shade(&frame, &maps, V3::splat((), [0.0, 0.0, -1.0]), &surfaces, &arriving, 1.0)
+        let direction = V3::splat((), [0.0, 0.0, -1.0]);
+        shade(&frame, &maps, direction, &Beyond::new(direction), &surfaces, &arriving, 1.0)
     }
 
     /// A smooth surface that is no metal.
@@ -487,7 +519,8 @@ mod tests {
         let metal = MaterialRecord { metallic: 1.0, roughness: 1.0, ..dielectric() };
         let lit = shaded(Frame::zeroed(), Some(metal)).color.lane(0);
         let once = 1.0 - core::f32::consts::LN_2;
-        let back = |base: f32| base * once * (1.0 + base * (1.0 / once - 1.0));
+        let mean = |base: f32| base + (1.0 - base) / 21.0;
+        let back = |base: f32| base * once / (1.0 - mean(base) * core::f32::consts::LN_2);
         let expected = metal.base.map(|base| base * 0.5 + 0.25 + back(base) * 0.125);
         assert!(near(lit, expected), "{lit:?} {expected:?}");
     }
@@ -503,6 +536,19 @@ mod tests {
         let black = shaded(frame, Some(MaterialRecord { base: [0.0; 3], ..dielectric() })).color.lane(0);
         assert!(near(half, [0, 1, 2].map(|i| (opaque[i] + black[i]) * 0.5)), "{half:?}");
         assert_eq!(shaded(frame, None).through.lane(0), [0.0; 3]);
+    }
+
+    #[test]
+    fn light_turns_and_scatters_where_there_is_glass() {
+        let extensions = MaterialRecord::TRANSMITS | MaterialRecord::DEFLECTS;
+        let frame = Frame { layers: 2, extensions, ..Frame::zeroed() };
+        let rough = MaterialRecord { transmission: 0.5, roughness: 0.5, refraction: 1.0, ..dielectric() };
+        let behind = |material| shaded(frame, Some(material)).beyond.roughness();
+        assert!((behind(rough) - 0.5).abs() < 1e-4);
+        // What lets nothing through, and frames that do not ask.
+        assert_eq!(behind(MaterialRecord { transmission: 0.0, ..rough }), 0.0);
+        let plain = Frame { extensions: MaterialRecord::TRANSMITS, ..frame };
+        assert_eq!(shaded(plain, Some(rough)).beyond.roughness(), 0.0);
     }
 
     #[test]

@@ -8,9 +8,14 @@ use rtrt_core::scene::Scene;
 const ENDS: [u8; 2] = [250, 3];
 /// The share of a picture that may be white, and black, percent.
 const LIMITS: [usize; 2] = [33, 75];
+/// From this step on the brightest channel of a pixel counts as bright.
+const BRIGHT: u8 = 128;
+/// The share of a picture whose bright pixels may be white, and of these pixels the share that may be, percent.
+const LAMPS: [usize; 2] = [5, 75];
 
-/// A line about a picture of which a third is white, or three quarters are black. Pixels of the background's
-/// color do not count, nor do transparent ones.
+/// A line about a picture of which a third is white, or three quarters are black; or whose bright places are white, most
+/// of them: what lamps light is then lost, though it is little. Pixels of the background's color do not count, nor do
+/// transparent ones.
 pub fn clipped(scene: &Scene, picture: &Picture) -> Option<String> {
     let background = scene.background.to_array().map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
     let bytes = picture.bytes();
@@ -22,7 +27,9 @@ pub fn clipped(scene: &Scene, picture: &Picture) -> Option<String> {
         (100 * clipped).checked_div(all).unwrap_or(0)
     };
     let (white, black) = (share(|c| c >= ENDS[0]), share(|c| c <= ENDS[1]));
-    let (percent, what) = if white >= LIMITS[0] {
+    let bright = counted().filter(|[r, g, b, _]| *r.max(g).max(b) >= BRIGHT).count();
+    let is_lost = white >= LAMPS[0] && white * all >= LAMPS[1] * bright;
+    let (percent, what) = if white >= LIMITS[0] || is_lost {
         (white, "white")
     } else if black >= LIMITS[1] {
         (black, "black")
@@ -52,6 +59,11 @@ mod tests {
     fn much_white_or_black_is_named_with_the_option_that_helps() {
         let (white, black, red) = ([255, 252, 250, 255], [1, 2, 3, 255], [255, 0, 0, 255]);
         assert_eq!(said(&[(white, 32), (black, 40), (red, 28)]), None);
+        // A lamp's spots in the dark, and a light place in a picture of others.
+        let dark = [60, 20, 10, 255];
+        assert!(said(&[(white, 5), (dark, 95)]).unwrap().starts_with("5 % of the picture is white"));
+        assert_eq!(said(&[(white, 4), (dark, 96)]), None);
+        assert_eq!(said(&[(white, 5), (dark, 80)]), None);
         let line = said(&[(white, 33)]).unwrap();
         assert!(
             line.starts_with("33 % of the picture is white") && line.contains("--exposure auto"),

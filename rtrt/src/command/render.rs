@@ -11,7 +11,7 @@ use super::names::{self, filled, has_camera, is_numbered};
 use super::npy::{Array, npz};
 use super::options::RenderOptions;
 use super::output::{self, png};
-use super::parse::{Background, Stream, ends_in, is_standard};
+use super::parse::{Background, Exposure, Stream, ends_in, is_standard};
 use super::report::{Machine, PerStage, buffer_hashes};
 use super::run_report::{RunReport, Shot};
 use super::sinks::Sinks;
@@ -238,9 +238,9 @@ impl Run<'_> {
             self.write(path, job, &layers, &shot)?;
         }
         let picture = &self.picture;
-        if let Some(line) =
-            (frame.is_first && options.debug.is_none()).then(|| clipped(&job.scene, picture)).flatten()
-        {
+        let is_metered = options.common.exposure == Exposure::Auto;
+        let is_asked = frame.is_first && options.debug.is_none() && !is_metered;
+        if let Some(line) = is_asked.then(|| clipped(&job.scene, picture)).flatten() {
             console.say(line);
         }
         if let Some(reference) = options.compare.as_ref().map(name) {

@@ -92,6 +92,9 @@ fn a_picture_that_is_mostly_white_or_black_says_so_once() {
     }
     assert!(!said("").contains("of the picture is"));
     assert!(!said("--light sun:1,3,1:color=9000,9000,9000 --exposure auto").contains("of the picture is"));
+    // A black picture that is metered: another exposure is no help.
+    let dark = "--light sun:1,3,1:color=0,0,0 --ambient 0,0,0 --exposure auto";
+    assert!(!said(dark).contains("of the picture is"));
     assert_eq!(said("--light sun:1,3,1:color=9000,9000,9000 --quiet"), "");
 }
 

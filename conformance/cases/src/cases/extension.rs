@@ -6,6 +6,7 @@ use super::material::{NEAR, bump_texel, noise, normals, numbers};
 use crate::case::Case;
 use crate::shape::{Build, Random, Shape};
 use glam::{Mat4, Vec3};
+use rtrt_core::backend::Shadows;
 use rtrt_core::layout::{Texture, Wrap};
 use rtrt_core::scene::{Anisotropy, Clearcoat, Iridescence, Light, Material, Mesh, Scene, Sheen};
 
@@ -100,6 +101,24 @@ pub(super) const CASES: &[Case] = &[
         ..NEAR
     },
     Case {
+        name: "extension/glass",
+        claim: "Bodies turn the environment behind them, rough glass blurs it, and what is between stays sharp.",
+        scene: glass,
+        samples: 4,
+        ..NEAR
+    },
+    Case {
+        name: "extension/glass_under_soft_shadows",
+        claim: "Where blocks wait for one another, rays keep where light comes from.",
+        scene: || {
+            let mut scene = glass();
+            scene.add_light(Light::point([2.0, 3.0, 3.0]).radius(0.3));
+            scene
+        },
+        shadows: Shadows::Soft,
+        ..NEAR
+    },
+    Case {
         name: "extension/all_at_once",
         claim: "Surfaces of one packet have each their own extensions, without an environment too.",
         scene: many,
@@ -135,6 +154,31 @@ fn shown(material: impl Fn(&mut Build, u32) -> Material) -> Scene {
         build.scene.add_instance(ball, material, place).expect("a case's instance");
     }
     around(build.light(Light::point([2.0, 2.0, 3.0])).light(Light::sun([0.6, -1.0, 0.1])), 64, 32)
+}
+
+/// Balls and panes of glass of several kinds, some behind others, with opaque things between them.
+fn glass() -> Scene {
+    let mut build = Build::default();
+    let ball = build.mesh(Shape::ball(8).at([0.0; 3], 0.42));
+    let pane = build.mesh(Shape::quad([-0.7, -0.7, 0.0], [1.4, 0.0, 0.0], [0.0, 1.4, 0.3]));
+    let rough = shares(&mut build, 6, 0);
+    let kinds = [
+        (ball, Material::new([1.0, 0.9, 0.8]).roughness(0.0).refraction(1.5)),
+        (ball, Material::new([0.8, 0.9, 1.0]).roughness(0.4).refraction(1.2)),
+        (ball, Material::default().roughness(0.1).refraction(2.4).transmission(0.7, None)),
+        (pane, Material::new([0.9, 1.0, 0.9]).roughness(0.5)),
+        (ball, Material::new([0.7, 0.2, 0.1])),
+        (ball, Material::default().roughness(1.0).metallic_roughness_map(rough).refraction(1.33)),
+    ];
+    for (i, (mesh, material)) in (0..).zip(kinds) {
+        let clear =
+            if material.transmission > 0.0 || i == 4 { material } else { material.transmission(1.0, None) };
+        let material = build.scene.add_material(clear).expect("a case's material");
+        let (x, y) = ((i % 3) as f32 * 0.8 - 0.8, (i / 3) as f32 * 0.8 - 0.4);
+        let at = Vec3::new(x, y, if i == 4 { -0.8 } else { 0.2 * i as f32 });
+        build.scene.add_instance(mesh, material, Mat4::from_translation(at)).expect("a case's instance");
+    }
+    around(build.light(Light::sun([0.6, -1.0, 0.1])), 64, 32)
 }
 
 /// Small tiles, each with some of the extensions.

@@ -145,13 +145,12 @@ impl<'a> Materials<'a> {
         if transmission.transmission_factor.0 <= 0.0 {
             return Ok(None);
         }
-        let volume = extensions.and_then(|e| e.volume.as_ref());
-        if volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0) {
-            builder.not_drawn.insert("refraction (glass is drawn as thin panes)");
+        if has_thickness(source) {
+            builder.not_drawn.insert("refraction of what is behind glass, but for the environment");
         }
         let pbr = &source.pbr_metallic_roughness;
         if pbr.roughness_factor.0 > 0.1 {
-            builder.not_drawn.insert("the blur of rough glass");
+            builder.not_drawn.insert("the blur of what is behind rough glass, but for the environment");
         }
         self.map(builder, coordinates, transmission.transmission_texture.as_ref(), Content::Numbers)
     }
@@ -195,7 +194,7 @@ impl<'a> Materials<'a> {
             .occlusion_map(occlusion, occlusion_strength)
             .emission(emission)
             .emission_map(emission_map)
-            .double_sided(source.double_sided)
+            .double_sided(source.double_sided || material.refraction > 1.0)
             .unlit(extensions.is_some_and(|e| e.unlit.is_some())))
     }
 
@@ -219,6 +218,9 @@ impl<'a> Materials<'a> {
             let ior = p.number("ior", 1.5, [0.0, 1e6]);
             let ratio = (ior - 1.0) / (ior + 1.0);
             material = material.specular([ratio * ratio; 3]);
+            if material.refraction > 1.0 {
+                material = material.refraction(ior.clamp(1.0, 8.0));
+            }
         }
         if let Some(p) = of(SPECULAR) {
             let color = p.color("specularColorFactor", 1.0, COLOR_LIMIT);
@@ -468,7 +470,9 @@ fn base_color_content(source: &material::Material) -> Content {
 /// base · attenuation color ^ (thickness / (2 · attenuation distance))
 /// ```
 ///
-/// Refraction, the blur of rough glass, the texture of thickness and the scale of nodes have no effect.
+/// The surfaces of a volume bound a body: rays meet both of its sides, whatever the material says of them (the
+/// extension asks that of ray tracers), and light turns by the index of refraction, 1.5 without KHR_materials_ior.
+/// The texture of thickness and the scale of nodes have no effect.
 fn see_through(
     source: &material::Material,
     alpha: f32,
@@ -494,7 +498,14 @@ fn see_through(
         let Volume { attenuation_color, attenuation_distance, thickness_factor, .. } = volume;
         tinted(base, attenuation_color.0, thickness_factor.0, attenuation_distance.0)
     });
-    material.base_color(base).transmission(transmission, map)
+    let material = material.base_color(base).transmission(transmission, map);
+    if has_thickness(source) { material.refraction(1.5) } else { material }
+}
+
+/// Whether the surfaces of a material bound a body.
+fn has_thickness(source: &material::Material) -> bool {
+    let volume = source.extensions.as_ref().and_then(|e| e.volume.as_ref());
+    volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0)
 }
 
 /// A base color, tinted by half of the absorption of a volume.
