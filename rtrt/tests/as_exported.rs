@@ -401,15 +401,17 @@ fn clip_planes_in_a_wrong_order_are_ignored_with_a_warning() {
     assert_eq!(loaded.warnings, ["the clip planes of the camera of node 0 are ignored: 2 and 1"]);
 }
 
-/// A square on two nodes, a lamp and a camera, under a node at this place.
-fn under_a_node(place: [f64; 3]) -> Vec<u8> {
+/// A square on two nodes, a lamp and a camera, under a node at this place; with `more`, one more square at the origin of
+/// coordinates.
+fn under_a_node(place: [f64; 3], more: bool) -> Vec<u8> {
+    let nodes = if more { "0,6" } else { "0" };
     let members = format!(
         r#""extensionsUsed":["KHR_lights_punctual"],"extensions":{{"KHR_lights_punctual":{{"lights":[
-        {{"type":"point","intensity":30}}]}}}},"scenes":[{{"nodes":[0]}}],
+        {{"type":"point","intensity":30}}]}}}},"scenes":[{{"nodes":[{nodes}]}}],
         "nodes":[{{"translation":{place:?},"children":[1,2,3,4,5]}},{{"mesh":0}},
         {{"mesh":0,"translation":[0.3,0.1,0.4],"scale":[0.2,0.3,1]}},{{"camera":0,"translation":[0.7,0.2,3]}},
         {{"translation":[1.3,0.9,2.1],"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}},
-        {{"mesh":0,"translation":[-0.4,0,0.2],"scale":[0.1,0.1,0.1],"rotation":[0.6,0,0,0.8]}}],
+        {{"mesh":0,"translation":[-0.4,0,0.2],"scale":[0.1,0.1,0.1],"rotation":[0.6,0,0,0.8]}},{{"mesh":0}}],
         "cameras":[{{"type":"perspective","perspective":{{"yfov":0.9,"znear":0.01}}}}],
         "materials":[{{"doubleSided":true}}],
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],
@@ -421,10 +423,12 @@ fn under_a_node(place: [f64; 3]) -> Vec<u8> {
 
 #[test]
 fn what_is_far_from_the_origin_is_drawn_as_if_it_were_near() {
-    let pictures = [[0.0; 3], [6e6, 0.0, -4e6], [-6_000_000.5, 3e5, 1e7]].map(|place| {
-        let loaded = loaded(&format!("far-{}", place[0]), &[("x.gltf", &under_a_node(place))]);
-        // All of the scene is within a few units of that place.
-        assert!((loaded.origin - glam::DVec3::from(place)).abs().max_element() < 2.1, "{}", loaded.origin);
+    let far = [6e6, 0.0, -4e6];
+    // All of the scene, or what the camera is beside.
+    let places = [([0.0; 3], false), (far, false), ([-6_000_000.5, 3e5, 1e7], false), (far, true)];
+    let pictures = places.map(|(place, more)| {
+        let loaded = loaded(&format!("far-{}{more}", place[0]), &[("x.gltf", &under_a_node(place, more))]);
+        assert!((loaded.origin - glam::DVec3::from(place)).abs().max_element() < 3.3, "{}", loaded.origin);
         let request = Request::new(&loaded.cameras[0].camera, [48, 32]).shadows(Shadows::Hard);
         let mut picture = Picture::default();
         let mut cpu = Cpu::new(Options { lanes: Some(1), threads: Some(1) }).unwrap();

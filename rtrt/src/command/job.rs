@@ -165,7 +165,8 @@ impl RenderJob {
             samples,
             rays,
             shadows: common.shadows(),
-            layers: common.transparency_depth,
+            // A ground that counts as opaque would be black.
+            layers: common.transparency_depth.max(1 + u32::from(common.surroundings.ground)),
             bvh_build_ms,
             load_ms: 0.0,
             own_lights,

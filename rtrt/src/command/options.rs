@@ -189,7 +189,7 @@ pub struct Common {
     #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
     pub light_radius: Option<f32>,
     /// The most transparent surfaces along a ray; the last one is drawn as opaque. 1 draws everything as
-    /// opaque
+    /// opaque; with --ground it is 2 at least
     #[arg(long, value_name = "N", default_value_t = LAYERS, value_parser = clap::value_parser!(u32).range(1..=i64::from(Setup::MAX_LAYERS)), allow_negative_numbers = true)]
     pub transparency_depth: u32,
     /// The lists of the camera's blocks: of objects; of parts of objects with at most so many triangles;

@@ -153,6 +153,16 @@ fn a_ground_shows_shadows_and_nothing_else() {
         assert_eq!((all[i], part[i][..3].to_vec()), ([0, 0, 0, 255], vec![0; 3]));
         assert!((30..250).contains(&part[i][3]), "{:?}", part[i]);
     }
+    // The last layer of a ray counts as opaque, and a ground never does.
+    for background in ["transparent", "0.2,0.4,0.8", "env"] {
+        let line = aside.replace("--background transparent", &format!("--background {background}"));
+        let [one, many] = [1, 8].map(|n| {
+            drawn(&folder, &format!("{line} --environment studio --ground --transparency-depth {n}"))
+        });
+        assert!(one.iter().flatten().zip(many.iter().flatten()).all(|(a, b)| a.abs_diff(*b) <= 1));
+        let shadow = one.iter().filter(|[r, g, b, a]| *a == 255 && r.max(g).max(b) < &8).count();
+        assert!(shadow < 4, "{background}: {shadow} black pixels");
+    }
     let off = drawn(&folder, &format!("{aside} --shadows off --ground"));
     assert!(off.iter().zip(&without).all(|(a, b)| a[3] == b[3]));
 }

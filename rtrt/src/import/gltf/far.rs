@@ -1,20 +1,25 @@
 //! Where the scene of a file is, before anything of it is read.
 
 use super::transform::{children, rest_worlds};
-use crate::import::origin::Bounds;
+use crate::import::origin::{self, Bounds};
 use glam::{DMat4, DVec3};
 use gltf_json::mesh::Semantic;
 use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Node, Root, Value};
 
-/// What to subtract from the world of this file: see [`Bounds::origin`].
+/// What to subtract from the world of this file: see [`origin::origin`]. The eye is that of its first camera.
 ///
 /// Bounds are those that accessors of positions state, placed by the nodes of the scene at rest. Of a mesh with a skin,
 /// which joints place, they are the joints.
 pub(super) fn origin(root: &Root) -> DVec3 {
     let worlds = rest_worlds(&root.nodes);
-    let mut bounds = Bounds::NONE;
+    let (mut objects, mut eye) = (Vec::new(), None);
     for (node, world) in drawn(root).map(|number| (&root.nodes[number], &worlds[number])) {
+        let mut bounds = Bounds::NONE;
+        if let Some(camera) = node.camera.map(|camera| camera.value()) {
+            let is_first = eye.is_none_or(|(first, _)| camera < first);
+            eye = if is_first { Some((camera, world.w_axis.truncate())) } else { eye };
+        }
         let skin = node.skin.and_then(|skin| root.get(skin));
         match skin {
             Some(skin) => {
@@ -23,8 +28,11 @@ pub(super) fn origin(root: &Root) -> DVec3 {
             }
             None => add_mesh(root, node, world, &mut bounds),
         }
+        if bounds.low.cmple(bounds.high).all() {
+            objects.push(bounds);
+        }
     }
-    bounds.origin()
+    origin::origin(&objects, eye.map(|(_, place)| place))
 }
 
 /// The numbers of nodes in the scene that is drawn, each once.
