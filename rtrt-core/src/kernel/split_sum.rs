@@ -26,6 +26,9 @@ pub const LEAST_COSINE: f32 = 0.02;
 /// [`LEAST_ALPHA_SQUARED`](crate::kernel::microfacet::LEAST_ALPHA_SQUARED).
 const LEAST_ROUGHNESS: f32 = 0.044_194_174;
 
+/// The mean of `(1 − n·v)⁵` over all angles, weighted by the cosine.
+const FRESNEL_MEAN: f32 = 1.0 / 21.0;
+
 /// The parts of what is mirrored; see the module.
 #[derive(Clone, Copy)]
 pub struct Albedo<L> {
@@ -96,7 +99,7 @@ impl<L: Lane> Albedo<L> {
     pub fn reflectance(&self, normal: L, grazing: L) -> L {
         let more = (grazing * self.smoothness - normal).max(normal.broadcast(0.0));
         let once = (normal + more * self.rise) * (self.sum - self.grazing) + grazing * self.grazing;
-        let mean = normal + (grazing - normal) * (1.0 / 21.0);
+        let mean = normal + (grazing - normal) * FRESNEL_MEAN;
         let one = normal.broadcast(1.0);
         once * recip(one - mean * (one - self.sum))
     }
