@@ -194,7 +194,7 @@ fn run(
             let rays = frame.rays as usize;
             let mut before = LayerSum::new(direction);
             if pass == Pass::Blend {
-                before = LayerSum::load(frame, direction, array::from_fn(|i| colors[i * rays + at]));
+                before = LayerSum::load(frame, direction, std::array::from_fn(|i| colors[i * rays + at]));
             }
             let incoming = IncomingLight::new(&lit[at]);
             let shaded = shade::shade(frame, maps, direction, &before.beyond, &found, &incoming, share);
