@@ -89,7 +89,7 @@ impl<L: Lane> Beyond<L> {
     /// s = 1 of a thin pane, min(2 · refraction − 2, 1) of a body
     /// ```
     ///
-    /// Light turns where it enters a body and where it leaves it (see [`crate::kernel::refraction`]). The lobe is as
+    /// Light turns where it enters a body and where it leaves it (see `kernel::refraction`). The lobe is as
     /// wide as that of what is mirrored, and narrower where there is little refraction, as in the Khronos sample
     /// renderer. A body ends at the next surface of one: bodies in bodies are not told apart.
     #[inline(always)]
