@@ -48,6 +48,7 @@ impl<L: Lane, O: Lane> Ray<L, O> {
     }
 }
 
+#[cfg(feature = "alloc")]
 impl Ray<f32> {
     /// The same ray in all lanes.
     #[inline(always)]

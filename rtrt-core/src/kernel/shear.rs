@@ -101,6 +101,7 @@ impl<L: Lane> Shear<L> {
     }
 }
 
+#[cfg(feature = "alloc")]
 impl Shear<f32> {
     /// The same in all lanes.
     #[inline(always)]
