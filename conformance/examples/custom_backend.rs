@@ -194,7 +194,10 @@ fn run(
             let rays = frame.rays as usize;
             let mut before = LayerSum::new(direction);
             if pass == Pass::Blend {
-                before = LayerSum::load(frame, direction, std::array::from_fn(|i| colors[i * rays + at]));
+                // Records beyond those that the frame keeps do not count.
+                let kept = |number: usize| number.min(frame.records() as usize - 1);
+                let record = |number| colors[kept(number) * rays + at];
+                before = LayerSum::load(frame, direction, std::array::from_fn(record));
             }
             let incoming = IncomingLight::new(&lit[at]);
             let shaded = shade::shade(frame, maps, direction, &before.beyond, &found, &incoming, share);

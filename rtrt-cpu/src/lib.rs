@@ -116,7 +116,9 @@ impl Cpu {
 }
 
 impl Memory {
-    /// Fills the tiles of blocks, and the deferred buffers if requested, until `stop` is true.
+    /// Fills the tiles of blocks, and the deferred buffers if requested, until `stop` is true. Not inlined: what counts
+    /// the instructions of a frame finds it by its name.
+    #[inline(never)]
     fn frame(
         &mut self,
         level: InstructionSet,

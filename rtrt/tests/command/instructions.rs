@@ -36,7 +36,9 @@ fn counted(scene: &str, folder: &Folder) -> u64 {
         .unwrap();
     assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stderr));
     let text = std::fs::read_to_string(counts).unwrap();
-    text.lines().find_map(|line| line.strip_prefix("summary: ")).unwrap().trim().parse().unwrap()
+    let count = text.lines().find_map(|line| line.strip_prefix("summary: ")).unwrap().trim().parse().unwrap();
+    assert_ne!(count, 0, "no function of this name: Memory::frame of rtrt-cpu");
+    count
 }
 
 /// The version that `rustc` prints.

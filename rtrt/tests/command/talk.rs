@@ -25,7 +25,7 @@ fn quiet_says_nothing_and_verbose_says_more() {
     assert_eq!(said("--quiet"), "");
     let (usual, more) = (said(""), said("-v"));
     assert!(usual.contains("backend: cpu") && !usual.contains("visibility"), "{usual}");
-    assert!(more.contains("1 triangles stored") && more.contains("visibility"), "{more}");
+    assert!(more.contains("1 triangle stored") && more.contains("visibility"), "{more}");
     assert_eq!(code(&folder.run(&format!("render scene.obj {LINE} -o out.png -q -v"))), 2);
     // Errors are said all the same.
     assert!(stderr(&folder.run("render missing.obj --quiet -o out.png")).starts_with("error: "));
