@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! $ cargo run --release -p rtrt --example golden
-//! ec48fd6986c95e9adc75d82b75f226665c84458164b93fe5753efe5ca841b5a2  three balls
+//! a3002bedb627cd9fd70edfa071fe160adfd2dce10990b94540dd17046749228b  three balls
 //! $ cargo test --release -p rtrt --example golden
 //! test a_ball_rests_on_its_floor ... ok
 //! test one_hash_on_every_machine ... ok
@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 #[test]
 fn one_hash_on_every_machine() {
-    assert_eq!(hash().unwrap(), "ec48fd6986c95e9adc75d82b75f226665c84458164b93fe5753efe5ca841b5a2");
+    assert_eq!(hash().unwrap(), "a3002bedb627cd9fd70edfa071fe160adfd2dce10990b94540dd17046749228b");
 }
 
 #[test]
