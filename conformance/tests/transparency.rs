@@ -183,6 +183,45 @@ fn what_is_behind_everything_is_behind_panes() {
     assert_eq!(picture.pixels[0], 0);
 }
 
+/// Clear glass of a body.
+fn body(roughness: f32) -> Material {
+    Material::new([1.0; 3]).transmission(1.0, None).refraction(1.5).roughness(roughness).double_sided(true)
+}
+
+/// Adds an environment, white above the horizon and black below it.
+fn under_a_white_sky(build: Build) -> Scene {
+    let mut scene = build.scene;
+    let rgb = (0..64 * 32).map(|texel| [if texel < 64 * 16 { 1.0 } else { 0.0 }; 3]).collect();
+    scene.set_environment(&Panorama { width: 64, height: 32, rgb }).unwrap();
+    scene.backdrop = Backdrop::Environment;
+    scene
+}
+
+#[test]
+fn a_ball_of_glass_turns_the_world_over() {
+    let ball = Shape::ball(48).at([0.0; 3], 0.125);
+    let scene = under_a_white_sky(Build::default().shape_of(ball, body(0.0)));
+    // Rays go along the horizon. Those that meet the ball above its middle go down behind it, by 2 (i - r).
+    let (picture, _) = render(&scene, Vec3::Z * 4.0, Vec3::ZERO, 8);
+    let red = |row: usize| picture.pixels[row * 16 + 8] & 255;
+    assert!(red(5) < 80 && red(10) > 240, "{} {}", red(5), red(10));
+    // Straight through a pane of the same glass.
+    let pane = under_a_white_sky(Build::default().shape_of(square(0.0), body(0.0)));
+    let (picture, _) = render(&pane, Vec3::new(0.0, -1.5, 4.0), Vec3::ZERO, 8);
+    assert!(picture.pixels.iter().all(|pixel| pixel & 255 > 240), "{:x}", picture.pixels[0]);
+}
+
+#[test]
+fn rough_glass_blurs_what_is_behind_everything() {
+    let red = |roughness| {
+        let pane = under_a_white_sky(Build::default().shape_of(square(0.0), body(roughness)));
+        // Upward by 20 degrees, so that a wide lobe reaches below the horizon.
+        render(&pane, Vec3::new(0.0, -1.5, 4.0), Vec3::ZERO, 8).0.pixels[0] & 255
+    };
+    let (clear, blurred) = (red(0.0), red(0.7));
+    assert!(clear > 240 && blurred < clear - 10, "{clear} {blurred}");
+}
+
 #[test]
 fn layers_behind_the_first_are_a_stage_of_their_own_in_times() {
     let time = |material: Material| {

@@ -571,3 +571,43 @@ fn what_belongs_to_another_scene_is_refused() {
     assert!(scene.add_mesh(&mesh, &Bvh { nodes: vec![], triangles: vec![] }).is_err());
     assert!(scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).is_ok());
 }
+
+#[test]
+fn indices_name_the_same_things_in_a_clone_and_changes_stay_where_they_are_made() {
+    let mut scene = Scene::new();
+    let white = scene.add_material(Material::default()).unwrap();
+    let at = |z: f32| Mat4::from_translation(Vec3::new(0.0, 0.0, z));
+    let ball = scene.add_sphere(white, at(-5.0)).unwrap();
+    let ray = Ray::new([0.0; 3], [0.0, 0.0, -1.0]);
+    let mut trees = [Tree::default(), Tree::default()];
+    let mut hit = |scene: &Scene| {
+        let tree = &mut trees[usize::from(scene.instances().len() > 1)];
+        tree.world(scene).closest(&ray).unwrap().map(|hit| (hit.instance, hit.t.round()))
+    };
+    assert_eq!(hit(&scene), Some((ball, 4.0)));
+    let mut clone = scene.clone();
+    assert!(clone.id() != scene.id());
+    // The tree of the scene is none of the clone.
+    clone.set_transform(ball, at(-9.0)).unwrap();
+    assert_eq!([hit(&clone), hit(&scene)], [Some((ball, 8.0)), Some((ball, 4.0))]);
+    scene.hide(ball).unwrap();
+    assert_eq!([hit(&clone), hit(&scene)], [Some((ball, 8.0)), None]);
+    let near = clone.add_sphere(white, at(-3.0)).unwrap();
+    assert_eq!([hit(&clone), hit(&scene)], [Some((near, 2.0)), None]);
+    assert!(scene.set_transform(near, at(0.0)).is_err(), "it is not in the scene");
+    // Other scenes know none of them.
+    assert!(Scene::new().set_transform(ball, at(0.0)).is_err());
+
+    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut shapes = Shapes::new();
+    let mesh = shapes.add_mesh(&positions, &[0, 1, 2], &Sequential).unwrap();
+    let first = shapes.add_instance(mesh, at(-5.0)).unwrap();
+    let mut other = shapes.clone();
+    other.set_transform(first, at(-7.0)).unwrap();
+    let ray = Ray::new([0.25, 0.25, 0.0], [0.0, 0.0, -1.0]);
+    let mut tree = Tree::default();
+    let mut hit = |shapes: &Shapes<'_>| {
+        tree.world(shapes).closest(&ray).unwrap().map(|hit| (hit.instance, hit.t.round()))
+    };
+    assert_eq!([hit(&other), hit(&shapes)], [Some((first, 7.0)), Some((first, 5.0))]);
+}

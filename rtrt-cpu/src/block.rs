@@ -6,7 +6,7 @@ use crate::clock::Clock;
 use crate::context::FrameContext;
 use crate::instant::Instant;
 use crate::instruction_set::LaneTask;
-use crate::packet::{HIT, PacketState, RECORDS, Rays};
+use crate::packet::{HIT, PacketState, Rays};
 use crate::planes::{Planes, Rows};
 use crate::records::Records;
 use crate::wide::Wide;
@@ -47,7 +47,7 @@ impl Block {
         self.transmittance.resize(RAYS * frame.transmittance_words() as usize, 0);
         let penumbras = usize::from(frame.shadow_kind() == ShadowKind::Penumbra);
         self.hits.resize(penumbras * RAYS * HIT, 0);
-        self.colors.resize(penumbras * RECORDS * RAYS, [0.0; 4]);
+        self.colors.resize(penumbras * Frame::RECORDS * RAYS, [0.0; 4]);
         self.cells.resize(penumbras * RAYS * cells::count(frame), 0);
         self.summaries.resize(penumbras * frame.lights as usize, PenumbraSummary::NONE);
         self.is_done = false;
@@ -85,7 +85,7 @@ impl LaneTask for RunBlock<'_, '_> {
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
         let Self { context, steps, index, block, mut records, filter } = self;
         let Block { tile, transmittance, hits, colors, cells, summaries, is_done } = block;
-        let mut local = [[0.0; 4]; RECORDS * RAYS];
+        let mut local = [[0.0; 4]; Frame::RECORDS * RAYS];
         // Where no step waits for other blocks, colors need no memory but the stack's.
         let colors = if colors.is_empty() { &mut local[..] } else { colors };
         // Rays ask and shade between the same barriers.

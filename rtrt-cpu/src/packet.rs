@@ -23,16 +23,13 @@ use rtrt_core::stage::surface::Surfaces;
 use rtrt_core::stage::visibility::{directions, hit, visibility};
 use rtrt_core::stage::{ambient, detail, light, occlusion, surface};
 
-/// The most records of a ray: [`Frame::records`].
-pub const RECORDS: usize = 4;
-
 /// Words of a hit.
 pub const HIT: usize = 5;
 
 /// What the rays of a block leave for later steps, ray after ray or, of words, plane after plane: the first
 /// word of all rays, then the second.
 pub struct Rays<'a> {
-    /// [`RECORDS`] planes.
+    /// [`Frame::RECORDS`] planes.
     pub colors: &'a mut [[f32; 4]],
     /// A plane a light, where shadows are not bits.
     pub transmittance: &'a mut [u32],
@@ -401,7 +398,7 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
                     let direction = directions[g];
                     let mut before = LayerSum::new(direction);
                     if step.pass == Pass::Blend {
-                        let mut records = [before.color; RECORDS];
+                        let mut records = [before.color; Frame::RECORDS];
                         for number in 0..frame.records() {
                             let from = &colors[at(number)..];
                             [records[number as usize]] = L::gather_fours(

@@ -589,6 +589,9 @@ fn glass_says_what_of_it_is_approximated() {
     // Rays meet both sides of a body.
     assert_eq!((material.refraction, material.double_sided), (1.25, 1));
     assert_eq!(glass(volume).0.refraction, 1.5);
+    // Also where they do not turn light.
+    let (material, _) = glass(&format!(r#"{volume},"KHR_materials_ior":{{"ior":1}}"#));
+    assert_eq!((material.refraction, material.double_sided), (1.0, 1));
     let deflects = |material: &MaterialRecord| material.extensions & MaterialRecord::DEFLECTS != 0;
     assert!(
         deflects(&material) && deflects(&glass(r#"0.5},"extensions":{"KHR_materials_ior":{"ior":1.5}"#).0)

@@ -285,6 +285,9 @@ impl View {
 }
 
 impl Frame {
+    /// The most [records](Self::records) that a ray keeps.
+    pub const RECORDS: usize = 4;
+
     /// Whether any of the materials has one of these extensions.
     #[inline(always)]
     pub fn has(&self, extensions: u32) -> bool {

@@ -4,8 +4,8 @@ use super::source::{MeshNodes, Parts};
 use crate::kernel::triangle::Intersection;
 use crate::layout::{Attribute, Instance};
 use crate::scene::{
-    Bounds, Bvh, COORDINATE_LIMIT, InstanceIndex, InstanceMaterial, Join, MaterialIndex, Mesh, MeshError,
-    MeshIndex, Places, SceneError, Stored, Tag, place, unique_id,
+    Bounds, Bvh, COORDINATE_LIMIT, Identity, InstanceIndex, InstanceMaterial, Join, MaterialIndex, Mesh,
+    MeshError, MeshIndex, Places, SceneError, Stored, Tag, place,
 };
 use alloc::vec::Vec;
 use glam::Mat4;
@@ -30,9 +30,11 @@ use glam::Mat4;
 /// assert!(hit.is_some_and(|hit| (hit.t - 5.0).abs() < 1e-5));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
+///
+/// A clone is other shapes, of which the same indices name the same things.
+#[derive(Debug, Clone)]
 pub struct Shapes<'a> {
-    id: u32,
+    identity: Identity,
     meshes: Vec<Shape<'a>>,
     instances: Vec<Instance>,
     mesh_numbers: Vec<u32>,
@@ -41,7 +43,7 @@ pub struct Shapes<'a> {
 }
 
 /// One mesh.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Shape<'a> {
     positions: &'a [[f32; 3]],
     indices: &'a [u32],
@@ -59,7 +61,7 @@ impl<'a> Shapes<'a> {
     /// Nothing yet.
     pub fn new() -> Self {
         Self {
-            id: unique_id(),
+            identity: Identity::new(),
             meshes: Vec::new(),
             instances: Vec::new(),
             mesh_numbers: Vec::new(),
@@ -101,14 +103,17 @@ impl<'a> Shapes<'a> {
 
     /// The BVH of a mesh; `None` if there is no such mesh.
     pub fn bvh(&self, mesh: MeshIndex) -> Option<&Bvh> {
-        self.meshes.get(mesh.number as usize).filter(|_| mesh.scene == self.id).map(|shape| &shape.tree)
+        self.meshes
+            .get(mesh.number as usize)
+            .filter(|_| mesh.scene == self.identity.indices)
+            .map(|shape| &shape.tree)
     }
 
     fn push(&mut self, positions: &'a [[f32; 3]], indices: &'a [u32], tree: Bvh) -> MeshIndex {
         let number = self.meshes.len() as u32;
         let stored = Stored::of_shape(number, &tree, positions);
         self.meshes.push(Shape { positions, indices, tree, stored });
-        MeshIndex { number, scene: self.id }
+        MeshIndex { number, scene: self.identity.indices }
     }
 
     /// Places a mesh in the world. `to_world` takes object to world space.
@@ -117,7 +122,11 @@ impl<'a> Shapes<'a> {
     /// As for [`Scene::add_instance`](crate::scene::Scene::add_instance).
     pub fn add_instance(&mut self, mesh: MeshIndex, to_world: Mat4) -> Result<InstanceIndex, SceneError> {
         let missing = SceneError::Index { what: "mesh", index: mesh.number };
-        let shape = self.meshes.get(mesh.number as usize).filter(|_| mesh.scene == self.id).ok_or(missing)?;
+        let shape = self
+            .meshes
+            .get(mesh.number as usize)
+            .filter(|_| mesh.scene == self.identity.indices)
+            .ok_or(missing)?;
         let instance = place(&shape.stored, InstanceMaterial::NONE, to_world)?;
         let number = u32::try_from(self.instances.len())
             .ok()
@@ -127,7 +136,7 @@ impl<'a> Shapes<'a> {
         self.instances.push(instance);
         self.mesh_numbers.push(mesh.number);
         self.tags.push(Tag::default());
-        Ok(InstanceIndex { number, scene: self.id })
+        Ok(InstanceIndex { number, scene: self.identity.indices })
     }
 
     /// Moves an instance.
@@ -184,7 +193,7 @@ impl<'a> Shapes<'a> {
 
     /// The instance with a number; `None` where there is none.
     pub fn instance_index(&self, number: u32) -> Option<InstanceIndex> {
-        let index = InstanceIndex { number, scene: self.id };
+        let index = InstanceIndex { number, scene: self.identity.indices };
         self.index(index).ok().map(|_| index)
     }
 
@@ -192,7 +201,11 @@ impl<'a> Shapes<'a> {
     fn index(&self, instance: InstanceIndex) -> Result<usize, SceneError> {
         let index = instance.number as usize;
         let missing = SceneError::Index { what: "instance", index: instance.number };
-        if instance.scene == self.id && index < self.instances.len() { Ok(index) } else { Err(missing) }
+        if instance.scene == self.identity.indices && index < self.instances.len() {
+            Ok(index)
+        } else {
+            Err(missing)
+        }
     }
 }
 
@@ -219,7 +232,10 @@ fn check(positions: &[[f32; 3]], indices: &[u32]) -> Result<(), MeshError> {
 
 impl Parts for Shapes<'_> {
     fn id(&self) -> u32 {
-        self.id
+        self.identity.own
+    }
+    fn indices(&self) -> u32 {
+        self.identity.indices
     }
     fn meshes(&self) -> usize {
         self.meshes.len()

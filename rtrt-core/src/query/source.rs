@@ -22,6 +22,8 @@ pub struct MeshNodes<'a> {
 pub trait Parts {
     /// A number that no other source has.
     fn id(&self) -> u32;
+    /// What its indices carry.
+    fn indices(&self) -> u32;
     /// The number of meshes.
     fn meshes(&self) -> usize;
     /// The nodes of one of them.
@@ -53,6 +55,9 @@ pub trait Parts {
 impl Parts for Scene {
     fn id(&self) -> u32 {
         self.id()
+    }
+    fn indices(&self) -> u32 {
+        self.indices()
     }
     fn meshes(&self) -> usize {
         self.stored_meshes().len()

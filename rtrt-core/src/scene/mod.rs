@@ -69,6 +69,6 @@ pub(crate) use place::{InstanceMaterial, Stored, around, from_rows, place};
 pub(crate) use places::{Places, Tag};
 pub use setup::Setup;
 pub use setup_error::SetupError;
-pub(crate) use store::unique_id;
+pub(crate) use store::Identity;
 pub use store::{InstanceIndex, MaterialIndex, MeshIndex, Scene, SceneError, Versions};
 pub use studio::studio;

@@ -25,7 +25,7 @@ const GROUP: usize = 16;
 const FEWEST: usize = 64;
 
 /// The bounds of instances, in a tree that is as flat as its numbers: a move costs one path to the root.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Places {
     /// The bounds of each instance, empty if it is hidden; then of each group; and so on, up to one.
     levels: Vec<Vec<Bounds>>,

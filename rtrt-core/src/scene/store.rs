@@ -28,14 +28,14 @@ use glam::{Mat4, Vec3};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeshIndex {
     pub(crate) number: u32,
-    /// [`Scene::id`].
+    /// [`Identity::indices`].
     pub(crate) scene: u32,
 }
 /// A material of one scene; other scenes refuse it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MaterialIndex {
     pub(super) number: u32,
-    /// [`Scene::id`].
+    /// [`Identity::indices`].
     pub(super) scene: u32,
 }
 impl MaterialIndex {
@@ -50,7 +50,7 @@ impl MaterialIndex {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct InstanceIndex {
     pub(crate) number: u32,
-    /// [`Scene::id`].
+    /// [`Identity::indices`].
     pub(crate) scene: u32,
 }
 
@@ -148,10 +148,35 @@ pub struct Versions {
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct Pair([Node; 2]);
 
-/// A scene.
+/// Which scene one is.
 #[derive(Debug)]
+pub(crate) struct Identity {
+    /// A number that nothing else has.
+    pub own: u32,
+    /// What its indices carry: those of a clone are good for both.
+    pub indices: u32,
+}
+
+impl Identity {
+    pub fn new() -> Self {
+        let own = unique_id();
+        Self { own, indices: own }
+    }
+}
+
+impl Clone for Identity {
+    fn clone(&self) -> Self {
+        Self { own: unique_id(), indices: self.indices }
+    }
+}
+
+/// A scene.
+///
+/// A clone has all that the scene has, and an [`id`](Self::id) of its own. An index of one names the same thing in the
+/// other; what is added afterwards has an index that only its own scene knows the meaning of.
+#[derive(Debug, Clone)]
 pub struct Scene {
-    id: u32,
+    identity: Identity,
     versions: Versions,
     nodes: Vec<Pair>,
     mesh_data: Vec<u32>,
@@ -208,7 +233,7 @@ pub struct Scene {
 
 /// A number that no other call in this process returns. On a processor without compare-and-swap, callers
 /// must not interrupt each other.
-pub(crate) fn unique_id() -> u32 {
+fn unique_id() -> u32 {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     #[cfg(target_has_atomic = "32")]
     return NEXT.fetch_add(1, Ordering::Relaxed);
@@ -230,7 +255,7 @@ impl Scene {
     /// An empty scene: no instances, no lights, faint ambient light, a dark background.
     pub fn new() -> Self {
         Self {
-            id: unique_id(),
+            identity: Identity::new(),
             versions: Versions::default(),
             nodes: vec![],
             mesh_data: vec![],
@@ -284,7 +309,7 @@ impl Scene {
         self.instances.push(instance);
         self.object_meshes.push(mesh.number);
         self.tags.push(Tag::default());
-        Ok(InstanceIndex { number: self.instances.len() as u32 - 1, scene: self.id })
+        Ok(InstanceIndex { number: self.instances.len() as u32 - 1, scene: self.indices() })
     }
 
     /// Adds a sphere: that of radius 1 around the origin, placed in the world by a matrix, which
@@ -333,7 +358,7 @@ impl Scene {
     /// There is no such light, or it is out of range.
     pub fn show_light(&mut self, light: usize) -> Result<Option<InstanceIndex>, SceneError> {
         let number = light as u32;
-        let shown = self.shown.get(&number).map(|&number| InstanceIndex { number, scene: self.id });
+        let shown = self.shown.get(&number).map(|&number| InstanceIndex { number, scene: self.indices() });
         let missing = SceneError::Index { what: "light", index: number };
         let Light { kind, position, color, radius, .. } = *self.lights.get(light).ok_or(missing)?;
         if kind == LightKind::Sun || radius <= 0.0 {
@@ -357,7 +382,7 @@ impl Scene {
     /// The instance with a number, such as [`Hit::instance`](crate::layout::Hit::instance); `None`
     /// where there is none.
     pub fn instance_index(&self, number: u32) -> Option<InstanceIndex> {
-        ((number as usize) < self.instances.len()).then_some(InstanceIndex { number, scene: self.id })
+        ((number as usize) < self.instances.len()).then_some(InstanceIndex { number, scene: self.indices() })
     }
 
     /// The index of an instance in the arrays, and its transform.
@@ -365,7 +390,7 @@ impl Scene {
         let index = instance.number as usize;
         let found = self.instances.get(index).map(|instance| (index, *instance));
         let missing = SceneError::Index { what: "instance", index: instance.number };
-        found.filter(|_| instance.scene == self.id).ok_or(missing)
+        found.filter(|_| instance.scene == self.indices()).ok_or(missing)
     }
 
     /// Sets the groups that an instance belongs to, one a bit: a [`Ray`](crate::query::Ray) meets it if their
@@ -400,7 +425,7 @@ impl Scene {
     /// The mesh with this index.
     pub(super) fn indexed_mesh(&self, mesh: MeshIndex) -> Result<&Stored, SceneError> {
         let missing = SceneError::Index { what: "mesh", index: mesh.number };
-        self.mesh(mesh.number).ok().filter(|_| mesh.scene == self.id).ok_or(missing)
+        self.mesh(mesh.number).ok().filter(|_| mesh.scene == self.indices()).ok_or(missing)
     }
 
     /// Takes the places of these instances over.
@@ -445,7 +470,11 @@ impl Scene {
 
     /// A number that no other scene of this process has.
     pub fn id(&self) -> u32 {
-        self.id
+        self.identity.own
+    }
+    /// What its indices carry.
+    pub(crate) fn indices(&self) -> u32 {
+        self.identity.indices
     }
     /// The number of changes of each part.
     pub fn versions(&self) -> Versions {
@@ -510,7 +539,7 @@ impl Scene {
     }
     /// The material with a number.
     pub(crate) fn material_index(&self, number: u32) -> MaterialIndex {
-        MaterialIndex { number, scene: self.id }
+        MaterialIndex { number, scene: self.indices() }
     }
     /// The place of the environment in the texels.
     pub(super) fn sky(&self) -> Sky {

@@ -137,7 +137,11 @@ impl<L: Lane> LayerSum<L> {
 
     /// That of rays in this direction with these records, of which the frame's first [`Frame::records`] count.
     #[inline(always)]
-    pub fn load(frame: &Frame, direction: V3<L>, [color, through, toward, entry]: [[L; 4]; 4]) -> Self {
+    pub fn load(
+        frame: &Frame,
+        direction: V3<L>,
+        [color, through, toward, entry]: [[L; 4]; Frame::RECORDS],
+    ) -> Self {
         let uncovered = color[3].broadcast(1.0) - color[3];
         let [x, y, z, _] = if frame.has_colored_layers() { through } else { [uncovered; 4] };
         let beyond = Beyond::load(frame, direction, [toward, entry]);

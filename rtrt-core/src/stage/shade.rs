@@ -2,7 +2,7 @@
 
 use crate::kernel::brushed::bent;
 use crate::kernel::environment::{arriving as arriving_from, mirrored};
-use crate::kernel::microfacet::{schlick, widened};
+use crate::kernel::microfacet::widened;
 use crate::kernel::split_sum::albedo;
 use crate::kernel::tangent::unpack_direction;
 use crate::kernel::texture::{Maps, MaterialField, MaterialLookup, TexCoords, sample};
@@ -63,8 +63,8 @@ impl<L: Lane> Shaded<L> {
 /// `roughness`, `occlusion` and `emission` are the material's times its textures. The parts of light are those of
 /// [`Lit`](crate::layout::Lit). Alpha is 1, but of a material that blends: the material's, times the texture's and
 /// the vertex color's; and 0 where it found nothing, unless the frame shows the environment there. A surface that
-/// catches shadows is black, and its alpha is how dark they are. Extensions of materials change `specular`, `strength`
-/// and `mirror` (see [`MaterialRecord`]), and lay a sheen and a clear coat over it all (see `coating`).
+/// catches shadows is black, and its alpha is how dark they are. Extensions of materials change `specular`, `strength`,
+/// `mirror` and `F₉₀` (see [`MaterialRecord`]), and lay a sheen and a clear coat over it all (see `coating`).
 ///
 /// `ambient` comes from the environment, by the normal, and `mirrored` from it along the mirrored ray, blurred as
 /// the roughness says. Without an environment both are the ambient light, which has one radiance everywhere.
@@ -176,12 +176,13 @@ fn lit<L: Lane>(
     let mirrored_share = occlusion * (share + (one - share) * flush(glossy * glossy));
     let occlusion = occlusion * share;
     let albedo = albedo(cosine, roughness);
-    let back = |normal: L| albedo.reflectance(normal, grazing);
+    let back = |normal: L, grazing: L| albedo.reflectance(normal, grazing);
     let kept = one - albedo.reflectance(dielectric, strength);
     let through = flush3(ambient.scale(occlusion * kept)) + flush3(arriving.diffuse.scale(one - dielectric));
-    let reflectance = V3 { x: back(mirror.x), y: back(mirror.y), z: back(mirror.z) };
+    let reflectance =
+        V3 { x: back(mirror.x, grazing.x), y: back(mirror.y, grazing.y), z: back(mirror.z, grazing.z) };
     let reflected = flush3(times(reflectance, around.scale(mirrored_share)));
-    let highlight = flush3(times(mirror, arriving.specular) + arriving.grazing.scale(grazing));
+    let highlight = flush3(times(mirror, arriving.specular) + times(grazing, arriving.grazing));
     let answer = flush3(times(diffuse, through)) + reflected + highlight;
     if !frame.has(MaterialRecord::HAS_COAT | MaterialRecord::HAS_SHEEN) {
         return (flush3(answer + emission), kept);
@@ -273,7 +274,7 @@ struct SurfaceMaterial<L: Lane> {
     strength: L,
     /// What it mirrors head-on, and at grazing angles.
     mirror: V3<L>,
-    grazing: L,
+    grazing: V3<L>,
     /// Widened by the variance of its normals.
     roughness: L,
     emission: V3<L>,
@@ -311,6 +312,7 @@ fn surface_material<L: Lane>(
     let (specular, strength) = specular(frame, maps, &chosen, surfaces);
     // More than all of the light is never mirrored.
     let mirrored = |base: L, specular: L| clamp(specular + (base - specular) * metallic, 0.0, 1.0);
+    let grazing = strength + (one - strength) * metallic;
     let mut material = SurfaceMaterial {
         base,
         diffuse: base.scale(one - metallic),
@@ -322,7 +324,7 @@ fn surface_material<L: Lane>(
             y: mirrored(base.y, specular.y),
             z: mirrored(base.z, specular.z),
         },
-        grazing: strength + (one - strength) * metallic,
+        grazing: V3 { x: grazing, y: grazing, z: grazing },
         roughness: widened(roughness, surfaces.variance),
         emission: V3 { x: flush(er * glow[0]), y: flush(eg * glow[1]), z: flush(eb * glow[2]) },
         occlusion: one + (occluded - one) * occlusion,
@@ -379,10 +381,8 @@ impl MaterialField<4> for Specular {
     }
 }
 
-/// Changes what surfaces mirror to what they mirror under their thin films.
-///
-/// The film's colors at the angle of the viewer become a color that is mirrored head-on, from which Schlick's
-/// approximation makes them again at that angle.
+/// Changes what surfaces mirror to what they mirror under their thin films: the film's colors at the angle of the viewer,
+/// head-on and at grazing angles, since they have the rise toward the rim in them.
 #[inline(always)]
 fn under_film<L: Lane>(
     maps: &Maps<'_>,
@@ -390,24 +390,20 @@ fn under_film<L: Lane>(
     tex_coords: &TexCoords<L>,
     material: &mut SurfaceMaterial<L>,
 ) {
-    let one = material.cosine.broadcast(1.0);
-    let [film, ior, thin, thick]: [L; 4] = chosen.numbers::<FilmOf, 4>(one.token(), maps);
+    let [film, ior, thin, thick]: [L; 4] = chosen.numbers::<FilmOf, 4>(material.cosine.token(), maps);
     let [share, ..] = sample::<L, { MaterialRecord::FILM }, false>(maps, chosen, tex_coords);
     let [_, thickness, ..] = sample::<L, { MaterialRecord::FILM_THICKNESS }, false>(maps, chosen, tex_coords);
-    let film_share = film * share;
+    let share = film * share;
     let film = Film { ior, thickness: thin + (thick - thin) * thickness };
     let seen = film.reflectance(material.cosine, material.mirror);
-    let grazing = schlick(material.cosine).min(one.broadcast(0.999));
-    let rest = recip(one - grazing);
-    let under = |seen: L, mirror: L| {
-        let head_on = clamp((seen - grazing) * rest, 0.0, 1.0);
-        mirror + (head_on - mirror) * film_share
-    };
-    let mirror = material.mirror;
-    material.mirror =
-        V3 { x: under(seen.x, mirror.x), y: under(seen.y, mirror.y), z: under(seen.z, mirror.z) };
-    let most = material.mirror.x.max(material.mirror.y).max(material.mirror.z);
-    material.dielectric = material.dielectric + (most - material.dielectric) * film_share;
+    let seen = V3 { x: clamp(seen.x, 0.0, 1.0), y: clamp(seen.y, 0.0, 1.0), z: clamp(seen.z, 0.0, 1.0) };
+    let most = seen.x.max(seen.y).max(seen.z);
+    let under = |seen: L, bare: L| bare + (seen - bare) * share;
+    let each =
+        |bare: V3<L>| V3 { x: under(seen.x, bare.x), y: under(seen.y, bare.y), z: under(seen.z, bare.z) };
+    (material.mirror, material.grazing) = (each(material.mirror), each(material.grazing));
+    material.dielectric = under(most, material.dielectric);
+    material.strength = under(most, material.strength);
 }
 
 /// The thin film of a material.
@@ -466,6 +462,11 @@ mod tests {
 
     /// What is shaded of a surface seen head-on, or of nothing, with ambient light of 1/8.
     fn shaded(frame: Frame, material: Option<MaterialRecord>) -> Shaded<f32> {
+        shaded_along([0.0, 0.0, -1.0], frame, material)
+    }
+
+    /// The same of a ray in this direction, of unit length.
+    fn shaded_along(direction: [f32; 3], frame: Frame, material: Option<MaterialRecord>) -> Shaded<f32> {
         let [ambient_r, ambient_g, ambient_b] = [0.125; 3];
         let frame = Frame { ambient_r, ambient_g, ambient_b, ..frame };
         let materials = [material.unwrap_or(MaterialRecord::zeroed())];
@@ -490,7 +491,7 @@ mod tests {
             grazing: V3::splat((), [0.25; 3]),
             coating: zero,
         };
-        let direction = V3::splat((), [0.0, 0.0, -1.0]);
+        let direction = V3::splat((), direction);
         shade(&frame, &maps, direction, &Beyond::new(direction), &surfaces, &arriving, 1.0)
     }
 
@@ -523,6 +524,24 @@ mod tests {
         let back = |base: f32| base * once / (1.0 - mean(base) * core::f32::consts::LN_2);
         let expected = metal.base.map(|base| base * 0.5 + 0.25 + back(base) * 0.125);
         assert!(near(lit, expected), "{lit:?} {expected:?}");
+    }
+
+    #[test]
+    fn a_film_mirrors_what_its_formula_says_at_any_angle() {
+        let frame = Frame { extensions: MaterialRecord::HAS_FILM, ..Frame::zeroed() };
+        for thickness in [250.0, 400.0, 550.0] {
+            let black = MaterialRecord { base: [0.0; 3], ..dielectric() };
+            let filmed =
+                MaterialRecord { film: 1.0, film_ior: 1.3, film_thickness: [0.0, thickness], ..black };
+            for (sin, cos) in [(0.0, 1.0), (0.8, 0.6), (0.96, 0.28)] {
+                let film = Film { ior: 1.3_f32, thickness };
+                let seen = film.reflectance(cos, V3::splat((), black.specular)).lane(0);
+                // Of 1/8 from everywhere, and of both parts of the light that arrives.
+                let expected = seen.map(|seen| seen * (0.125 + 0.5 + 0.25));
+                let lit = shaded_along([sin, 0.0, -cos], frame, Some(filmed)).color.lane(0);
+                assert!(near(lit, expected), "{thickness} {cos}: {lit:?} {expected:?}");
+            }
+        }
     }
 
     #[test]

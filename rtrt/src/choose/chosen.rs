@@ -23,7 +23,7 @@ pub enum ChooseError {
     Cpu(#[from] rtrt_cpu::Error),
     /// The program was built without the feature `gpu`.
     #[cfg(not(feature = "gpu"))]
-    #[error("this program was built without GPU support")]
+    #[error("this program was built without the feature `gpu`")]
     NoGpu,
     /// Hybrid frames need a GPU, but the CPU was chosen.
     #[error("hybrid frames are drawn by a GPU, but the CPU was chosen: {why}")]

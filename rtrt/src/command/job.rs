@@ -26,12 +26,12 @@ use std::collections::BTreeMap;
 use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// The limit of rays of a frame. They have 32-bit numbers, and blocks may reach outside of the frame.
 const MAX_RAYS: u64 = 1 << 31;
 
-/// A scene that pictures in progress may share. Who changes it waits until they are done.
+/// A scene that pictures in progress may share. A change while they do makes a copy.
 #[derive(Debug)]
 pub struct Shared(Arc<Scene>);
 
@@ -45,13 +45,7 @@ impl Deref for Shared {
 
 impl DerefMut for Shared {
     fn deref_mut(&mut self) -> &mut Scene {
-        while Arc::get_mut(&mut self.0).is_none() {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        match Arc::get_mut(&mut self.0) {
-            Some(scene) => scene,
-            None => unreachable!("nobody else shares it, and who does not cannot begin to"),
-        }
+        Arc::make_mut(&mut self.0)
     }
 }
 

@@ -241,6 +241,32 @@ fn keys_work_while_a_screenshot_is_made() {
 }
 
 #[test]
+fn an_animation_goes_on_while_a_screenshot_is_made() {
+    let folder = folder("goes_on");
+    let Some(display) = Display::start(&folder) else { return };
+    let Some(key) = keys(&display) else { return };
+    let line = "view demo:moving --size 800x600 --samples 16 --backend cpu -o shot.png";
+    let mut window = Window::open(&display, &folder, line);
+    window.until("there is a picture", || sharpness(&display.pixels(SCREEN)) > 0.5);
+    assert!(key("key", "space"));
+    let shot = folder.join("shot.png");
+    assert!(key("key", "F12"));
+    let lanes = [0.1, 0.1, 0.9, 0.8];
+    let mut moves = 0;
+    while !shot.exists() {
+        let before = display.pixels(SCREEN);
+        sleep(Duration::from_millis(300));
+        moves += usize::from(changed(&before, &display.pixels(SCREEN), lanes) > 2000);
+    }
+    assert!(moves > 2, "it moved {moves} times");
+    assert!(key("keydown", "Escape"));
+    assert_eq!(window.viewer.wait().unwrap().code(), Some(0));
+    let printed = fs::read_to_string(folder.join("stdout")).unwrap();
+    assert!(printed.contains(" --time "), "{printed}");
+    assert!(pixels(&folder, "shot.png") == rendered(&folder, printed.trim_end()), "{printed}");
+}
+
+#[test]
 fn a_closed_window_writes_the_screenshot_that_was_wanted() {
     let folder = folder("wanted");
     let Some(display) = Display::start(&folder) else { return };

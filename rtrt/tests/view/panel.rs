@@ -98,7 +98,7 @@ fn keys_timing_messages_and_the_panel_are_seen() {
         ([0.0, 0.0, 0.3, 0.4], [0.4, 0.3, 0.6, 0.7], [0.7, 0.0, 1.0, 0.4], [0.4, 0.9, 0.6, 1.0]);
     for (name, keys, place, elsewhere) in [
         ("timing", "press Z", left, low),
-        ("help", "press H", middle, [0.0, 0.9, 0.2, 1.0]),
+        ("help", "press H", middle, [0.0, 0.9, 0.15, 1.0]),
         ("panel_seen", "press P", right, left),
         ("message", "press Space", low, middle),
     ] {

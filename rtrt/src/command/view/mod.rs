@@ -89,7 +89,7 @@ pub fn run(options: &ViewOptions) -> Result<(), Error> {
     let events = events.map_err(refused)?;
     let mut app = App::new(options, replay, events.create_proxy())?;
     let ran = events.run_app(&mut app).map_err(|error| refused(reason(&error)));
-    let result = app.rest();
+    let result = app.conclude();
     // The process ends: to free a scene takes time for nothing.
     std::mem::forget(app);
     ran.and(result)

@@ -342,9 +342,7 @@ impl Viewer {
         let (camera, ()) = self.with_rig(|controls, rig| controls.advance(seconds, rig));
         self.look(camera);
         self.take_shots();
-        // The scene stays as it is while a picture of it is made.
-        let plays = self.is_playing && self.shots.in_progress().is_none();
-        if let (true, Some(end)) = (plays, self.job.end()) {
+        if let (true, Some(end)) = (self.is_playing, self.job.end()) {
             let time = self.time.map_or(0.0, |time| time + seconds * self.settings.speed);
             let played = self.play(if time > end { 0.0 } else { time });
             self.note(played);

@@ -591,9 +591,9 @@ impl App {
         }
     }
 
-    /// What is left to be done without a window: screenshots that somebody wanted are written, and the figures of a replay
+    /// Does without a window what the viewer still owes: screenshots that somebody wanted are written, and the figures of a replay
     /// are printed. Returns why the viewer ended.
-    pub fn rest(&mut self) -> Result<(), Error> {
+    pub fn conclude(&mut self) -> Result<(), Error> {
         let written = self.shots.all().into_iter().try_for_each(|(_, written)| written);
         std::mem::replace(&mut self.result, Ok(())).and(written)?;
         if self.reports {

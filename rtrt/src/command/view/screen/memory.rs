@@ -92,8 +92,8 @@ impl MemoryScreen {
         self.painter.paint(&jobs, units, &mut Canvas { pixels: &mut buffer, size: self.size });
         self.window.pre_present_notify();
         buffer.present().map_err(why)?;
-        // What a display is asked for waits in a buffer until an answer is wanted: without this question the picture would
-        // be seen when the next event comes.
+        // Requests to an X server wait in a buffer until a reply is needed. This question needs one; without it the
+        // picture would be seen at the next event.
         self.window.is_minimized();
         over.textures_delta.free.drain().for_each(|id| self.painter.free(id));
         Ok(())

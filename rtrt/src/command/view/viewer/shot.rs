@@ -82,7 +82,7 @@ impl Viewer {
             let mut picture = Picture::default();
             job.render(cpu.backend(), &job.request(wanted.debug.is_some()), &mut picture)?;
             let shown = wanted.debug.map(|view| job.show(view, &picture)).transpose()?;
-            // Who wants to change the scene need not wait for the file.
+            // What changes the scene from here on need not copy it.
             drop(job);
             printed.write(&path, &pixels(shown.as_ref(), &picture))
         });
