@@ -22,8 +22,6 @@ What the reference approximates, and what is done about it:
 - What a colored highlight takes of the diffuse color it takes channel by channel; KHR_materials_specular and
   pbrSpecularGlossiness take the largest channel of all. Highlights here are gray.
 - Its tables of sheens hold up to twice the integral of the formula of KHR_materials_sheen. Bounds are wide there.
-- A thin film's Fresnel is all that it mirrors at a rim; here Schlick's rise comes on top, as without a film. Bounds are
-  wide there, too.
 - A lamp has no highlight on a surface of roughness 0; here it is one of 0.044.
 - It averages and blends encoded colors, which edges show."""
 import argparse, base64, json, math, os, shutil, struct, subprocess, sys

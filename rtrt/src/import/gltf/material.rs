@@ -194,7 +194,7 @@ impl<'a> Materials<'a> {
             .occlusion_map(occlusion, occlusion_strength)
             .emission(emission)
             .emission_map(emission_map)
-            .double_sided(source.double_sided || material.double_sided)
+            .double_sided(source.double_sided || material.refraction > 1.0)
             .unlit(extensions.is_some_and(|e| e.unlit.is_some())))
     }
 
@@ -499,7 +499,7 @@ fn see_through(
         tinted(base, attenuation_color.0, thickness_factor.0, attenuation_distance.0)
     });
     let material = material.base_color(base).transmission(transmission, map);
-    if has_thickness(source) { material.refraction(1.5).double_sided(true) } else { material }
+    if has_thickness(source) { material.refraction(1.5) } else { material }
 }
 
 /// Whether the surfaces of a material bound a body.
