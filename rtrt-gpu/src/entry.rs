@@ -25,6 +25,8 @@ pub(crate) struct Entry {
     pub writes: &'static [Slot],
     /// Whether the first of them has to be zero in the first layer.
     pub starts_at_zero: fn(&Frame) -> bool,
+    /// Which frames it serves.
+    serves: fn(&Frame) -> bool,
     work: Work,
 }
 
@@ -58,7 +60,7 @@ const SHADE: &[Slot] =
     &[Slot::Frame, Slot::Views, Slot::Materials, Slot::Texels, Slot::Surfaces, Slot::Lit, Slot::Ambient];
 
 const fn entry(pass: Pass, name: &'static str, reads: &'static [Slot], writes: &'static [Slot]) -> Entry {
-    Entry { name, pass, reads, writes, starts_at_zero: |_| false, work: Work::Units }
+    Entry { name, pass, reads, writes, starts_at_zero: |_| false, serves: |_| true, work: Work::Units }
 }
 
 /// All that frames dispatch.
@@ -90,7 +92,8 @@ pub(crate) const ENTRIES: &[Entry] = {
         entry(Pass::Mask, "mask", &[Frame, Transmittance], &[Masks]),
         entry(Pass::Ambient, "ambient", &[Frame, Views, BlockLists, Instances, Nodes, MeshData, Positions, Surfaces], &[Ambient]),
         entry(Pass::Light, "light", &[Frame, Views, Materials, Texels, Surfaces, Masks, Transmittance], &[Lit]),
-        entry(Pass::Shade, "shade", SHADE, &[Colors]),
+        entry(Pass::Shade, "shade", SHADE, &[Colors]).serve(|frame| frame.extensions != 0),
+        entry(Pass::Shade, "shade_plain", SHADE, &[Colors]).serve(|frame| frame.extensions == 0),
         entry(Pass::Blend, "blend", SHADE, &[Colors]),
         entry(Pass::Resolve, "resolve", &[Frame, Colors], &[Pixels]),
     ]
@@ -104,6 +107,9 @@ pub(crate) fn entries(step: Step) -> impl Iterator<Item = (usize, &'static Entry
 impl Entry {
     const fn work(self, work: Work) -> Self {
         Self { work, ..self }
+    }
+    const fn serve(self, serves: fn(&Frame) -> bool) -> Self {
+        Self { serves, ..self }
     }
     const fn zero_if(self, starts_at_zero: fn(&Frame) -> bool) -> Self {
         Self { starts_at_zero, ..self }
@@ -125,7 +131,7 @@ impl Entry {
             Work::Scanners => [SCANNERS, 1],
             Work::ListEntries => [frame.capacity, 1],
         });
-        (!groups.contains(&0)).then_some(groups)
+        ((self.serves)(frame) && !groups.contains(&0)).then_some(groups)
     }
 }
 
@@ -232,7 +238,13 @@ mod tests {
         let mut rows = Vec::new();
         for frame in [0, 3].into_iter().flat_map(|layers| {
             [0, 24].into_iter().flat_map(move |penumbra_window| {
-                [0, 1].map(|is_drawn| Frame { layers, penumbra_window, is_drawn, ..frame })
+                [0, 1].map(|is_drawn| Frame {
+                    layers,
+                    penumbra_window,
+                    is_drawn,
+                    extensions: is_drawn,
+                    ..frame
+                })
             })
         }) {
             let mut stages: Vec<_> = Vec::new();

@@ -27,6 +27,34 @@ pub fn record(frame: &Frame, colors: &[[f32; 4]], index: u32, number: u32) -> [f
     if number < frame.records() { colors[(number * frame.rays + index) as usize] } else { [0.0; 4] }
 }
 
+/// What [`shade`] and [`shade_plain`] read, the frame and the views apart.
+struct Inputs<'a> {
+    materials: &'a [MaterialRecord],
+    texels: &'a [u32],
+    surfaces: &'a [Surface],
+    lit: &'a [Lit],
+    found: &'a [[f32; 2]],
+}
+
+/// Keeps the color that a ray brings back.
+#[inline(always)]
+fn shade_ray(frame: &Frame, camera: &View, inputs: &Inputs<'_>, colors: &mut [[f32; 4]], index: u32) {
+    let &Inputs { materials, texels, surfaces, lit, found } = inputs;
+    let ray = RayIndex(frame.first_ray + index);
+    let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
+    let surface = Surfaces::new(&surfaces[index as usize]);
+    let arriving = IncomingLight::new(&lit[index as usize]);
+    let share = share(frame, index, surfaces, found);
+    let maps = Maps { materials, texels };
+    let beyond = Beyond::new(direction);
+    let shaded = stage::shade::shade(frame, &maps, direction, &beyond, &surface, &arriving, share);
+    if frame.has_layers() {
+        store(frame, colors, index, &LayerSum::new(direction).blend(frame, &shaded));
+    } else {
+        colors[index as usize] = shaded.record();
+    }
+}
+
 /// The color that each ray brings back.
 #[spirv(compute(threads(64), entry_point_name = "shade"))]
 pub fn shade(
@@ -42,19 +70,28 @@ pub fn shade(
 ) {
     let index = index(id);
     if index < frame.rays {
-        let ray = RayIndex(frame.first_ray + index);
-        let camera = &views[Frame::CAMERA as usize];
-        let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
-        let surface = Surfaces::new(&surfaces[index as usize]);
-        let arriving = IncomingLight::new(&lit[index as usize]);
-        let share = share(frame, index, surfaces, found);
-        let maps = Maps { materials, texels };
-        let beyond = Beyond::new(direction);
-        let shaded = stage::shade::shade(frame, &maps, direction, &beyond, &surface, &arriving, share);
-        if frame.has_layers() {
-            store(frame, colors, index, &LayerSum::new(direction).blend(frame, &shaded));
-        } else {
-            colors[index as usize] = shaded.record();
-        }
+        let inputs = Inputs { materials, texels, surfaces, lit, found };
+        shade_ray(frame, &views[Frame::CAMERA as usize], &inputs, colors, index);
+    }
+}
+
+/// The same in a frame without extensions of materials: compilers leave out what they would take.
+#[spirv(compute(threads(64), entry_point_name = "shade_plain"))]
+pub fn shade_plain(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] views: &[View],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] materials: &[MaterialRecord],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] texels: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] surfaces: &[Surface],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] lit: &[Lit],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] found: &[[f32; 2]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] colors: &mut [[f32; 4]],
+) {
+    let index = index(id);
+    if index < frame.rays {
+        let inputs = Inputs { materials, texels, surfaces, lit, found };
+        let frame = Frame { extensions: 0, ..*frame };
+        shade_ray(&frame, &views[Frame::CAMERA as usize], &inputs, colors, index);
     }
 }

@@ -25,7 +25,18 @@ impl Video {
         command.args(["-video_size", &format!("{}x{}", size[0], size[1]), "-framerate", &fps.to_string()]);
         // Colors are at half the resolution, so sides are even. Without names of colors players guess by the size.
         let filter = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
-        command.args(["-i", "-", "-vf", filter, "-pix_fmt", "yuv420p", "-color_range", "tv", "-colorspace", "bt709"]);
+        command.args([
+            "-i",
+            "-",
+            "-vf",
+            filter,
+            "-pix_fmt",
+            "yuv420p",
+            "-color_range",
+            "tv",
+            "-colorspace",
+            "bt709",
+        ]);
         command.args(["-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-f", "mp4"]);
         command.arg(part.path()).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         let encoder = command.spawn().map_err(|error| refused(format!("ffmpeg does not start: {error}")))?;

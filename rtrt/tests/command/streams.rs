@@ -49,7 +49,10 @@ fn a_film_is_made_by_ffmpeg() {
     stdout(&run("--fps 12"));
     assert_eq!(fs::read(folder.0.join("out.mp4")).unwrap().len(), 2 * 8 * 6 * 4);
     let args = fs::read_to_string(folder.0.join("args")).unwrap();
-    assert!(args.contains("-video_size 8x6 -framerate 12 -i -") && args.contains("-colorspace bt709"), "{args}");
+    assert!(
+        args.contains("-video_size 8x6 -framerate 12 -i -") && args.contains("-colorspace bt709"),
+        "{args}"
+    );
     ffmpeg("#!/bin/sh\necho no such codec >&2\nexit 3\n");
     let output = run("");
     assert!(code(&output) == 1 && stderr(&output).contains("no such codec"), "{}", stderr(&output));
