@@ -55,6 +55,16 @@ const TRACE: &[Slot] = &[
     Slot::Positions,
     Slot::Texels,
 ];
+/// What the entry points read that sum light.
+const LIGHT: &[Slot] = &[
+    Slot::Frame,
+    Slot::Views,
+    Slot::Materials,
+    Slot::Texels,
+    Slot::Surfaces,
+    Slot::Masks,
+    Slot::Transmittance,
+];
 /// What the entry points that shade read.
 const SHADE: &[Slot] =
     &[Slot::Frame, Slot::Views, Slot::Materials, Slot::Texels, Slot::Surfaces, Slot::Lit, Slot::Ambient];
@@ -91,7 +101,8 @@ pub(crate) const ENTRIES: &[Entry] = {
         entry(Pass::FilterPenumbra, "filter_penumbra", &[Frame, Views, Surfaces, Shadows, FilterBlocks], &[Transmittance]),
         entry(Pass::Mask, "mask", &[Frame, Transmittance], &[Masks]),
         entry(Pass::Ambient, "ambient", &[Frame, Views, BlockLists, Instances, Nodes, MeshData, Positions, Surfaces], &[Ambient]),
-        entry(Pass::Light, "light", &[Frame, Views, Materials, Texels, Surfaces, Masks, Transmittance], &[Lit]),
+        entry(Pass::Light, "light", LIGHT, &[Lit]).serve(|frame| frame.extensions != 0),
+        entry(Pass::Light, "light_plain", LIGHT, &[Lit]).serve(|frame| frame.extensions == 0),
         entry(Pass::Shade, "shade", SHADE, &[Colors]).serve(|frame| frame.extensions != 0),
         entry(Pass::Shade, "shade_plain", SHADE, &[Colors]).serve(|frame| frame.extensions == 0),
         entry(Pass::Blend, "blend", SHADE, &[Colors]),

@@ -27,8 +27,9 @@ pub fn record(frame: &Frame, colors: &[[f32; 4]], index: u32, number: u32) -> [f
     if number < frame.records() { colors[(number * frame.rays + index) as usize] } else { [0.0; 4] }
 }
 
-/// What [`shade`] and [`shade_plain`] read, the frame and the views apart.
+/// What [`shade`] and [`shade_plain`] read, besides the frame.
 struct Inputs<'a> {
+    views: &'a [View],
     materials: &'a [MaterialRecord],
     texels: &'a [u32],
     surfaces: &'a [Surface],
@@ -38,9 +39,10 @@ struct Inputs<'a> {
 
 /// Keeps the color that a ray brings back.
 #[inline(always)]
-fn shade_ray(frame: &Frame, camera: &View, inputs: &Inputs<'_>, colors: &mut [[f32; 4]], index: u32) {
-    let &Inputs { materials, texels, surfaces, lit, found } = inputs;
+fn shade_ray(frame: &Frame, inputs: &Inputs<'_>, colors: &mut [[f32; 4]], index: u32) {
+    let &Inputs { views, materials, texels, surfaces, lit, found } = inputs;
     let ray = RayIndex(frame.first_ray + index);
+    let camera = &views[Frame::CAMERA as usize];
     let [direction] = stage::visibility::directions::<f32, 1>((), frame, camera, ray);
     let surface = Surfaces::new(&surfaces[index as usize]);
     let arriving = IncomingLight::new(&lit[index as usize]);
@@ -70,8 +72,8 @@ pub fn shade(
 ) {
     let index = index(id);
     if index < frame.rays {
-        let inputs = Inputs { materials, texels, surfaces, lit, found };
-        shade_ray(frame, &views[Frame::CAMERA as usize], &inputs, colors, index);
+        let inputs = Inputs { views, materials, texels, surfaces, lit, found };
+        shade_ray(frame, &inputs, colors, index);
     }
 }
 
@@ -90,8 +92,7 @@ pub fn shade_plain(
 ) {
     let index = index(id);
     if index < frame.rays {
-        let inputs = Inputs { materials, texels, surfaces, lit, found };
-        let frame = Frame { extensions: 0, ..*frame };
-        shade_ray(&frame, &views[Frame::CAMERA as usize], &inputs, colors, index);
+        let inputs = Inputs { views, materials, texels, surfaces, lit, found };
+        shade_ray(&Frame { extensions: 0, ..*frame }, &inputs, colors, index);
     }
 }
