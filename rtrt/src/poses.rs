@@ -6,7 +6,7 @@
 //! | key | value |
 //! |---|---|
 //! | `name`, or `file_path` | what `{camera}` becomes; the path without its folder `./` and its ending |
-//! | `matrix`, or `transform_matrix` | rows of the matrix from the camera's axes to world space |
+//! | `matrix`, or `transform_matrix` | rows of the matrix from the camera's axes to world space: 4, or the 3 that are not 0, 0, 0, 1 |
 //! | `axes` | `opengl` (x to the right, y up, z backward; the default), or `opencv` (y down, z forward) |
 //! | `eye`, `look_at`, `up` | three numbers each, in place of a matrix; `up` is +y if nothing is said |
 //! | `fl_x`, `fl_y`, `cx`, `cy`, or `fx`, `fy` | the lens, pixels from the upper left corner; `fl_y` is `fl_x`, and `cx`, `cy` are the middle if nothing is said |
@@ -18,7 +18,8 @@
 
 use crate::pose::{Pinhole, placed};
 use glam::{DMat4, DVec3, DVec4, Vec3};
-use rtrt_core::scene::{Camera, Projection, Setup};
+use rtrt_core::grid::Grid;
+use rtrt_core::scene::{Camera, Projection, Setup, SetupError};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -88,8 +89,6 @@ pub struct Poses {
     pub warnings: Vec<String>,
 }
 
-/// The vertical angle of view of a camera that has none, radians: 45°.
-const FOV_Y: f32 = core::f32::consts::FRAC_PI_4;
 /// The most cameras of a file.
 const MOST: usize = 1_000_000;
 /// The coefficients of lens distortion.
@@ -97,12 +96,12 @@ const DISTORTION: [&str; 8] = ["k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"];
 
 /// What an entry may say.
 #[derive(Debug, Clone, Default, Deserialize)]
-#[serde(default)]
+#[serde(default, expecting = "a camera: an object with a pose and a lens")]
 struct Keys {
     name: Option<String>,
     file_path: Option<String>,
     #[serde(alias = "transform_matrix")]
-    matrix: Option<[[f64; 4]; 4]>,
+    matrix: Option<Vec<[f64; 4]>>,
     axes: Option<Axes>,
     eye: Option<[f64; 3]>,
     look_at: Option<[f64; 3]>,
@@ -133,6 +132,7 @@ enum Axes {
 
 /// The object around the list.
 #[derive(Debug, Deserialize)]
+#[serde(expecting = "an object with a list, cameras or frames")]
 struct Whole {
     cameras: Option<Vec<Keys>>,
     frames: Option<Vec<Keys>>,
@@ -152,6 +152,8 @@ pub fn read(path: &Path, size: [u32; 2]) -> Result<Poses, PosesError> {
 }
 
 fn parse(bytes: &[u8], size: [u32; 2]) -> Result<Poses, String> {
+    // Some editors begin a file with this mark.
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     let whole: Whole = serde_json::from_slice(bytes).map_err(|error| format!("JSON: {error}"))?;
     let is_ours = whole.cameras.is_some();
     let list = whole.cameras.or(whole.frames).ok_or("it has neither cameras nor frames")?;
@@ -211,17 +213,19 @@ fn pose(keys: &Keys, all: &Keys, size: [u32; 2], name: String) -> Result<Pose, S
             sides.map(|side| side as u32)
         }
     };
-    let projection = match projection(keys, size)? {
-        Some(projection) => projection,
-        None => projection(all, size)?.unwrap_or(Projection::Perspective { fov_y: FOV_Y }),
-    };
+    let projection = projection(&lens(keys, all), size)?;
     let placement = match (keys.eye, keys.look_at, &keys.matrix) {
         (Some(eye), Some(look_at), _) => {
             let up = keys.up.or(all.up).map_or(Vec3::Y, Vec3::from);
             Placement::Points { eye: eye.into(), look_at: look_at.into(), up }
         }
         (None, None, Some(rows)) => {
-            let mut matrix = DMat4::from_cols_array_2d(rows).transpose();
+            let rows = match rows[..] {
+                [x, y, z] => [x, y, z, [0.0, 0.0, 0.0, 1.0]],
+                [x, y, z, w] => [x, y, z, w],
+                _ => return Err(format!("its matrix has {} rows, and not 3 or 4", rows.len())),
+            };
+            let mut matrix = DMat4::from_cols_array_2d(&rows).transpose();
             if keys.axes.or(all.axes) == Some(Axes::OpenCv) {
                 matrix *= DMat4::from_diagonal(DVec4::new(1.0, -1.0, -1.0, 1.0));
             }
@@ -234,41 +238,70 @@ fn pose(keys: &Keys, all: &Keys, size: [u32; 2], name: String) -> Result<Pose, S
     if time.is_some_and(|time| !(time >= 0.0 && time.is_finite())) {
         return Err("its time is not a number of 0 or more".into());
     }
-    Ok(Pose { name, placement, projection, size, time })
+    let pose = Pose { name, placement, projection, size, time };
+    let eye = match placement {
+        Placement::Points { eye, .. } => eye,
+        Placement::Matrix(matrix) => matrix.w_axis.truncate(),
+    };
+    // Before any picture is rendered.
+    match pose.camera(eye).view(Grid { width: size[0], height: size[1], side: 1 }) {
+        Err(SetupError::Camera { why }) => Err(why.into()),
+        Err(error) => Err(error.to_string()),
+        Ok(_) => Ok(pose),
+    }
 }
 
-/// The projection that an entry names, if it does.
-fn projection(keys: &Keys, size: [u32; 2]) -> Result<Option<Projection>, String> {
+/// What is said of the lens: the kind of the entry, or else that of all, and what of it the entry does not say.
+fn lens(keys: &Keys, all: &Keys) -> Keys {
+    let says = |keys: &Keys| {
+        keys.parallel.is_some()
+            || keys.fov_y.is_some()
+            || keys.fl_x.is_some()
+            || keys.camera_angle_x.is_some()
+    };
+    let kind = if says(keys) { keys } else { all };
+    let (fl_y, cx, cy) = (keys.fl_y.or(all.fl_y), keys.cx.or(all.cx), keys.cy.or(all.cy));
+    let Keys { parallel, fov_y, fl_x, camera_angle_x, .. } = *kind;
+    Keys { parallel, fov_y, fl_x, camera_angle_x, fl_y, cx, cy, ..Keys::default() }
+}
+
+/// The projection of a lens; 45° if it says nothing.
+fn projection(keys: &Keys, size: [u32; 2]) -> Result<Projection, String> {
     let is_angle = |angle: f64| angle > 0.0 && angle < core::f64::consts::PI;
-    if let Some(height) = keys.parallel {
-        if !(height > 0.0 && height.is_finite()) {
-            return Err(format!("its parallel is {height}, and not a number above 0"));
-        }
-        return Ok(Some(Projection::Orthographic { height }));
-    }
-    if let Some(degrees) = keys.fov_y {
-        let fov_y = degrees.to_radians();
-        let why = format!("its fov_y is {degrees}, which is not within 0 and 180 degrees");
-        return if is_angle(fov_y) {
-            Ok(Some(Projection::Perspective { fov_y: fov_y as f32 }))
-        } else {
-            Err(why)
-        };
-    }
     let middle = size.map(|side| 0.5 * f64::from(side));
-    let lens = match (keys.fl_x, keys.camera_angle_x) {
-        (Some(fx), _) => Pinhole { fx, fy: keys.fl_y.unwrap_or(fx), cx: middle[0], cy: middle[1] },
-        (None, Some(angle)) if is_angle(angle) => Pinhole::of_angle_x(angle, size),
-        (None, Some(angle)) => {
+    let (cx, cy) = (keys.cx.unwrap_or(middle[0]), keys.cy.unwrap_or(middle[1]));
+    let lens = match *keys {
+        Keys { parallel: None, fov_y: None, fl_x: Some(fx), .. } => {
+            Pinhole { fx, fy: keys.fl_y.unwrap_or(fx), cx, cy }
+        }
+        Keys { parallel: None, fov_y: None, camera_angle_x: Some(angle), .. } if is_angle(angle) => {
+            Pinhole { cx, cy, ..Pinhole::of_angle_x(angle, size) }
+        }
+        Keys { parallel: None, fov_y: None, camera_angle_x: Some(angle), .. } => {
             return Err(format!("its camera_angle_x is {angle}, which is not within 0 and π"));
         }
-        (None, None) => return Ok(None),
+        _ if [cx, cy] != middle => return Err("its cx and cy need fx or camera_angle_x".into()),
+        Keys { parallel: Some(height), .. } if height > 0.0 && height.is_finite() => {
+            return Ok(Projection::Orthographic { height });
+        }
+        Keys { parallel: Some(height), .. } => {
+            return Err(format!("its parallel is {height}, and not a number above 0"));
+        }
+        Keys { fov_y: None, fl_y: Some(_), .. } => return Err("its fy needs fx".into()),
+        Keys { fov_y, .. } => {
+            let degrees = fov_y.unwrap_or(45.0);
+            let fov_y = degrees.to_radians();
+            return if is_angle(fov_y) {
+                Ok(Projection::Perspective { fov_y: fov_y as f32 })
+            } else {
+                Err(format!("its fov_y is {degrees}, which is not within 0 and 180 degrees"))
+            };
+        }
     };
-    let lens = Pinhole { cx: keys.cx.unwrap_or(lens.cx), cy: keys.cy.unwrap_or(lens.cy), ..lens };
     if !(lens.fx > 0.0 && lens.fy > 0.0 && lens.fx.is_finite() && lens.fy.is_finite()) {
         return Err("its focal lengths are not numbers above 0".into());
     }
-    Ok(Some(lens.projection(size)))
+    Ok(lens.projection(size))
 }
 
 #[cfg(test)]
@@ -326,10 +359,52 @@ mod tests {
     }
 
     #[test]
+    fn what_an_entry_does_not_say_of_its_lens_all_may_say() {
+        let pose = r#""eye":[0,0,1],"look_at":[0,0,0]"#;
+        let lens = |all: &str, own: &str| {
+            one(&format!(r#"{{{all}"cameras":[{{{pose}{own}}}]}}"#)).unwrap().projection
+        };
+        let whole = lens("", r#","fx":100,"fy":80,"cx":10,"cy":30"#);
+        assert_eq!(lens(r#""fx":100,"fy":80,"#, r#","cx":10,"cy":30"#), whole);
+        assert_eq!(lens(r#""cx":10,"cy":30,"fy":80,"#, r#","fx":100"#), whole);
+        assert_eq!(lens(r#""fov_y":50,"fy":80,"cx":10,"#, r#","fx":100,"cy":30"#), whole);
+        let angled = lens(r#""camera_angle_x":1,"#, r#","cx":10"#);
+        assert_eq!(angled, lens("", r#","camera_angle_x":1,"cx":10,"cy":24"#));
+        // What a report says of a lens in the middle.
+        assert_eq!(
+            lens("", r#","fov_y":45,"fl_x":57.9,"fl_y":57.9,"cx":32.0,"cy":24.0,"parallel":null"#),
+            lens("", "")
+        );
+    }
+
+    #[test]
+    fn matrices_may_lack_their_last_row_and_files_begin_with_a_mark() {
+        let four = r#"{"cameras":[{"matrix":[[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]}]}"#;
+        let three = "\u{feff}{\"cameras\":[{\"matrix\":[[1,0,0,1],[0,1,0,2],[0,0,1,3]]}]}";
+        let [four, three] = [four, three].map(|text| one(text).unwrap().camera(DVec3::ZERO));
+        assert_eq!(three, four);
+    }
+
+    #[test]
     fn what_is_wrong_is_named() {
         let camera = r#""eye":[0,0,1],"look_at":[0,0,0]"#;
         for (text, why) in [
             ("{}".into(), "it has neither cameras nor frames"),
+            ("[]".into(), "JSON: invalid type: sequence, expected an object with a list, cameras or frames"),
+            (r#"{"cameras":[3]}"#.into(), "JSON: invalid type: integer `3`, expected a camera: an object"),
+            (r#"{"cameras":[{"matrix":[[1,0,0,1]]}]}"#.into(), "camera 0 (0): its matrix has 1 rows"),
+            (
+                format!(r#"{{"cameras":[{{{camera},"fov_y":3,"cx":3}}]}}"#),
+                "camera 0 (0): its cx and cy need fx",
+            ),
+            (format!(r#"{{"cx":3,"cameras":[{{{camera}}}]}}"#), "camera 0 (0): its cx and cy need fx"),
+            (format!(r#"{{"cameras":[{{{camera},"fy":3}}]}}"#), "camera 0 (0): its fy needs fx"),
+            (
+                format!(r#"{{"cameras":[{{{camera}}},{{"eye":[0,0,1],"look_at":[0,0,1]}}]}}"#),
+                "camera 1 (1): eye and target coincide",
+            ),
+            (format!(r#"{{"cameras":[{{{camera},"up":[0,0,3]}}]}}"#), "camera 0 (0): up is along the view"),
+            (format!(r#"{{"cameras":[{{{camera},"fx":9,"cx":1e30}}]}}"#), "camera 0 (0): the edges of the"),
             (r#"{"cameras":[]}"#.into(), "it has 0 cameras"),
             (r#"{"cameras":[{"eye":[0,0]}]}"#.into(), "JSON: invalid length 2"),
             (r#"{"cameras":[{"eye":[0,0,1]}]}"#.into(), "camera 0 (0): it has neither a matrix nor eye"),

@@ -1,12 +1,15 @@
 //! The machine that renders.
 
 use crate::arrays::named;
+use crate::forked::PerProcess;
+use crate::signals::interruptible;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rtrt::batch::Batch;
 use rtrt::choose::{Choice, Chosen, Options, choose};
 use rtrt_core::backend::Description;
 use rtrt_cpu::Cpu;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A machine that renders: this processor, or a GPU. Pictures do not depend on it.
@@ -26,71 +29,79 @@ pub struct Machine {
     options: Options,
     why: String,
     description: Description,
-    state: Mutex<State>,
+    batch: PerProcess<Mutex<Option<Batch>>>,
 }
 
-struct State {
-    process: u32,
-    batch: Batch,
+/// Opens a backend, and says why it is this one.
+fn open(options: &Options) -> PyResult<(Batch, String)> {
+    let Chosen { backend, why, .. } =
+        choose(options).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let cpu = rtrt_cpu::Options { lanes: options.lanes, threads: options.threads };
+    Ok((Batch::new(backend, cpu), why))
 }
 
-impl State {
-    fn new(options: &Options) -> PyResult<(Self, String)> {
-        let Chosen { backend, why, .. } =
-            choose(options).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-        let cpu = rtrt_cpu::Options { lanes: options.lanes, threads: options.threads };
-        Ok((Self { process: std::process::id(), batch: Batch::new(backend, cpu) }, why))
-    }
+fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
+    value.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Machine {
     fn new(options: Options) -> PyResult<Self> {
-        let (mut state, why) = State::new(&options)?;
-        let description = state.batch.backend().describe();
-        Ok(Self { options, why, description, state: Mutex::new(state) })
+        let (mut batch, why) = open(&options)?;
+        let description = batch.backend().describe();
+        Ok(Self { options, why, description, batch: PerProcess::of(Mutex::new(Some(batch))) })
     }
 
-    /// Does this with the backend. The caller is not attached to Python.
-    pub fn with<T>(&self, work: impl FnOnce(&mut Batch) -> T) -> PyResult<T> {
-        let mut state: MutexGuard<'_, State> = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        if state.process != std::process::id() {
-            let (new, _) = State::new(&self.options)?;
-            // To drop it would wait for threads that are not there.
-            std::mem::forget(std::mem::replace(&mut *state, new));
+    /// Does this with the backend, detached from Python. With `stop` it takes long: see [`interruptible`].
+    pub fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        stop: Option<&AtomicBool>,
+        work: impl FnOnce(&mut Batch) -> T + Send,
+    ) -> PyResult<T> {
+        let batch = self.batch.get(py);
+        let work = || {
+            let mut batch = locked(&batch);
+            Ok::<T, PyErr>(work(match &mut *batch {
+                Some(batch) => batch,
+                none => none.insert(open(&self.options)?.0),
+            }))
+        };
+        match stop {
+            Some(stop) => interruptible(py, stop, work)?,
+            None => py.detach(work),
         }
-        Ok(work(&mut state.batch))
     }
 }
 
 /// The machine of this argument, or the one that all calls without such an argument share.
 pub fn machine(py: Python<'_>, backend: Option<&Bound<'_, Backend>>) -> PyResult<Arc<Machine>> {
-    static USUAL: Mutex<Option<Arc<Machine>>> = Mutex::new(None);
+    static USUAL: PerProcess<Mutex<Option<Arc<Machine>>>> = PerProcess::new();
     if let Some(backend) = backend {
         return Ok(backend.get().machine.clone());
     }
+    let usual = USUAL.get(py);
     py.detach(|| {
-        let mut usual = USUAL.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*usual {
-            Some(machine) => Ok(machine.clone()),
-            None => Ok(usual.insert(Arc::new(Machine::new(Options::default())?)).clone()),
-        }
+        Ok(match &mut *locked(&usual) {
+            Some(machine) => machine.clone(),
+            none => none.insert(Arc::new(Machine::new(Options::default())?)).clone(),
+        })
     })
 }
 
-/// The threads that load scenes and ask rays. The caller is not attached to Python.
-pub fn threads() -> PyResult<Arc<Cpu>> {
-    static THREADS: Mutex<Option<(u32, Arc<Cpu>)>> = Mutex::new(None);
-    let mut threads = THREADS.lock().unwrap_or_else(PoisonError::into_inner);
-    let process = std::process::id();
-    match &*threads {
-        Some((owner, cpu)) if *owner == process => Ok(cpu.clone()),
-        _ => {
-            let cpu = Cpu::new(rtrt_cpu::Options::default());
-            let cpu = Arc::new(cpu.map_err(|error| PyRuntimeError::new_err(error.to_string()))?);
-            std::mem::forget(threads.replace((process, cpu.clone())));
-            Ok(cpu)
-        }
-    }
+/// The threads that load scenes and ask rays.
+pub fn threads(py: Python<'_>) -> PyResult<Arc<Cpu>> {
+    static THREADS: PerProcess<Mutex<Option<Arc<Cpu>>>> = PerProcess::new();
+    let threads = THREADS.get(py);
+    py.detach(|| {
+        Ok(match &mut *locked(&threads) {
+            Some(cpu) => cpu.clone(),
+            none => {
+                let cpu = Cpu::new(rtrt_cpu::Options::default());
+                let cpu = cpu.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+                none.insert(Arc::new(cpu)).clone()
+            }
+        })
+    })
 }
 
 #[pymethods]

@@ -148,6 +148,48 @@ impl Camera {
     }
 }
 
+/// What a pickle has of a camera: its name; eye, look_at, up; the edges of the picture; the shape that it is made for; the
+/// lens in pixels; its planes, size and time.
+type State = (
+    String,
+    [[f32; 3]; 3],
+    Vec<f32>,
+    Option<f32>,
+    Option<(f64, f64, Option<f64>, Option<f64>)>,
+    [f32; 2],
+    Option<[i64; 2]>,
+    Option<f64>,
+);
+
+impl Camera {
+    fn state(&self) -> State {
+        let Self { named: NamedCamera { name, camera, aspect, clip }, lens, size, time } = self.clone();
+        // The number of numbers says which kind it is.
+        let projection = match camera.projection {
+            Projection::Perspective { fov_y } => vec![fov_y],
+            Projection::Orthographic { height } => vec![0.0, height],
+            Projection::OffCenter { left, right, bottom, top } => vec![left, right, bottom, top],
+        };
+        let points = [camera.eye, camera.look_at, camera.up].map(|point| point.to_array());
+        let lens = lens.map(|Lens { fx, fy, cx, cy }| (fx, fy, cx, cy));
+        (name, points, projection, aspect, lens, clip, size.map(|size| size.map(i64::from)), time)
+    }
+
+    fn of_state((name, points, projection, aspect, lens, clip, size, time): State) -> PyResult<Self> {
+        let projection = match projection[..] {
+            [fov_y] => Projection::Perspective { fov_y },
+            [_, height] => Projection::Orthographic { height },
+            [left, right, bottom, top] => Projection::OffCenter { left, right, bottom, top },
+            _ => return Err(PyValueError::new_err("the pickle is of another version of rtrt")),
+        };
+        let [eye, look_at, up] = points.map(Into::into);
+        let camera = CoreCamera { eye, look_at, up, projection };
+        let lens = lens.map(|(fx, fy, cx, cy)| Lens { fx, fy, cx, cy });
+        let size = size.map(self::size).transpose()?;
+        Ok(Self { named: NamedCamera { name, camera, aspect, clip }, lens, size, time })
+    }
+}
+
 /// A size that pictures may have.
 pub fn size([width, height]: [i64; 2]) -> PyResult<[u32; 2]> {
     let most = i64::from(rtrt_core::scene::Setup::MAX_SIDE);
@@ -287,6 +329,16 @@ impl Camera {
         let place = |point: &[f64; 3]| pixel(&camera, size, DVec3::from(*point)).unwrap_or([f64::NAN; 2]);
         let places: Vec<f64> = values.as_chunks::<3>().0.iter().flat_map(place).collect();
         PyArray1::from_vec(py, places).reshape([shape[0], 2])
+    }
+
+    /// How a pickle makes it again.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (State,))> {
+        Ok((slf.get_type().getattr("_of_pickle")?, (slf.get().state(),)))
+    }
+
+    #[staticmethod]
+    fn _of_pickle(state: State) -> PyResult<Self> {
+        Self::of_state(state)
     }
 
     fn __repr__(&self) -> String {

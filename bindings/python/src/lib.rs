@@ -5,12 +5,14 @@ mod aov;
 mod arrays;
 mod backend;
 mod camera;
+mod forked;
 mod light;
 mod material;
 mod rays;
 mod render;
 mod scene;
 mod shown;
+mod signals;
 
 use pyo3::prelude::*;
 

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rtrt_core::layout::NONE;
 use rtrt_core::query::{Hit, QueryError, Ray, Sides, Tree, World};
-use std::sync::{MutexGuard, PoisonError};
+use std::sync::PoisonError;
 
 /// The options of all rays of a call.
 pub struct Question<'a, 'py> {
@@ -71,13 +71,19 @@ fn answered<T>(answers: Vec<Result<T, QueryError>>) -> PyResult<Vec<T>> {
     answers.into_iter().enumerate().map(answer).collect()
 }
 
-/// Does this with the world of a scene. The caller is not attached to Python.
-fn with_world<T>(scene: &Scene, work: impl FnOnce(&rtrt_cpu::Cpu, &World<'_>) -> T) -> PyResult<T> {
-    let cpu = threads()?;
-    let mut tree: MutexGuard<'_, Tree> = scene.tree.lock().unwrap_or_else(PoisonError::into_inner);
-    let tree = &mut *tree;
-    cpu.install(|| Tree::update(tree, &scene.scene, &rtrt_cpu::Parallel));
-    Ok(work(&cpu, &tree.world(&scene.scene)))
+/// Does this with the world of a scene, detached from Python.
+fn with_world<T: Send>(
+    py: Python<'_>,
+    scene: &Scene,
+    work: impl FnOnce(&rtrt_cpu::Cpu, &World<'_>) -> T + Send,
+) -> PyResult<T> {
+    let (cpu, tree) = (threads(py)?, scene.tree.get(py));
+    py.detach(|| {
+        let mut tree = tree.lock().unwrap_or_else(PoisonError::into_inner);
+        let tree: &mut Tree = &mut tree;
+        cpu.install(|| Tree::update(tree, &scene.scene, &rtrt_cpu::Parallel));
+        Ok(work(&cpu, &tree.world(&scene.scene)))
+    })
 }
 
 /// Whether each ray hits anything.
@@ -87,12 +93,10 @@ pub fn occluded<'py>(
     question: &Question<'_, 'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (rays, shape) = question.rays()?;
-    let answers = py.detach(|| {
-        with_world(scene, |cpu, world| {
-            let mut answers = vec![Ok(false); rays.len()];
-            cpu.occluded(world, &rays, &mut answers);
-            answers
-        })
+    let answers = with_world(py, scene, |cpu, world| {
+        let mut answers = vec![Ok(false); rays.len()];
+        cpu.occluded(world, &rays, &mut answers);
+        answers
     })?;
     Ok(PyArray1::from_vec(py, answered(answers)?).reshape(shape)?.into_any())
 }
@@ -141,12 +145,10 @@ pub fn closest<'py>(
     surfaces: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (rays, shape) = question.rays()?;
-    let columns = py.detach(|| {
-        with_world(scene, |cpu, world| {
-            let mut answers = vec![Ok(None); rays.len()];
-            cpu.closest(world, &rays, &mut answers);
-            Ok::<_, PyErr>(Columns::new(scene, world, &answered(answers)?, surfaces))
-        })
+    let columns = with_world(py, scene, |cpu, world| {
+        let mut answers = vec![Ok(None); rays.len()];
+        cpu.closest(world, &rays, &mut answers);
+        Ok::<_, PyErr>(Columns::new(scene, world, &answered(answers)?, surfaces))
     })??;
     let wide = |count: usize| [&shape[..], &[count]].concat();
     let result = PyDict::new(py);

@@ -11,6 +11,10 @@ use pyo3::types::PyDict;
 use rtrt::layers::MOST_RAYS;
 use rtrt::motion::Before as Moment;
 use rtrt_core::backend::{LAYERS, RenderError, Request, Shadows, ToneMap};
+use std::sync::atomic::AtomicBool;
+
+/// The rays of a call that take so long, some hundredths of a second, that signals do not wait for its end.
+const LONG: u64 = 1 << 18;
 
 // What the signature of `render` says.
 const _: () = assert!(LAYERS == 8);
@@ -191,7 +195,7 @@ fn aovs(aov: Option<&Bound<'_, PyAny>>, out: Option<&Bound<'_, PyDict>>) -> PyRe
 ///
 /// One camera gives arrays of the shape (height, width, ...); a sequence of n cameras gives (n, height, width, ...): small
 /// pictures are then rendered side by side, which keeps more threads busy than one after the other. The interpreter is free
-/// meanwhile. Bits depend neither on that, nor on threads, machine or backend.
+/// meanwhile, and Ctrl-C ends the call, with buffers partly filled. Bits depend neither on that, nor on threads, machine or backend.
 ///
 /// | aov | dtype | what |
 /// |---|---|---|
@@ -279,7 +283,9 @@ pub fn render<'py>(
     }
     let pixels = size[0] as usize * size[1] as usize;
     type Wanted<'a> = (Vec<Part<'a>>, Option<&'a Moment>);
-    let job = |(number, view)| (quality.request(view, size, deferred), (Vec::new(), moments.get(number)));
+    let stop = AtomicBool::new(false);
+    let request = |view| quality.request(view, size, deferred).until(&stop);
+    let job = |(number, view)| (request(view), (Vec::new(), moments.get(number)));
     let mut jobs: Vec<(Request<'_>, Wanted<'_>)> = views.iter().enumerate().map(job).collect();
     for memory in &mut memories {
         for ((_, (parts, _)), part) in jobs.iter_mut().zip(memory.parts(pixels)?) {
@@ -287,11 +293,10 @@ pub fn render<'py>(
         }
     }
     let core = &scene.scene;
-    let result = py.detach(|| {
-        machine.with(|batch| {
-            batch.render(core, &mut jobs, |request, picture, (parts, before)| {
-                parts.iter_mut().for_each(|part| part.fill(core, request, picture, *before));
-            })
+    let is_long = rays.saturating_mul(views.len() as u64) > LONG;
+    let result = machine.with(py, is_long.then_some(&stop), |batch| {
+        batch.render(core, &mut jobs, |request, picture, (parts, before)| {
+            parts.iter_mut().for_each(|part| part.fill(core, request, picture, *before));
         })
     })?;
     result.map_err(|error| {
@@ -322,8 +327,7 @@ pub fn meter(
     let size = camera.map_or(Cameras::Usual, |camera| Cameras::One(camera.clone())).size(size)?;
     let camera = camera.map_or_else(|| scene.usual_camera(size), |camera| camera.at(size));
     let (machine, core) = (machine(py, backend)?, &scene.scene);
-    let stops = py.detach(|| {
-        machine.with(|batch| batch.backend().meter(core, &quality.request(&camera, size, false)))
-    })?;
+    let stops = machine
+        .with(py, None, |batch| batch.backend().meter(core, &quality.request(&camera, size, false)))?;
     stops.map_err(|error| raised(&error, ""))
 }

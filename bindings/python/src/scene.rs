@@ -4,6 +4,7 @@ use crate::aov::objects;
 use crate::arrays::{Array, bytes, floats, indices, matrices, named, refused, rows, vector, wrong_shape};
 use crate::backend::threads;
 use crate::camera::{self, Camera, View};
+use crate::forked::PerProcess;
 use crate::light::Light;
 use crate::material::changed;
 use crate::rays::{self, Question};
@@ -44,7 +45,7 @@ use std::sync::Mutex;
 #[pyclass(module = "rtrt")]
 pub struct Scene {
     pub scene: CoreScene,
-    pub tree: Mutex<Tree>,
+    pub tree: PerProcess<Mutex<Tree>>,
     meshes: Vec<MeshIndex>,
     materials: BTreeMap<u32, MaterialIndex>,
     textures: Vec<Texture>,
@@ -98,7 +99,7 @@ impl Scene {
     fn around(scene: CoreScene) -> Self {
         Self {
             scene,
-            tree: Mutex::default(),
+            tree: PerProcess::new(),
             meshes: vec![],
             materials: BTreeMap::new(),
             textures: vec![],
@@ -254,6 +255,36 @@ impl Scene {
         Self::around(CoreScene::new())
     }
 
+    /// A copy, in which the same numbers name the same things; `copy.copy` and `copy.deepcopy` make it, too. What changes in
+    /// one of them stays as it is in the other, so that one is changed while another is rendered. It takes as much memory
+    /// again.
+    fn copy(&self, py: Python<'_>) -> Self {
+        py.detach(|| Self {
+            scene: self.scene.clone(),
+            // Made when the first ray asks.
+            tree: PerProcess::new(),
+            meshes: self.meshes.clone(),
+            materials: self.materials.clone(),
+            textures: self.textures.clone(),
+            mesh_names: self.mesh_names.clone(),
+            material_names: self.material_names.clone(),
+            labels: self.labels.clone(),
+            cameras: self.cameras.clone(),
+            animation: self.animation.clone(),
+            warnings: self.warnings.clone(),
+            files: self.files.clone(),
+            ..*self
+        })
+    }
+
+    fn __copy__(&self, py: Python<'_>) -> Self {
+        self.copy(py)
+    }
+
+    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> Self {
+        self.copy(py)
+    }
+
     /// The scene of a file: glTF 2.0 (.glb, .gltf), OBJ, STL or PLY; or a built-in one, `demo:matchbox`, `demo:glass`,
     /// `demo:spheres`, `demo:levels`, `demo:moving`.
     ///
@@ -267,8 +298,8 @@ impl Scene {
         if let Some(size) = point_size.filter(|size| !(*size > 0.0 && size.is_finite())) {
             return Err(PyValueError::new_err(format!("point_size is {size}, and not a number above 0")));
         }
+        let pool = threads(py)?;
         py.detach(|| {
-            let pool = threads()?;
             let options = import::Options { point_size, ..import::Options::default() };
             let loaded = match path.to_str().and_then(|name| name.strip_prefix("demo:")) {
                 Some(name) => {
@@ -331,12 +362,12 @@ impl Scene {
         if let Some(tangents) = tangents {
             mesh = mesh.with_tangents(&rows::<4>("tangents", tangents)?).map_err(refused)?;
         }
-        let scene = &mut self.scene;
+        let (scene, pool) = (&mut self.scene, threads(py)?);
         let index = py.detach(|| {
             if make_tangents {
                 mesh = mesh.with_made_tangents(false);
             }
-            let tree = threads()?.install(|| Bvh::build(&mesh, &Parallel));
+            let tree = pool.install(|| Bvh::build(&mesh, &Parallel));
             scene.add_mesh(&mesh, &tree).map_err(refused)
         })?;
         self.mesh_names.push(name.unwrap_or_else(|| format!("mesh {}", self.meshes.len())));
@@ -605,11 +636,12 @@ impl Scene {
             }
         }
         let path: Option<PathBuf> = source.extract().ok();
+        if let Some(path) = path.as_ref().filter(|path| path.as_os_str() != "studio" && !path.exists()) {
+            return Err(PyFileNotFoundError::new_err(format!("there is no environment {}", path.display())));
+        }
         let panorama = if path.is_some() { None } else { Some(panorama(source)?) };
         let scene = &mut self.scene;
         py.detach(|| {
-            (scene.environment_rotation, scene.environment_intensity) = (rotation.to_radians(), intensity);
-            scene.environment_blur = blur;
             let surroundings = match (path, panorama) {
                 (Some(path), _) if path.as_os_str() == "studio" => {
                     import::surround_with_studio(scene).map_err(refused)?
@@ -624,6 +656,8 @@ impl Scene {
                 }
                 (None, None) => return Ok(()),
             };
+            (scene.environment_rotation, scene.environment_intensity) = (rotation.to_radians(), intensity);
+            scene.environment_blur = blur;
             if let Some(light) = surroundings.placed_sun(scene).filter(|_| sun) {
                 scene.add_light(light);
             }

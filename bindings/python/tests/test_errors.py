@@ -115,7 +115,8 @@ def test_empty_arrays():
         (lambda s: s.add_texture(np.zeros((4, 4, 7), np.uint8)), ValueError, "pixels has the shape"),
         (lambda s: s.add_texture(np.zeros((1, 20000), np.uint8)), ValueError, "a texture of 20000 x 1"),
         (lambda s: s.reshape(0, TRIANGLE), ValueError, "the shape has 1 triangles, and the mesh has 2"),
-        (lambda s: s.set_environment("none.hdr"), ValueError, "none.hdr"),
+        (lambda s: s.set_environment("none.hdr"), FileNotFoundError, "there is no environment none.hdr"),
+        (lambda s: s.set_environment(__file__), ValueError, "environment refused: "),
         (lambda s: s.set_environment(np.zeros((4, 3))), ValueError, "source has the shape"),
         (lambda s: s.set_environment("studio", blur=2), ValueError, "blur is 2"),
         (lambda s: s.play(-1), ValueError, "time is -1"),
@@ -163,6 +164,16 @@ def test_calls(square, call, kind, why):
     if kind is not ValueError or "transforms" not in why:
         after = rtrt.render(square, rtrt.Camera((0, 0, 4), (0, 0, 0)), (8, 8))["rgba"]
         assert np.array_equal(before, after)
+
+
+def test_an_environment_that_is_refused_changes_nothing(square):
+    square.set_environment("studio")
+    camera = rtrt.Camera((0, 0, 4), (0, 0, 0))
+    before = rtrt.render(square, camera, (16, 12))["rgba"]
+    for source in ("none.hdr", __file__, np.zeros((4, 3))):
+        with pytest.raises((OSError, ValueError)):
+            square.set_environment(source, rotation=90, intensity=0.1, blur=1)
+    assert np.array_equal(rtrt.render(square, camera, (16, 12))["rgba"], before)
 
 
 def test_buffers(glass):

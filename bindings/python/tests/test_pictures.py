@@ -2,11 +2,16 @@
 
 import base64
 import contextlib
+import copy
 import hashlib
 import json
 import multiprocessing
+import os
+import pickle
+import signal
 import subprocess
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -231,6 +236,22 @@ def test_the_interpreter_is_free_meanwhile(glass):
     assert counted > 5
 
 
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@pytest.mark.parametrize("size, count", [((320, 240), 2000), ((2048, 2048), 20)])
+def test_ctrl_c_ends_a_call(glass, cpu, size, count):
+    expected = rtrt.render(glass, size=SIZE)["rgba"]
+    cameras = [glass.framing(size)] * count
+    # Memory that is never touched costs nothing.
+    out = {"rgba": np.zeros((count, *size[::-1], 4), np.uint8)}
+    timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    began = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        rtrt.render(glass, cameras, size, out=out, samples=16, backend=cpu)
+    assert time.monotonic() - began < 10
+    assert np.array_equal(rtrt.render(glass, size=SIZE, backend=cpu)["rgba"], expected)
+
+
 def test_threads_share_scenes_and_backends(glass):
     expected, results = rtrt.render(glass, size=SIZE)["rgba"], []
     threads = [
@@ -257,6 +278,111 @@ def test_forked_processes_render(glass):
     [process.start() for process in processes]
     assert [queue.get(timeout=60) for _ in processes] == [expected] * 2
     [process.join() for process in processes]
+
+
+def asked(queue, scene, backend):
+    pictures = [rtrt.render(scene, size=SIZE, **how)["rgba"] for how in ({}, {"backend": backend})]
+    queue.put((*map(digest, pictures), float(scene.closest((0, 1, 9), (0, 0, -1))["t"])))
+
+
+def test_processes_forked_while_threads_work_render(glass, cpu):
+    if "fork" not in multiprocessing.get_all_start_methods():
+        pytest.skip("no fork")
+    picture = digest(rtrt.render(glass, size=SIZE)["rgba"])
+    expected = picture, picture, float(glass.closest((0, 1, 9), (0, 0, -1))["t"])
+    done = threading.Event()
+
+    def work(call):
+        while not done.is_set():
+            call()
+
+    rays = np.broadcast_to(np.float32([0, 0, -1]), (100_000, 3))
+    calls = [
+        lambda: rtrt.render(glass, size=(640, 480), samples=16),
+        lambda: rtrt.render(glass, size=(640, 480), samples=16, backend=cpu),
+        lambda: glass.closest((0, 1, 9), rays),
+    ]
+    threads = [threading.Thread(target=work, args=(call,)) for call in calls]
+    [thread.start() for thread in threads]
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    # Each finds other locks taken.
+    processes = [context.Process(target=asked, args=(queue, glass, cpu), daemon=True) for _ in range(4)]
+    for process in processes:
+        process.start()
+        done.wait(0.1)
+    done.set()
+    [thread.join() for thread in threads]
+    try:
+        assert [queue.get(timeout=60) for _ in processes] == [expected] * 4
+    finally:
+        [process.kill() for process in processes]
+
+
+def test_copies_have_the_same_numbers_and_nothing_in_common(square):
+    camera = rtrt.Camera((0, 0, 12), (0, 0, 0))
+
+    def look(scene):
+        frame = rtrt.render(scene, camera, (40, 30), ["rgba", "object"])
+        return {"t": scene.closest((0, 0, 9), (0, 0, -1))["t"], **frame}
+
+    before = look(square)
+    for make in (rtrt.Scene.copy, copy.copy, copy.deepcopy):
+        other = make(square)
+        assert same(look(other), before) and other.labels == square.labels
+        away = np.eye(4)
+        away[0, 3] = -3
+        other.set_transform(0, away)
+        other.set_material(1, base_color=(0, 0, 1))
+        other.lights = [rtrt.Light.sun((0, 0, -1))]
+        added = other.add_instance(0, 1, name="more")
+        after = look(other)
+        assert same(look(square), before) and not same(after, before)
+        assert (square.objects, other.objects, other.labels[added]["node"]) == (2, 3, "more")
+        square.hide(1)
+        assert same(look(other), after)
+        square.set_transform(1, [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0]])
+    moving = rtrt.Scene.load("demo:moving")
+    moving.play(0)
+    still, other = digest(rtrt.render(moving, size=SIZE)["rgba"]), moving.copy()
+    other.play(0.5)
+    assert digest(rtrt.render(moving, size=SIZE)["rgba"]) == still != digest(rtrt.render(other, size=SIZE)["rgba"])
+
+
+def test_a_copy_is_changed_while_its_scene_is_rendered(glass):
+    thread = threading.Thread(target=rtrt.render, args=(glass,), kwargs=dict(size=(1280, 720), samples=16))
+    thread.start()
+    changes = 0
+    while thread.is_alive():
+        other = glass.copy()
+        other.ambient = (changes, 0, 0)
+        changes += 1
+    assert changes > 0
+
+
+def test_cameras_are_pickled(square, tmp_path):
+    (tmp_path / "cameras.json").write_text(json.dumps({"cameras": [
+        {"name": "a", "eye": [3, 2, 4], "look_at": [0, 0, 0], "size": [32, 24], "time": 0.5},
+        {"name": "b", "eye": [3, 2, 4], "look_at": [0, 0, 0], "size": [32, 24], "parallel": 4}]}))
+    cameras = [
+        rtrt.Camera((3, 2, 4), (0, 0, 0), (0.1, 1, 0), fov_y=40, near=2),
+        rtrt.Camera((3, 2, 4), (0, 0, 0), fx=40, cy=3),
+        *square.load_cameras(tmp_path / "cameras.json"),
+        *square.orbit(2),
+    ]
+    again = pickle.loads(pickle.dumps(cameras))
+    for one, other in zip(cameras, again):
+        assert (one.name, one.size, one.time, one.clip, repr(one)) == (other.name, other.size, other.time, other.clip, repr(other))
+        assert same(*(rtrt.render(square, camera, (32, 24), ["rgba", "depth"]) for camera in (one, other)))
+    for state in [(), (3,), ("a", [[0] * 3] * 3, [1, 2, 3], None, None, [0, 1], None, None),
+                  ("a", [[0] * 3] * 3, [1], None, None, [0, 1], [0, 5], None)]:
+        with pytest.raises((TypeError, ValueError)):
+            rtrt.Camera._of_pickle(state)
+    broken = ("a", [[np.nan] * 3] * 3, [9], None, (0, -1, None, None), [3, 1], None, np.nan)
+    with pytest.raises(ValueError):
+        rtrt.render(square, rtrt.Camera._of_pickle(broken), (8, 8))
+    with pytest.raises(TypeError, match="pickle"):
+        pickle.dumps(square)
 
 
 def test_motion_is_that_of_the_command(command, tmp_path):

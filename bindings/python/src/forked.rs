@@ -1,0 +1,39 @@
+//! What the threads of a process share, and a forked process has anew.
+
+use pyo3::Python;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A value of each process.
+///
+/// A thread that holds a lock in the parent is missing in a forked process, where nothing would ever open that lock. This
+/// one is only taken by threads that are attached to Python, and so is a fork of Python's: none is held meanwhile. What it
+/// guards has locks of its own, which the forked process does not ask.
+pub struct PerProcess<T>(Mutex<Option<(u32, Arc<T>)>>);
+
+impl<T> PerProcess<T> {
+    pub const fn new() -> Self {
+        Self(Mutex::new(None))
+    }
+
+    /// One that holds this in the process that calls.
+    pub fn of(value: T) -> Self {
+        Self(Mutex::new(Some((std::process::id(), Arc::new(value)))))
+    }
+}
+
+impl<T: Default> PerProcess<T> {
+    /// The value of this process.
+    pub fn get(&self, _py: Python<'_>) -> Arc<T> {
+        let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let process = std::process::id();
+        match &*slot {
+            Some((owner, value)) if *owner == process => value.clone(),
+            _ => {
+                let value = Arc::new(T::default());
+                // To drop that of the parent would wait for threads that are not there.
+                std::mem::forget(slot.replace((process, value.clone())));
+                value
+            }
+        }
+    }
+}
