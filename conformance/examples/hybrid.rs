@@ -1,8 +1,8 @@
 //! Hybrid frames beside those that are traced: how many pixels differ, by how much and where, and the time to
 //! find the closest surfaces.
 //!
-//! `cargo run --release -p conformance --example hybrid [FOLDER]` prints a table, and writes `hybrid.png` into the
-//! folder: each frame, dark, with a mark on each pixel that differs.
+//! `cargo run --release -p conformance --example hybrid [FOLDER [WIDTH]]` prints a table, and writes `hybrid.png` into the
+//! folder: each frame, dark, with a mark on each pixel that differs. Frames have 640 columns without a width.
 
 use conformance::hybrid::Differences;
 use glam::Vec3;
@@ -16,7 +16,8 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-const SIZE: [u32; 2] = [640, 360];
+/// Columns of a frame.
+const WIDTH: u32 = 640;
 /// Frames that are timed, after one that is not.
 const FRAMES: usize = 3;
 /// How far a mark reaches from its pixel.
@@ -30,6 +31,9 @@ const FILES: [(&str, f32, [[f32; 3]; 3]); 3] = [
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let width: u32 = std::env::args().nth(2).map_or(Ok(WIDTH), |width| width.parse())?;
+    // Pictures are written at half of it.
+    let size = [width, width * 9 / 16].map(|side| side / 2 * 2);
     let mut cpu = Cpu::new(Options::default())?;
     let mut gpu = open()?;
     println!("| scene | samples | rays | as near | pixels | largest | mean | traced | drawn |");
@@ -38,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, loaded) in &scenes()? {
         for samples in [1, 4] {
             let camera = &loaded.camera;
-            let request = Request::new(camera, SIZE).samples(samples).shadows(Shadows::Hard).deferred(true);
+            let request = Request::new(camera, size).samples(samples).shadows(Shadows::Hard).deferred(true);
             let (mut traced, mut drawn) = (Picture::default(), Picture::default());
             cpu.render(&loaded.scene, &request, &mut traced)?;
             gpu.set_hybrid(true)?;
@@ -66,7 +70,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     if let Some(folder) = std::env::args().nth(1) {
-        write(&Path::new(&folder).join("hybrid.png"), &pictures)?;
+        write(&Path::new(&folder).join("hybrid.png"), size, &pictures)?;
     }
     Ok(())
 }
@@ -125,7 +129,7 @@ fn visibility_ms(
 fn marked(picture: &Picture, found: &Differences) -> Vec<[u8; 3]> {
     let dark = |pixel: &u32| [0, 8, 16].map(|shift| ((pixel >> shift & 255) / 3) as u8);
     let mut pixels: Vec<_> = picture.pixels.iter().map(dark).collect();
-    let [width, height] = SIZE;
+    let [width, height] = [picture.width, picture.height];
     for number in &found.pixels {
         let [x, y] = [number % width, number / width];
         for y in y.saturating_sub(MARK)..(y + MARK + 1).min(height) {
@@ -138,8 +142,11 @@ fn marked(picture: &Picture, found: &Differences) -> Vec<[u8; 3]> {
 }
 
 /// Writes pictures side by side, at half their size.
-fn write(path: &Path, pictures: &[Vec<[u8; 3]>]) -> Result<(), Box<dyn std::error::Error>> {
-    let [width, height] = SIZE;
+fn write(
+    path: &Path,
+    [width, height]: [u32; 2],
+    pictures: &[Vec<[u8; 3]>],
+) -> Result<(), Box<dyn std::error::Error>> {
     let mut bytes = Vec::new();
     for y in (0..height).step_by(2) {
         for picture in pictures {

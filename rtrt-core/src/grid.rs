@@ -91,6 +91,12 @@ impl Grid {
         let block = y / BLOCK * self.blocks_x() + x / BLOCK;
         RayIndex(block * BLOCK_RAYS + number([x % BLOCK, y % BLOCK]))
     }
+    /// The first sub-ray of the pixel at column `x` and row `y`. That at column `a` and row `b` inside of the pixel has the
+    /// [`number`] of `[a, b]` more.
+    #[inline(always)]
+    pub fn first_ray(self, [x, y]: [u32; 2]) -> RayIndex {
+        self.index([x * self.side, y * self.side])
+    }
     /// Column and row of the pixel with this number; pixels are numbered row by row.
     #[inline(always)]
     pub fn pixel(self, number: u32) -> [u32; 2] {
@@ -123,7 +129,7 @@ pub fn place(number: u32) -> [u32; 2] {
 
 /// The number inside its block of the ray at column and row `[x, y]` of the block.
 #[inline(always)]
-pub fn number([x, y]: [u32; 2]) -> u32 {
+pub const fn number([x, y]: [u32; 2]) -> u32 {
     (x & 3) | (y & 3) << 2 | (x >> 2) << 4 | (y >> 2) << 6
 }
 
@@ -138,6 +144,19 @@ mod tests {
             assert_eq!(grid.index(grid.ray(RayIndex(i))), RayIndex(i));
         }
         assert_eq!(grid.blocks(), 5 * 3);
+    }
+
+    #[test]
+    fn sub_rays_of_a_pixel_have_their_places_from_its_first() {
+        for side in [1, 2, 4] {
+            let grid = Grid { width: 37, height: 21, side };
+            for [x, y] in [[0, 0], [5, 3], [36, 20], [17, 16]] {
+                for inside in (0..side).flat_map(|b| (0..side).map(move |a| [a, b])) {
+                    let ray = grid.index([x * side + inside[0], y * side + inside[1]]);
+                    assert_eq!(ray.0, grid.first_ray([x, y]).0 + number(inside));
+                }
+            }
+        }
     }
 
     #[test]

@@ -97,7 +97,7 @@ impl LaneTask for RunBlock<'_, '_> {
             let step = steps[0];
             match step.pass {
                 Pass::Resolve => {
-                    resolve_block::<L>(token, context, index, rays.colors, tile);
+                    resolve_block::<L>(token, context.trace.frame, rays.colors, tile);
                     if let Some(records) = &mut records {
                         records.colors.copy_from_slice(&rays.colors[..RAYS]);
                     }
@@ -178,32 +178,35 @@ fn summarize_penumbras(grid: Grid, index: u32, cells: &[u32], summaries: &mut [P
     }
 }
 
+/// The first rays of the pixels of a block, row by row, of pixels with 1, 4 and 16 sub-rays: their numbers in the block.
+static FIRST_RAYS: [[u8; RAYS]; 3] = [first_rays(1), first_rays(2), first_rays(4)];
+
+const fn first_rays(side: u32) -> [u8; RAYS] {
+    let (mut rays, mut pixel) = ([0; RAYS], 0);
+    let across = BLOCK / side;
+    while pixel < across * across {
+        rays[pixel as usize] = number([pixel % across * side, pixel / across * side]) as u8;
+        pixel += 1;
+    }
+    rays
+}
+
 /// Makes the pixels of a block of these colors.
 #[inline(always)]
-fn resolve_block<L: Wide>(
-    token: L::Token,
-    context: &FrameContext<'_>,
-    index: u32,
-    colors: &[[f32; 4]],
-    tile: &mut [u32],
-) {
-    let grid = context.trace.frame.grid();
+fn resolve_block<L: Wide>(token: L::Token, frame: &Frame, colors: &[[f32; 4]], tile: &mut [u32]) {
     // Behind the colors is what goes through colored layers.
     let (colors, throughs) = colors.split_at(RAYS);
-    // A power of two.
-    let side = grid.block_pixels();
-    let (across, down) = (side - 1, side.trailing_zeros());
-    let [left, top] = grid.ray(RayIndex(index * BLOCK_RAYS)).map(|ray| ray / grid.side);
+    let places = &FIRST_RAYS[frame.side.trailing_zeros() as usize];
     for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_mut(L::WIDTH)) {
         let bits = resolve::<L>(
             token,
-            context.trace.frame,
+            frame,
             #[inline(always)]
-            |lane| [left + ((first + lane as u32) & across), top + ((first + lane as u32) >> down)],
+            |lane| RayIndex(places[(first + lane) % RAYS].into()),
             #[inline(always)]
-            |ray| colors[(ray.0 % BLOCK_RAYS) as usize],
+            |ray| colors[ray.0 as usize % RAYS],
             #[inline(always)]
-            |ray| throughs[(ray.0 % BLOCK_RAYS) as usize],
+            |ray| throughs[ray.0 as usize % RAYS],
         );
         let bits = bits.row();
         for (lane, pixel) in pixels.iter_mut().enumerate() {

@@ -1,6 +1,6 @@
 //! Resolve: the sub-rays of a pixel become its color.
 
-use crate::grid::{Grid, RayIndex};
+use crate::grid::{RayIndex, number};
 use crate::kernel::tone_map::tone_map;
 use crate::lane::{Lane, Mask, Select, V3, times};
 use crate::layout::{Backdrop, Frame};
@@ -15,22 +15,21 @@ use crate::num::{floor, recip, srgb_encode, to_integer};
 /// ```
 ///
 /// Sub-rays' colors are multiplied by their alphas. With [`Backdrop::Nothing`] a pixel keeps its alpha, by which
-/// its color is not multiplied. `pixel(lane)` is the column and row of a pixel, `color(ray)` the color that a
-/// ray brought back. In frames with [colored layers](Frame::has_colored_layers) a share a channel takes the place of
+/// its color is not multiplied. `first(lane)` is the [first ray](crate::grid::Grid::first_ray) of a pixel, and `color(ray)`
+/// the color that a ray brought back. In frames with [colored layers](Frame::has_colored_layers) a share a channel takes the place of
 /// `1 − alpha`: `through(ray)`, what the layers of a ray let through.
 #[inline(always)]
 pub fn resolve<L: Lane>(
     token: L::Token,
     frame: &Frame,
-    pixel: impl Fn(usize) -> [u32; 2],
+    first: impl Fn(usize) -> RayIndex,
     color: impl Fn(RayIndex) -> [f32; 4],
     through: impl Fn(RayIndex) -> [f32; 4],
 ) -> L::Bits {
-    let grid = frame.grid();
     let [[r, g, b, a]] = L::gather_fours(
         token,
         #[inline(always)]
-        |lane| [average(grid, pixel(lane), &color)],
+        |lane| [average(frame.side, first(lane), &color)],
     );
     let one = a.broadcast(1.0);
     let is_covered = a.ge(one);
@@ -47,7 +46,7 @@ pub fn resolve<L: Lane>(
             let [[x, y, z, _]] = L::gather_fours(
                 token,
                 #[inline(always)]
-                |lane| [average(grid, pixel(lane), &through)],
+                |lane| [average(frame.side, first(lane), &through)],
             );
             rest = V3 { x, y, z };
         }
@@ -73,24 +72,24 @@ pub fn displayed<L: Lane>(exposure: f32, operator: u32, light: V3<L>) -> V3<L> {
     tone_map(operator, V3 { x: x * exposure, y: y * exposure, z: z * exposure })
 }
 
-/// The average color of one pixel, linear RGB and alpha.
+/// The average color of the pixel with this first ray, linear RGB and alpha, of `side` × `side` sub-rays.
 #[inline(always)]
-pub fn average(grid: Grid, [x, y]: [u32; 2], color: &impl Fn(RayIndex) -> [f32; 4]) -> [f32; 4] {
+pub fn average(side: u32, first: RayIndex, color: &impl Fn(RayIndex) -> [f32; 4]) -> [f32; 4] {
     let mut sum = [0.0_f32; 4];
     let mut b = 0;
-    while b < grid.side {
+    while b < side {
         let mut a = 0;
-        while a < grid.side {
-            let c = color(grid.index([x * grid.side + a, y * grid.side + b]));
+        while a < side {
+            let c = color(RayIndex(first.0 + number([a, b])));
             sum = [sum[0] + c[0], sum[1] + c[1], sum[2] + c[2], sum[3] + c[3]];
             a += 1;
         }
         b += 1;
     }
     // One, four or sixteen: a power of two, so the weight is exact.
-    let weight = if grid.side == 1 {
+    let weight = if side == 1 {
         1.0
-    } else if grid.side == 2 {
+    } else if side == 2 {
         0.25
     } else {
         0.0625
@@ -123,7 +122,7 @@ mod tests {
         let pixel = |colors: [[f32; 4]; 4]| {
             let color =
                 |ray: RayIndex| colors[(0..4).find(|i| grid.index([i % 2, i / 2]) == ray).unwrap() as usize];
-            resolve::<f32>((), &frame, |_| [0, 0], color, |_| [0.0; 4]).0.to_le_bytes()
+            resolve::<f32>((), &frame, |_| RayIndex(0), color, |_| [0.0; 4]).0.to_le_bytes()
         };
         let color = [0.25, 0.5, 0.75];
         let [r, g, b] = color.map(|value| (srgb_encode(value) * 255.0 + 0.5) as u8);
@@ -139,8 +138,9 @@ mod tests {
         for map in ToneMap::ALL.map(|(_, map)| map as u32) {
             let backdrop = Backdrop::Nothing as u32;
             let frame = Frame { exposure: 4.0, tone_map: map, backdrop, ..one() };
-            let pixel =
-                |c: [f32; 4]| resolve::<f32>((), &frame, |_| [0, 0], |_| c, |_| [0.0; 4]).0.to_le_bytes();
+            let pixel = |c: [f32; 4]| {
+                resolve::<f32>((), &frame, |_| RayIndex(0), |_| c, |_| [0.0; 4]).0.to_le_bytes()
+            };
             let V3 { x, y, z } = tone_map::<f32>(map, V3::splat((), color.map(|c| 4.0 * c)));
             let [r, g, b] = [x, y, z].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
             assert_eq!(pixel([0.09, 0.18, 0.36, 1.0]), [r, g, b, 255]);
@@ -154,8 +154,9 @@ mod tests {
         for (_, map) in ToneMap::ALL {
             let background = Frame { background_r: 0.25, background_g: 0.5, background_b: 1.0, ..one() };
             let frame = Frame { exposure: 64.0, tone_map: map as u32, ..background };
-            let pixel =
-                |c: [f32; 4]| resolve::<f32>((), &frame, |_| [0, 0], |_| c, |_| [0.0; 4]).0.to_le_bytes();
+            let pixel = |c: [f32; 4]| {
+                resolve::<f32>((), &frame, |_| RayIndex(0), |_| c, |_| [0.0; 4]).0.to_le_bytes()
+            };
             assert_eq!(pixel([0.0; 4]), [r, g, b, 255]);
             // A black surface that covers half of it.
             let [.., blue, alpha] = pixel([0.0, 0.0, 0.0, 0.5]);
@@ -169,7 +170,7 @@ mod tests {
         let frame = Frame { layers: 1, extensions: MaterialRecord::TRANSMITS, ..background };
         let through = [0.75, 0.25, 0.0, 0.0];
         let covered = 1.0 - 1.0 / 3.0;
-        let pixel = resolve::<f32>((), &frame, |_| [0, 0], |_| [0.0, 0.0, 0.0, covered], |_| through);
+        let pixel = resolve::<f32>((), &frame, |_| RayIndex(0), |_| [0.0, 0.0, 0.0, covered], |_| through);
         let [r, g, b] = [0.75, 0.25, 0.0].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
         assert_eq!(pixel.0.to_le_bytes(), [r, g, b, 255]);
     }
