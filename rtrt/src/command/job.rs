@@ -332,7 +332,7 @@ impl RenderJob {
     pub fn expose(&mut self, backend: &mut dyn Backend, console: &Console) -> Result<(), Error> {
         if self.common.exposure == Exposure::Auto {
             self.meter(backend)?;
-            console.say(format_args!("exposure: {} stops", self.exposure));
+            console.say(format_args!("exposure: {}", stops(self.exposure)));
         }
         Ok(())
     }
@@ -602,6 +602,11 @@ fn ambient_reach(common: &Common, scene: &Scene) -> f32 {
     }
 }
 
+/// An exposure, in words.
+fn stops(stops: f32) -> String {
+    format!("{stops} stop{}", if stops.abs() == 1.0 { "" } else { "s" })
+}
+
 /// Width / height.
 fn aspect(size: [u32; 2]) -> f32 {
     size[0] as f32 / size[1] as f32
@@ -646,4 +651,15 @@ pub fn open(options: &BackendOptions, hybrid: bool, console: &Console) -> Result
         console.warn(4, why)?;
     }
     Ok(Opened { backend, machine, is_software })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_stop_is_one() {
+        let said = [1.0, -1.0, 0.5, 2.0].map(stops);
+        assert_eq!(said, ["1 stop", "-1 stop", "0.5 stops", "2 stops"]);
+    }
 }

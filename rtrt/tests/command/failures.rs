@@ -192,7 +192,7 @@ fn a_scene_with_nothing_to_draw_is_no_blank_picture() {
         (
             "curve.obj",
             "v 0 0 0\nv 1 0 0\ncurv 0 1 1 2\n",
-            "1 curves, surfaces or faces of fewer than three corners",
+            "curves, surfaces and faces of fewer than three corners are left out: 1",
         ),
     ] {
         fs::write(folder.0.join(name), text).unwrap();

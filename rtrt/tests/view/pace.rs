@@ -220,6 +220,33 @@ fn a_window_opens_before_its_scene_is_loaded_and_escape_closes_it() {
 }
 
 #[test]
+#[cfg(unix)]
+fn keys_work_while_another_scene_is_loaded() {
+    let folder = folder("loads");
+    let Some(display) = Display::start(&folder) else { return };
+    let Some(key) = keys(&display) else { return };
+    fs::write(folder.join("a.obj"), "v -2 -2 0\nv 2 -2 0\nv 0 2 0\nf 1 2 3\n").unwrap();
+    let line = "view a.obj --size 800x600 --samples 1 --backend cpu";
+    let mut window = Window::open(&display, &folder, line);
+    window.until("there is a picture", || sharpness(&display.pixels(SCREEN)) > 0.1);
+    sleep(Duration::from_secs(1));
+    // A key that is held too long opens the next one too.
+    let wall = "v -9 -2 0\nv 9 -2 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
+    fs::write(folder.join("c.obj"), wall).unwrap();
+    // It is loaded when somebody writes it.
+    assert!(Command::new("mkfifo").arg(folder.join("b.obj")).status().unwrap().success());
+    let before = display.pixels(SCREEN);
+    assert!(key("key", "Right") && key("key", "h"));
+    let (middle, high) = ([0.4, 0.3, 0.6, 0.7], [0.0, 0.0, 1.0, 0.1]);
+    window.until("the keys are seen", || changed(&before, &display.pixels(SCREEN), middle) > 500);
+    assert!(key("key", "h"));
+    fs::write(folder.join("b.obj"), wall).unwrap();
+    window.until("the scene is another one", || changed(&before, &display.pixels(SCREEN), high) > 5000);
+    assert!(key("keydown", "Escape"));
+    assert_eq!(window.viewer.wait().unwrap().code(), Some(0));
+}
+
+#[test]
 fn keys_work_while_a_screenshot_is_made() {
     let folder = folder("aside");
     let Some(display) = Display::start(&folder) else { return };

@@ -56,3 +56,58 @@ fn what_is_recorded_can_be_replayed() {
     assert_eq!(lines(&first)[0].replace("a.png", "b.png"), lines(&again)[0]);
     assert!(pixels(&folder, "a.png") == pixels(&folder, "b.png"));
 }
+
+#[test]
+fn text_is_copied_from_one_window_and_pasted_into_another() {
+    let folder = folder("clipboard");
+    let Some(display) = Display::start(&folder) else { return };
+    let xdotool = |words: &str| {
+        let mut xdotool = Command::new("timeout");
+        xdotool.args(["120", "xdotool"]).args(words.split(' ')).env("DISPLAY", &display.name).status()
+    };
+    if present("xdotool", xdotool("version")).is_none_or(|done| !done.success()) {
+        return;
+    }
+    for name in ["one.obj", "two.obj"] {
+        fs::write(folder.join(name), "v -2 -2 0\nv 2 -2 0\nv 0 2 0\nf 1 2 3\n").unwrap();
+    }
+    let line = "--size 480x300 --samples 1 --backend cpu --record";
+    let mut first = Window::open(&display, &folder, &format!("view one.obj {line} one.txt"));
+    let mut second = Window::open(&display, &folder, &format!("view two.obj {line} two.txt"));
+    let done = |words: &str| xdotool(words).unwrap().success();
+    // The list of objects, and the field in it.
+    assert!(done(
+        "search --sync --onlyvisible --name two.obj windowmove --sync 0 300 windowfocus --sync key l"
+    ));
+    assert!(done("search --sync --onlyvisible --name one.obj windowfocus --sync key l"));
+    let recorded = |name: &str| fs::read_to_string(folder.join(name)).unwrap_or_default();
+    first.until("both have the key", || {
+        ["one.txt", "two.txt"].iter().all(|name| recorded(name).contains("release L"))
+    });
+    assert!(done("mousemove 140 58 click 1 sleep 0.3 type file"));
+    first.until("it is typed", || recorded("one.txt").contains("text e"));
+    assert!(done("key ctrl+a key ctrl+c sleep 0.3 key Right key s sleep 0.3 key ctrl+a key ctrl+x"));
+    first.until("it is cut", || recorded("one.txt").contains("press X"));
+    assert!(done("search --name two.obj windowfocus --sync mousemove 140 358 click 1 sleep 0.3 key ctrl+v"));
+    second.until("it is pasted", || recorded("two.txt").contains("\npaste files\n"));
+    // A key without a field is a key.
+    assert!(done("key Escape key ctrl+v key Escape"));
+    assert_eq!(second.viewer.wait().unwrap().code(), Some(0));
+    assert_eq!(recorded("two.txt").matches("paste").count(), 1);
+}
+
+#[test]
+fn what_is_pasted_is_a_path() {
+    let folder = folder("pasted");
+    let Some(display) = Display::start(&folder) else { return };
+    let hdr = fs::File::create(folder.join("a sky.hdr")).unwrap();
+    let light: Vec<_> = (0..128).map(|i| image::Rgb([i as f32 * 0.01, 0.5, 0.1])).collect();
+    image::codecs::hdr::HdrEncoder::new(hdr).encode(&light, 16, 8).unwrap();
+    let recording = "press P\nframe 0.1\nrelease P\nframes 4 0.1\n\
+        point path, then Enter\nframe 0.1\nbutton left down\nframe 0.1\nbutton left up\nframe 0.1\n\
+        paste a sky.hdr\nframe 0.1\npress Enter\nframe 0.1\nrelease Enter\nframe 0.1\n\
+        press F12\nframe 0.1\n";
+    let line = "demo:matchbox --size 500x760 --samples 1 --backend cpu";
+    let printed = lines(&view(&display, &folder, line, recording));
+    assert!(printed[0].contains("--environment 'a sky.hdr'"), "{printed:?}");
+}

@@ -58,6 +58,8 @@ const VIEWS: [DebugView; 6] = [
     DebugView::Shadow,
 ];
 
+/// Keys of steps, which the system repeats while they are held.
+const STEPS: [Key; 4] = [Key::Comma, Key::Period, Key::ArrowLeft, Key::ArrowRight];
 /// Radians per pixel of a drag.
 const TURN: f64 = 0.005;
 /// Radians per second.
@@ -204,8 +206,7 @@ impl Controls {
     /// Handles an event. It may move the camera or return an action.
     pub fn handle(&mut self, event: &Event, free: Free, rig: &mut Rig<'_>) -> Option<Action> {
         match event {
-            Event::Press(key) if free.keys && !self.keys.contains(key) => {
-                self.keys.insert(*key);
+            Event::Press(key) if free.keys && (self.keys.insert(*key) || STEPS.contains(key)) => {
                 return self.pressed(*key, rig);
             }
             Event::Release(key) => drop(self.keys.remove(key)),
@@ -501,9 +502,11 @@ mod tests {
     }
 
     #[test]
-    fn repetitions_of_a_held_key_are_ignored() {
+    fn repetitions_of_a_held_key_are_ignored_unless_it_is_a_step() {
         let (_, actions) = after(FREE, &[Event::Press(Key::B), Event::Press(Key::B)]);
         assert_eq!(actions, [Action::Backend]);
+        let (_, actions) = after(FREE, &[Event::Press(Key::ArrowRight), Event::Press(Key::ArrowRight)]);
+        assert_eq!(actions, [Action::File(1), Action::File(1)]);
     }
 
     #[test]

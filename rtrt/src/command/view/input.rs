@@ -34,6 +34,8 @@ pub enum Event {
     Modifiers(Modifiers),
     /// Text from the keyboard.
     Text(String),
+    /// Text from the clipboard.
+    Paste(String),
     /// A new position of the pointer.
     Move(f32, f32),
     /// The pointer left the window.
@@ -118,6 +120,7 @@ impl fmt::Display for Event {
                 names.iter().filter(|(held, _)| **held).try_for_each(|(_, name)| f.write_str(name))
             }
             Self::Text(text) => write!(f, "text {}", text.escape_default()),
+            Self::Paste(text) => write!(f, "paste {}", text.escape_default()),
             Self::Move(x, y) => write!(f, "move {x} {y}"),
             Self::Leave => f.write_str("leave"),
             Self::Button(button, pressed) => {
@@ -162,6 +165,7 @@ impl FromStr for Event {
                 Self::Modifiers(Modifiers { ctrl: held("ctrl"), shift: held("shift"), alt: held("alt") })
             }
             ("text", _) => Self::Text(unescaped(rest).ok_or("an escape is not complete")?),
+            ("paste", _) => Self::Paste(unescaped(rest).ok_or("an escape is not complete")?),
             (what @ ("move" | "pan"), [x, y]) => {
                 let (x, y) = number(x).zip(number(y)).ok_or("not two finite numbers")?;
                 if what == "move" { Self::Move(x, y) } else { Self::Pan(x, y) }
@@ -333,6 +337,7 @@ mod tests {
                     Event::Modifiers(Modifiers { ctrl: true, shift: false, alt: true }),
                     Event::Modifiers(Modifiers::default()),
                     Event::Text("a \\ é\n \"x\" ".into()),
+                    Event::Paste("/a b/é.hdr\n".into()),
                     Event::Move(-0.1, 1234.567),
                     Event::Leave,
                     Event::Button(Button::Middle, true),

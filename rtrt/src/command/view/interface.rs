@@ -1,7 +1,7 @@
 //! Input events as events of the user interface.
 
 use super::input::{Button, Event, Modifiers};
-use egui::{PointerButton, Pos2, RawInput, Rect, pos2, vec2};
+use egui::{Key, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 
 /// What the user interface knows of keys and the mouse.
 #[derive(Debug, Default)]
@@ -24,13 +24,26 @@ impl Interface {
             screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(width, height))),
             time: Some(time),
             predicted_dt: seconds,
-            events: events.iter().filter_map(|event| self.event(event, scale)).collect(),
+            events: events
+                .iter()
+                .flat_map(|event| [self.event(event, scale), self.shortcut(event)])
+                .flatten()
+                .collect(),
             ..RawInput::default()
         };
         for viewport in input.viewports.values_mut() {
             viewport.native_pixels_per_point = Some(scale);
         }
         input
+    }
+
+    /// What Ctrl and a letter do with text that is selected.
+    fn shortcut(&self, event: &Event) -> Option<egui::Event> {
+        match event {
+            Event::Press(Key::C) if self.modifiers.ctrl => Some(egui::Event::Copy),
+            Event::Press(Key::X) if self.modifiers.ctrl => Some(egui::Event::Cut),
+            _ => None,
+        }
     }
 
     /// The event for the overlay.
@@ -55,6 +68,7 @@ impl Interface {
                 return None;
             }
             Event::Text(text) => egui::Event::Text(text.clone()),
+            Event::Paste(text) => egui::Event::Paste(text.clone()),
             Event::Move(x, y) => {
                 self.pointer = pos2(*x, *y) / scale;
                 egui::Event::PointerMoved(self.pointer)

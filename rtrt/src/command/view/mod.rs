@@ -13,13 +13,13 @@
 //! | `fullscreen` | the whole screen, with and without a window manager |
 //! | `seen` | text on the screen, at which a recording points |
 //! | `recent` | the files that were opened last |
+//! | `clipboard` | text that programs copy for one another |
 //! | `figures` | times from events to pictures |
 //! | `reproduce` | the command line that renders the current picture |
 //! | `watch` | files that change |
 //!
 //! - **Events are text first.** A recording and a person take the same path, and a replay takes its
-//!   clock from the file. So a replay is a test. egui-winit was refused: its events cannot be recorded,
-//!   and it brings a clipboard.
+//!   clock from the file. So a replay is a test. egui-winit was refused: its events cannot be recorded.
 //! - **The printed command renders the picture.** A test reads it back with the command's own parser.
 //!   Numbers that the panel changed are options of it.
 //! - **Pictures are exact.** A picture of the window's size is shown pixel by pixel, and a test compares the
@@ -35,11 +35,13 @@
 //! - **While a GPU compiles, the CPU draws.**
 //! - **A closed window is gone at once.** Nothing waits for a thread that compiles a shader or loads a scene: the process
 //!   ends. Files are written beside their place and renamed, so they are whole or not there.
-//! - **Files are opened on the worker thread,** so that the window answers meanwhile.
+//! - **A thread of its own loads another scene,** with a copy of the options. The one that is shown stays as it is
+//!   until then. A panorama goes into the scene, so the worker thread reads it, and pictures wait.
 //! - **Errors of the window are errors of the command.** winit panics where a library or an extension of
 //!   the display is missing; [`run`] catches that.
 
 use rtrt::moves::{self as camera, hand as motion};
+mod clipboard;
 mod controls;
 mod engine;
 mod failure;

@@ -3,6 +3,7 @@
 mod draw;
 mod engines;
 mod files;
+mod loader;
 mod pick;
 mod shot;
 mod time;
@@ -20,14 +21,15 @@ use crate::command::arguments;
 use crate::command::console::Console;
 use crate::command::job::RenderJob;
 use crate::command::options::{self, Common};
+use crate::command::parse::Environment;
 use crate::command::render::SAMPLES;
 use crate::command::report::Machine;
 pub use draw::Rendered;
 use engines::Engines;
 pub use engines::Waker;
-use files::Opening;
 pub use files::named;
 use glam::DVec3;
+use loader::{Loading, Opening};
 pub use pick::{Selection, textures};
 use rtrt::debug::{DebugImage, DebugView};
 use rtrt_core::backend::{Picture, Shadows, ToneMap};
@@ -37,6 +39,7 @@ use rtrt_core::schedule::Stage;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// The time without a change after which a picture is refined, seconds.
@@ -128,13 +131,15 @@ pub struct Viewer {
     unpainted: BTreeMap<u32, Material>,
     /// The files that were opened last.
     recent: Recent,
-    /// The files that wait to be opened.
-    openings: Vec<Opening>,
+    /// The scene that is being loaded, the one that is to follow, and the environment that waits to be opened.
+    loading: Option<Loading>,
+    opening: Option<Opening>,
+    surrounding: Option<Environment>,
     options: Common,
     /// The options that the command of a screenshot repeats.
     passed_on: Vec<String>,
     output: PathBuf,
-    console: Console,
+    console: Arc<Console>,
     engines: Engines,
     shots: Shots,
     /// Wakes the window.
@@ -171,7 +176,7 @@ impl Viewer {
     pub fn new(options: &options::ViewOptions, waker: Waker, shots: Shots) -> Result<Self, Error> {
         let is_exact = options.replay.is_some() && !options.live;
         let common = options.common.clone();
-        let console = Console::new(common.talk, 2);
+        let console = Arc::new(Console::new(common.talk, 2));
         let mut job = RenderJob::load(&common, SAMPLES, false, common.start(), &console)?;
         let mut tree = Tree::default();
         // While a backend opens, so that the first press finds them.
@@ -211,7 +216,9 @@ impl Viewer {
             tree_of: (!is_exact).then(|| job.scene.id()),
             unpainted: BTreeMap::new(),
             recent: Recent::read(),
-            openings: Vec::new(),
+            loading: None,
+            opening: None,
+            surrounding: None,
             output: options.output.clone(),
             console,
             engines,
@@ -284,7 +291,8 @@ impl Viewer {
     /// The current message.
     pub fn message(&self) -> Option<Cow<'_, str>> {
         let said = self.message.as_ref().map(|(text, _)| text.into());
-        said.or_else(|| self.shots.in_progress().map(|path| format!("rendering {}", path.display()).into()))
+        said.or_else(|| self.loading.as_ref().map(|loading| format!("opening {}", loading.name).into()))
+            .or_else(|| self.shots.in_progress().map(|path| format!("rendering {}", path.display()).into()))
             .or_else(|| {
                 let compiles = "a GPU compiles shaders; the CPU draws meanwhile";
                 self.engines.is_getting_ready().then_some(compiles.into())
@@ -342,6 +350,7 @@ impl Viewer {
         let (camera, ()) = self.with_rig(|controls, rig| controls.advance(seconds, rig));
         self.look(camera);
         self.take_shots();
+        self.take_loaded();
         if let (true, Some(end)) = (self.is_playing, self.job.end()) {
             let time = self.time.map_or(0.0, |time| time + seconds * self.settings.speed);
             let played = self.play(if time > end { 0.0 } else { time });
@@ -382,7 +391,9 @@ impl Viewer {
         // No longer than a step may be.
         let appears = appears.filter(|rest| *rest > 0.0).map(|rest| rest.min(TICK));
         let moves = self.moves().then_some(0.0);
-        [moves, settles, ticks, appears].into_iter().flatten().reduce(f64::min)
+        // A thread wakes the window a moment before it ends.
+        let arrives = (self.is_loading() || self.engines.is_getting_ready()).then_some(TICK);
+        [moves, settles, ticks, appears, arrives].into_iter().flatten().reduce(f64::min)
     }
 
     /// Whether something moves without an event.

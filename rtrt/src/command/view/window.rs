@@ -1,10 +1,11 @@
 //! The window: it queues input events, and runs the frames.
 
+use super::clipboard::Clipboard;
 use super::controls::Free;
 use super::failure::{panics_caught, reason};
 use super::figures::{Figures, Presented, Report};
 use super::fullscreen::FullScreen;
-use super::input::{Event, Replay, Step, header};
+use super::input::{Event, Modifiers, Replay, Step, header};
 use super::interface::Interface;
 use super::live::Live;
 use super::screen::Screen;
@@ -18,7 +19,7 @@ use crate::command::Error;
 use crate::command::options::ViewOptions;
 use crate::command::output;
 use egui::style::ScrollStyle;
-use egui::{Context, FullOutput, Popup};
+use egui::{Context, FullOutput, Key, OutputCommand, Popup};
 use rtrt::choose::Choice;
 use std::fs::File;
 use std::io::Write;
@@ -96,8 +97,10 @@ pub struct App {
     full_screen: FullScreen,
     /// The text that the last frame showed, for a replay that points at it.
     seen: Seen,
-    /// Whether a button of the mouse is held.
+    /// Whether a button of the mouse is held, and which modifiers are.
     is_held: bool,
+    modifiers: Modifiers,
+    clipboard: Clipboard,
     /// The size of the picture in pixels, and the pixels per unit of the user interface.
     size: [u32; 2],
     scale: f32,
@@ -216,6 +219,8 @@ impl App {
             seen: Seen::default(),
             events: vec![(Instant::now(), Event::Size(options.common.size, 1.0))],
             is_held: false,
+            modifiers: Modifiers::default(),
+            clipboard: Clipboard::default(),
             size: options.common.size,
             scale: 1.0,
             time: 0.0,
@@ -301,8 +306,13 @@ impl App {
         let frame = Frame { over, showed, began, wanted, is_settled: viewer.is_settled() };
         let Some(wanted) = wanted else {
             self.figures.unanswered();
+            // What a message says is seen before it is done.
+            let is_seen = viewer.over() == frame.showed;
             self.finish(events, viewer, frame, Rendered::Nowhere);
-            return self.use_time();
+            if is_seen {
+                self.use_time();
+            }
+            return;
         };
         self.figures.begins(began);
         let screen = self.screen.as_mut().filter(|_| viewer.is_rendered_in_place(&wanted));
@@ -315,12 +325,12 @@ impl App {
         self.work(viewer, Some(frame), ends, move |viewer, stop| viewer.render(wanted, texture, stop));
     }
 
-    /// Has a thread open files, or do what can be done while nothing is to be drawn.
+    /// Has a thread open an environment, or do what can be done while nothing is to be drawn.
     fn use_time(&mut self) {
         let Some(viewer) = self.viewer.take_if(|_| self.screen.is_some()) else { return };
         if viewer.has_to_open() {
             self.work(viewer, None, Ends::Itself, |viewer, _| {
-                viewer.open_files();
+                viewer.open_environment_now();
                 Rendered::Nowhere
             });
         } else if viewer.has_spare_work() {
@@ -456,6 +466,7 @@ impl App {
                     Some(due) => self.events.extend(due),
                     // What moves by itself never rests.
                     None if self.figures.is_waited_for() && !viewer.moves() && live.waits(now) => {}
+                    None if viewer.is_loading() && live.waits(now) => {}
                     None => return Ok(None),
                 }
             }
@@ -521,6 +532,12 @@ impl App {
         });
         if self.is_replay() {
             self.seen = Seen::of(&over, self.scale);
+            return over;
+        }
+        for command in &over.platform_output.commands {
+            if let OutputCommand::CopyText(text) = command {
+                self.clipboard.copy(text.clone());
+            }
         }
         over
     }
@@ -538,10 +555,23 @@ impl App {
         if let Event::Button(_, is_held) = event {
             self.is_held = is_held;
         }
-        if event.is_urgent(self.is_held) {
-            self.interrupt(event == Event::Press(egui::Key::Escape));
+        if let Event::Modifiers(held) = event {
+            self.modifiers = held;
         }
+        // Ctrl with a letter is a shortcut, which some systems report as text too. Ctrl with Alt may be AltGr.
+        if matches!(event, Event::Text(_)) && self.modifiers.ctrl && !self.modifiers.alt {
+            return;
+        }
+        if event.is_urgent(self.is_held) {
+            self.interrupt(event == Event::Press(Key::Escape));
+        }
+        let pastes = self.modifiers.ctrl && event == Event::Press(Key::V);
         self.events.push((Instant::now(), event));
+        // Only a field of text asks for the clipboard.
+        if pastes && self.context.egui_wants_keyboard_input() {
+            let text = self.clipboard.text().map(Event::Paste);
+            self.events.extend(text.map(|text| (Instant::now(), text)));
+        }
     }
 
     /// Ends the work in progress, if input ends it, or in any case.
@@ -558,7 +588,10 @@ impl App {
     fn closes_at_once(&self) -> bool {
         let Some(InProgress { ends, .. }) = &self.in_progress else { return false };
         let is_deed = |event: &Event| {
-            matches!(event, Event::Press(_) | Event::Text(_) | Event::Button(..) | Event::Drop(_))
+            matches!(
+                event,
+                Event::Press(_) | Event::Text(_) | Event::Paste(_) | Event::Button(..) | Event::Drop(_)
+            )
         };
         let waits = self.events.iter().any(|(_, event)| is_deed(event));
         !self.is_replay() && (*ends == Ends::Itself || !waits && self.are_keys_free())
@@ -568,7 +601,7 @@ impl App {
     fn escape(&mut self, events: &ActiveEventLoop) {
         let rest = std::mem::take(&mut self.events).into_iter().map(|(_, event)| event);
         let seconds = self.last.elapsed().as_secs_f32().min(LONGEST);
-        let step = Step { events: rest.chain([Event::Press(egui::Key::Escape)]).collect(), seconds };
+        let step = Step { events: rest.chain([Event::Press(Key::Escape)]).collect(), seconds };
         let written = self.write(&step);
         self.end(events, written);
     }
@@ -658,7 +691,7 @@ impl ApplicationHandler<Woken> for App {
             }
             event => {
                 let translated = translated(event, &mut self.fingers);
-                if translated.contains(&Event::Press(egui::Key::Escape)) && self.closes_at_once() {
+                if translated.contains(&Event::Press(Key::Escape)) && self.closes_at_once() {
                     return self.escape(events);
                 }
                 translated.into_iter().for_each(|event| self.queue(event));

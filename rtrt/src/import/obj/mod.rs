@@ -132,7 +132,8 @@ impl Drawn {
 fn warn<J: Join>(builder: &mut Builder<'_, J>, obj: &Obj) {
     let Obj { skipped, unresolved, not_finite, .. } = *obj;
     if skipped > 0 {
-        builder.warn(format!("{skipped} curves, surfaces or faces of fewer than three corners are left out"));
+        builder
+            .warn(format!("curves, surfaces and faces of fewer than three corners are left out: {skipped}"));
     }
     if unresolved > 0 {
         builder.warn(format!("{unresolved} references to texture coordinates or normals lead nowhere"));

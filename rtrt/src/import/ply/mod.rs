@@ -56,14 +56,14 @@ pub(super) fn load<J: Join>(builder: &mut Builder<'_, J>, bytes: &[u8]) -> Resul
         return Ok(());
     }
     if ply.skipped > 0 {
-        builder.warn(format!("{} faces with fewer than three corners are left out", ply.skipped));
+        builder.warn(format!("faces with fewer than three corners are left out: {}", ply.skipped));
     }
     let has_uv = !ply.uvs.is_empty() || !ply.faces.uvs.is_empty();
     let texture = if has_uv { texture(builder, &header.textures)? } else { None };
     let (geometry, not_finite) = geometry(&mut ply);
     if not_finite > 0 {
         builder.warn(format!(
-            "{not_finite} vertices have normals or texture coordinates that are not finite; those are drawn without"
+            "vertices whose normals or texture coordinates are not finite are drawn without those: {not_finite}"
         ));
     }
     let is_colored = texture.is_some() || !ply.colors.is_empty() || !ply.faces.colors.is_empty();
@@ -87,7 +87,7 @@ fn add_marks<J: Join>(builder: &mut Builder<'_, J>, ply: &Ply) -> Result<(), Imp
         let points: Vec<u32> = (0..ply.positions.len() as u32).filter(is_finite).collect();
         let missing = ply.positions.len() - points.len();
         if missing > 0 {
-            builder.warn(format!("{missing} points are left out: their coordinates are not finite"));
+            builder.warn(format!("points whose coordinates are not finite are left out: {missing}"));
         }
         (Marks::Points(points), "points")
     } else {

@@ -4,6 +4,7 @@ use crate::command::parse::{Environment, environment};
 use crate::command::view::viewer::{Viewer, named};
 use egui::{ComboBox, DragValue, Id, Key, TextEdit, Ui};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The environment, and how it is shown.
 pub fn show(ui: &mut Ui, viewer: &mut Viewer) {
@@ -13,12 +14,22 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer) {
         Environment::At(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
         other => named(other),
     };
-    ComboBox::from_label("environment").selected_text(name(&current)).show_ui(ui, |ui| {
-        let files = viewer.environments().into_iter().map(Environment::At);
-        for known in [Environment::Nothing, Environment::Studio].into_iter().chain(files) {
-            if ui.selectable_label(known == current, name(&known)).clicked() {
-                chosen = Some(known);
+    // The folder is read when the menu opens.
+    let id = Id::unique("environments");
+    let menu = ComboBox::from_label("environment").selected_text(name(&current)).show_ui(ui, |ui| {
+        let known: Option<Arc<[Environment]>> = ui.data(|data| data.get_temp(id));
+        let all = known.unwrap_or_else(|| offered(viewer));
+        for known in &*all {
+            if ui.selectable_label(*known == current, name(known)).clicked() {
+                chosen = Some(known.clone());
             }
+        }
+        all
+    });
+    ui.data_mut(|data| {
+        data.remove_temp::<Arc<[Environment]>>(id);
+        if let Some(all) = menu.inner {
+            data.insert_temp(id, all);
         }
     });
     ui.horizontal(|ui| {
@@ -31,6 +42,12 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer) {
     if viewer.job.surrounded.has_environment {
         light(ui, viewer);
     }
+}
+
+/// The environments that can be chosen.
+fn offered(viewer: &Viewer) -> Arc<[Environment]> {
+    let files = viewer.environments().into_iter().map(Environment::At);
+    [Environment::Nothing, Environment::Studio].into_iter().chain(files).collect()
 }
 
 /// A path that was typed, at Enter.

@@ -1,37 +1,20 @@
 //! The scene's file: loading, the files beside it, environments.
 
-use super::{Viewer, pick};
+use super::Viewer;
+use super::loader::{Found, Fresh, Loader, Loading, Opening};
 use crate::command::Error;
-use crate::command::job::RenderJob;
-use crate::command::options::CameraOptions;
 use crate::command::parse::{Environment, Exposure};
-use crate::command::render::SAMPLES;
 use crate::command::view::reproduce::quoted;
 use rtrt::replace::folder;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Endings of files that are environments.
 const ENVIRONMENTS: [&str; 2] = ["hdr", "exr"];
 
 /// Endings of files that are scenes.
 const SCENES: [&str; 5] = ["glb", "gltf", "obj", "ply", "stl"];
-
-/// What is to be opened.
-#[derive(Debug, PartialEq)]
-pub enum Opening {
-    /// The scene, which may have changed.
-    Again,
-    Scene(PathBuf),
-    /// The scene so many places behind a file in its folder. Those that cannot be loaded are passed.
-    Beside(PathBuf, i32),
-    Environment(Environment),
-}
-
-impl Opening {
-    fn is_environment(&self) -> bool {
-        matches!(self, Self::Environment(_))
-    }
-}
 
 impl Viewer {
     /// Opens a file: a scene, or an environment.
@@ -45,9 +28,14 @@ impl Viewer {
         }
     }
 
-    /// Surrounds the scene with another environment.
+    /// Surrounds the scene with another environment: at once in a replay, else when [`Self::open_environment_now`] is
+    /// called. The last one counts.
     pub fn open_environment(&mut self, environment: Environment) {
-        self.ask(Opening::Environment(environment));
+        self.say(format!("opening {}", named(&environment)));
+        self.surrounding = Some(environment);
+        if self.is_exact {
+            self.open_environment_now();
+        }
     }
 
     /// Loads the scene again.
@@ -62,41 +50,88 @@ impl Viewer {
         self.say(text);
     }
 
-    /// Whether files wait to be opened.
+    /// Whether an environment waits to be opened. It waits for a scene that is being loaded.
     pub fn has_to_open(&self) -> bool {
-        !self.openings.is_empty()
+        self.surrounding.is_some() && self.loading.is_none()
     }
 
-    /// Has a file opened: at once by a replay, else by whoever calls [`Self::open_files`]. The last scene counts.
-    fn ask(&mut self, opening: Opening) {
-        let name = match &opening {
-            Opening::Again => self.options.scene.display().to_string(),
-            Opening::Scene(path) => path.display().to_string(),
-            Opening::Beside(path, places) => match beside(path, *places) {
-                Some(path) => path.display().to_string(),
-                None => return self.say("the folder has no other scene".into()),
-            },
-            Opening::Environment(environment) => named(environment),
-        };
-        self.say(format!("opening {name}"));
-        let kind = opening.is_environment();
-        self.openings.retain(|other| other.is_environment() != kind);
-        self.openings.push(opening);
-        if self.is_exact {
-            self.open_files();
+    /// Opens the environment that waits.
+    pub fn open_environment_now(&mut self) {
+        if let Some(environment) = self.surrounding.take() {
+            let surrounded = self.surround(environment);
+            self.note(surrounded);
         }
     }
 
-    /// Opens the files that wait.
-    pub fn open_files(&mut self) {
-        for opening in std::mem::take(&mut self.openings) {
-            let opened = match opening {
-                Opening::Again => self.load(None),
-                Opening::Scene(path) => self.load(Some(path)),
-                Opening::Beside(path, places) => self.load_beside(&path, places),
-                Opening::Environment(environment) => self.surround(environment),
-            };
-            self.note(opened);
+    /// Whether a scene is being loaded.
+    pub fn is_loading(&self) -> bool {
+        self.loading.is_some()
+    }
+
+    /// Has a scene opened: at once in a replay, else by a thread, after the one that is being loaded. The last one counts.
+    fn ask(&mut self, opening: Opening) {
+        if self.loading.is_some() {
+            self.opening = Some(opening);
+            return;
+        }
+        let name = match &opening {
+            Opening::Again => self.options.scene.display().to_string(),
+            Opening::Scene(path) => path.display().to_string(),
+            Opening::Beside(path, places) => {
+                match beside(path.as_ref().unwrap_or(&self.options.scene), *places) {
+                    Some(path) => path.display().to_string(),
+                    None => return self.say("the folder has no other scene".into()),
+                }
+            }
+        };
+        self.say(format!("opening {name}"));
+        let (options, console) = (self.options.clone(), Arc::clone(&self.console));
+        let loader = Loader { options, console, grows: !self.is_exact };
+        if self.is_exact {
+            return self.take(loader.open(opening));
+        }
+        let waker = Arc::clone(&self.waker);
+        let thread = std::thread::spawn(move || {
+            let found = loader.open(opening);
+            waker();
+            found
+        });
+        self.loading = Some(Loading { name, thread });
+    }
+
+    /// Shows a scene that has been loaded, and has the next one loaded.
+    pub(super) fn take_loaded(&mut self) {
+        let Some(Loading { thread, .. }) = self.loading.take_if(|loading| loading.thread.is_finished())
+        else {
+            return;
+        };
+        let found = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+        self.take(found);
+        if let Some(opening) = self.opening.take() {
+            self.ask(opening);
+        }
+    }
+
+    /// Shows what an opening has found. The files that were passed are named.
+    fn take(&mut self, found: Result<Found, Error>) {
+        let Found { fresh, passed } = match found {
+            Ok(found) => found,
+            Err(error) => return self.note(Err(error)),
+        };
+        let passed = passed.join(", ");
+        match fresh {
+            Some(fresh) => {
+                self.show(*fresh);
+                let shown = self.scene().display();
+                let text = if passed.is_empty() {
+                    format!("loaded {shown}")
+                } else {
+                    format!("loaded {shown}; passed {passed}")
+                };
+                self.say(text);
+            }
+            None if passed.is_empty() => {}
+            None => self.say(format!("the folder has no other scene that can be loaded; passed {passed}")),
         }
     }
 
@@ -114,40 +149,12 @@ impl Viewer {
 
     /// Opens the file so many places behind this one in its folder.
     pub fn open_beside(&mut self, places: i32) {
-        let waits = self.openings.iter().find(|opening| !opening.is_environment());
-        let opening = match waits {
-            Some(Opening::Scene(path)) => Opening::Beside(path.clone(), places),
-            Some(Opening::Beside(path, before)) => Opening::Beside(path.clone(), before + places),
-            _ => Opening::Beside(self.options.scene.clone(), places),
+        let opening = match self.opening.take() {
+            Some(Opening::Scene(path)) => Opening::Beside(Some(path), places),
+            Some(Opening::Beside(path, before)) => Opening::Beside(path, before + places),
+            Some(Opening::Again) | None => Opening::Beside(None, places),
         };
         self.ask(opening);
-    }
-
-    /// Loads the scene so many places behind a file, or the first one behind it in the same direction that can be
-    /// loaded. The others are named.
-    fn load_beside(&mut self, path: &Path, places: i32) -> Result<(), Error> {
-        let (mut path, mut places, mut passed) = (path.to_owned(), places, Vec::new());
-        while let Some(next) = beside(&path, places).filter(|next| !is_same(next, &self.options.scene)) {
-            let Err(error) = self.load(Some(next.clone())) else {
-                if !passed.is_empty() {
-                    self.say(format!("loaded {}; passed {}", next.display(), passed.join(", ")));
-                }
-                return Ok(());
-            };
-            if passed.contains(&file_name(&next)) {
-                break;
-            }
-            self.console.warn(3, format_args!("{} is passed: {error}", next.display()))?;
-            passed.push(file_name(&next));
-            (path, places) = (next, places.signum());
-        }
-        if !passed.is_empty() {
-            self.say(format!(
-                "the folder has no other scene that can be loaded; passed {}",
-                passed.join(", ")
-            ));
-        }
-        Ok(())
     }
 
     /// The environments that can be chosen: files beside the scene, and the one in use.
@@ -170,33 +177,15 @@ impl Viewer {
         }
     }
 
-    /// Loads the scene again, or another one. On a failure the scene does not change.
-    fn load(&mut self, scene: Option<PathBuf>) -> Result<(), Error> {
-        let is_other = scene.is_some();
-        let mut options = self.options.clone();
-        if let Some(scene) = scene {
-            options.scene = scene;
-            // These options belong to the previous scene.
-            options.camera = CameraOptions::default();
-            (options.time, options.animation) = (None, None);
-            (options.hide, options.materials) = (Vec::new(), Vec::new());
-        }
-        let backend = self.engines.drawing_mut().backend();
-        let job = RenderJob::load(&options, SAMPLES, false, options.start(), &self.console);
-        let job = job.and_then(|mut job| job.expose(backend, &self.console).map(|()| job));
-        self.console.finish();
-        let job = job?;
+    /// Shows another scene, or the same again.
+    fn show(&mut self, Fresh { job, options, tree, is_other }: Fresh) {
         let camera = self.job.camera;
         self.start = job.camera;
         if options.exposure == Exposure::Auto {
             self.settings.exposure = job.exposure;
         }
-        self.job = job;
-        self.options = options;
-        if !self.is_exact {
-            pick::grow(&mut self.tree, &self.job.scene, &self.console);
-            self.tree_of = Some(self.job.scene.id());
-        }
+        self.tree_of = (!self.is_exact).then(|| job.scene.id());
+        (self.job, self.options, self.tree) = (job, options, tree);
         (self.time, self.is_playing) = (self.options.start(), false);
         (self.has_own_lights, self.has_own_colors) = (false, false);
         (self.selection, self.controls.pivot) = (None, None);
@@ -206,9 +195,7 @@ impl Viewer {
             self.job.camera = camera;
         }
         self.touch();
-        self.say(format!("loaded {}", self.scene().display()));
         self.remember();
-        Ok(())
     }
 }
 
@@ -225,12 +212,8 @@ pub fn named(environment: &Environment) -> String {
     }
 }
 
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-}
-
 /// Whether two paths name the same file of one folder.
-fn is_same(a: &Path, b: &Path) -> bool {
+pub(super) fn is_same(a: &Path, b: &Path) -> bool {
     a.file_name() == b.file_name() && folder(a) == folder(b)
 }
 
@@ -248,7 +231,7 @@ fn files_in(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
 
 /// The scene so many places behind a file, which may be gone, among those of its folder in the order of their names; the
 /// first follows the last. None if there is no other.
-fn beside(path: &Path, places: i32) -> Option<PathBuf> {
+pub(super) fn beside(path: &Path, places: i32) -> Option<PathBuf> {
     let folder = folder(path);
     if !folder.is_dir() {
         return None;
