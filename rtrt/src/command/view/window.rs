@@ -567,8 +567,9 @@ impl App {
         }
         let pastes = self.modifiers.ctrl && event == Event::Press(Key::V);
         self.events.push((Instant::now(), event));
-        // Only a field of text asks for the clipboard.
-        if pastes && self.context.egui_wants_keyboard_input() {
+        // Only a field of text asks for the clipboard. A click that still waits may be on one.
+        let clicks = |(_, event): &(Instant, Event)| matches!(event, Event::Button(..));
+        if pastes && (self.context.egui_wants_keyboard_input() || self.events.iter().any(clicks)) {
             let text = self.clipboard.text().map(Event::Paste);
             self.events.extend(text.map(|text| (Instant::now(), text)));
         }
