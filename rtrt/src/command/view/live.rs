@@ -1,6 +1,7 @@
 //! A recording that happens again at its own speed.
 
 use super::input::{Event, Replay, Step};
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 /// How long the end of a recording waits for a picture with all pixels.
@@ -9,32 +10,46 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// A recording and a clock.
 #[derive(Debug)]
 pub struct Live {
-    steps: std::iter::Peekable<Replay>,
-    /// The time of the next step; none before the first call.
-    next: Option<Instant>,
+    /// The steps that have events, with their times. In between nothing wakes the window, as while a person does nothing.
+    steps: VecDeque<(Duration, Vec<Event>)>,
+    /// The time of the last step.
+    length: Duration,
+    /// None before the first call.
+    start: Option<Instant>,
     /// Until when the end may be waited for.
     end: Option<Instant>,
 }
 
 impl Live {
     pub fn new(replay: Replay) -> Self {
-        Self { steps: replay.peekable(), next: None, end: None }
+        let (mut steps, mut length) = (VecDeque::new(), Duration::ZERO);
+        for (number, Step { events, seconds }) in replay.enumerate() {
+            // The clock starts with the first one.
+            if number > 0 {
+                length += Duration::from_secs_f64(f64::from(seconds));
+            }
+            if !events.is_empty() {
+                steps.push_back((length, events));
+            }
+        }
+        Self { steps, length, start: None, end: None }
     }
 
     /// The events up to now with their times; none after the end of the recording. The first call starts the clock.
     pub fn due(&mut self, now: Instant) -> Option<Vec<(Instant, Event)>> {
+        let start = *self.start.get_or_insert(now);
         let mut events = Vec::new();
-        let mut next = *self.next.get_or_insert(now);
-        while next <= now {
-            let Some(Step { events: all, .. }) = self.steps.next() else {
-                return (!events.is_empty()).then_some(events);
-            };
-            events.extend(all.into_iter().map(|event| (next, event)));
-            let seconds = self.steps.peek().map_or(0.0, |step| f64::from(step.seconds));
-            next += Duration::from_secs_f64(seconds);
+        while let Some((at, all)) = self.steps.pop_front_if(|(at, _)| start + *at <= now) {
+            events.extend(all.into_iter().map(|event| (start + at, event)));
         }
-        self.next = Some(next);
-        Some(events)
+        let is_over = self.steps.is_empty() && start + self.length <= now;
+        (!is_over || !events.is_empty()).then_some(events)
+    }
+
+    /// Whether an event is due.
+    pub fn acts(&self, now: Instant) -> bool {
+        let next = self.start.zip(self.steps.front());
+        next.is_some_and(|(start, (at, _))| start + *at <= now)
     }
 
     /// Whether a picture may still be waited for at the end of the recording.
@@ -42,9 +57,10 @@ impl Live {
         *self.end.get_or_insert(now + PATIENCE) > now
     }
 
-    /// The time of the next step, or of the end.
+    /// The time of the next event, or of the end.
     pub fn wake(&self) -> Option<Instant> {
-        self.end.or(self.next)
+        let next = self.steps.front().map_or(self.length, |(at, _)| *at);
+        self.end.or(self.start.map(|start| start + next))
     }
 }
 
@@ -62,9 +78,13 @@ mod tests {
         assert_eq!(live.due(at(0)), Some(vec![(at(0), Event::Leave)]));
         assert_eq!(live.wake(), Some(at(500)));
         assert_eq!(live.due(at(499)), Some(vec![]));
-        assert_eq!(live.due(at(1600)), Some(vec![(at(500), Event::Leave), (at(1500), Event::Wheel(1.0))]));
-        assert_eq!(live.due(at(2499)), Some(vec![]));
-        assert_eq!(live.due(at(2500)), None);
+        assert!(live.acts(at(500)) && !live.acts(at(499)));
+        assert_eq!(live.due(at(500)), Some(vec![(at(500), Event::Leave)]));
+        // Nothing happens at 1000.
+        assert!(!live.acts(at(1499)) && live.wake() == Some(at(1500)));
+        assert_eq!(live.due(at(1600)), Some(vec![(at(1500), Event::Wheel(1.0))]));
+        assert_eq!((live.due(at(2499)), live.wake()), (Some(vec![]), Some(at(2500))));
+        assert!(!live.acts(at(2500)) && live.due(at(2500)).is_none());
         assert!(live.waits(at(2500)) && live.waits(at(12_499)) && !live.waits(at(12_500)));
         assert_eq!(live.wake(), Some(at(12_500)));
     }

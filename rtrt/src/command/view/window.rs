@@ -722,7 +722,7 @@ impl ApplicationHandler<Woken> for App {
         };
         let (Some(screen), Some(viewer)) = (&self.screen, &mut self.viewer) else {
             // Events of a recording end a frame as those of a person do.
-            if next.is_some_and(|next| next <= now) {
+            if matches!(&self.source, Source::Live(live) if live.acts(now)) {
                 self.interrupt(false);
             }
             let next = next.filter(|next| *next > now);
