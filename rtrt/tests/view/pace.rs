@@ -282,10 +282,11 @@ fn an_animation_goes_on_while_a_screenshot_is_made() {
     let mut moves = 0;
     while !shot.exists() {
         let before = display.pixels(SCREEN);
-        sleep(Duration::from_millis(300));
+        sleep(Duration::from_millis(100));
         moves += usize::from(changed(&before, &display.pixels(SCREEN), lanes) > 2000);
     }
-    assert!(moves > 2, "it moved {moves} times");
+    // A picture at rest changes three times while it is refined.
+    assert!(moves > 6, "it moved {moves} times");
     assert!(key("keydown", "Escape"));
     assert_eq!(window.viewer.wait().unwrap().code(), Some(0));
     let printed = fs::read_to_string(folder.join("stdout")).unwrap();
