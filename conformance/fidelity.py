@@ -172,7 +172,7 @@ CASES = {
     "anisotropy-lights": ([surface(GOLD, 1, 0.3, anisotropy={"anisotropyStrength": s, "anisotropyRotation": a})
                            for a in (0, math.pi / 2) for s in (0, 0.4, 0.7, 1)], {"lamps": LAMPS}, (1.5, 5, 0.03)),
     "iridescence": ([surface(c, m, 0.15, iridescence={"iridescenceFactor": 1, "iridescenceIor": 1.3, "iridescenceThicknessMaximum": t})
-                     for c, m in ((GOLD, 1), ((0.02, 0.02, 0.02), 0)) for t in (150, 300, 500, 800)], {}, (5.5, 30, 0.03)),
+                     for c, m in ((GOLD, 1), ((0.02, 0.02, 0.02), 0)) for t in (150, 300, 500, 800)], {}, (1.7, 6, 0.03)),
     "transmission": ([surface((0.8, 0.95, 0.9), 0, 0, transmission={"transmissionFactor": f}) for f in (0.25, 0.5, 0.75, 1)],
                      {"wall": [(0.8, 0.8, 0.8), (0.05, 0.05, 0.2)]}, (3.2, 12, 0.03)),
     "tone-neutral": (METALS, {"toneMap": "KHR_PBR_NEUTRAL", "rtrt": "neutral"}, (1.7, 6.5, 0.03)),

@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// A value of each process.
 ///
-/// A thread that holds a lock in the parent is missing in a forked process, where nothing would ever open that lock. This
-/// one is only taken by threads that are attached to Python, and so is a fork of Python's: none is held meanwhile. What it
-/// guards has locks of its own, which the forked process does not ask.
+/// A forked process has one thread. A lock that another thread held in the parent stays locked in it forever. The lock here
+/// is taken by threads that are attached to Python, one at a time, and Python forks in such a thread: so nobody holds it
+/// then. The value may have locks of its own; the forked process makes another value, and leaves those alone.
 pub struct PerProcess<T>(Mutex<Option<(u32, Arc<T>)>>);
 
 impl<T> PerProcess<T> {

@@ -40,8 +40,8 @@ impl Screen {
         };
         let (paints, drawn_by, software) = match choice {
             Choice::Cpu => memory("as asked for".into()),
-            // Drivers that are asked about windows look for all window systems, and complain about a missing one. So they
-            // are asked about adapters first, which concerns no window.
+            // This question concerns no window. One that does makes drivers look for all window systems, and complain
+            // about those that are missing.
             Choice::Auto if !rtrt_gpu::adapters().iter().any(|adapter| adapter.kind != Kind::Software) => {
                 memory("there is no GPU, or only software".into())
             }
