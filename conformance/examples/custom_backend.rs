@@ -217,8 +217,7 @@ fn run(
             let grid = frame.grid();
             let color = |ray: RayIndex| colors[ray.0 as usize];
             let through = |ray: RayIndex| colors[(ray.0 + frame.rays) as usize];
-            pixels[at] =
-                resolve::resolve::<f32>((), frame, |_| grid.first_ray(grid.pixel(unit)), color, through).0;
+            pixels[at] = resolve::resolve::<f32>((), frame, |_| grid.first_ray(unit), color, through).0;
         }
         Pass::EndCovered => {}
         // It filters every block, draws nothing, and prepares and bins before all passes.

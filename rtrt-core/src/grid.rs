@@ -91,10 +91,11 @@ impl Grid {
         let block = y / BLOCK * self.blocks_x() + x / BLOCK;
         RayIndex(block * BLOCK_RAYS + number([x % BLOCK, y % BLOCK]))
     }
-    /// The first sub-ray of the pixel at column `x` and row `y`. That at column `a` and row `b` inside of the pixel has the
+    /// The first sub-ray of the pixel with this number. That at column `a` and row `b` inside of the pixel has the
     /// [`number`] of `[a, b]` more.
     #[inline(always)]
-    pub fn first_ray(self, [x, y]: [u32; 2]) -> RayIndex {
+    pub fn first_ray(self, pixel: u32) -> RayIndex {
+        let [x, y] = self.pixel(pixel);
         self.index([x * self.side, y * self.side])
     }
     /// Column and row of the pixel with this number; pixels are numbered row by row.
@@ -133,6 +134,18 @@ pub const fn number([x, y]: [u32; 2]) -> u32 {
     (x & 3) | (y & 3) << 2 | (x >> 2) << 4 | (y >> 2) << 6
 }
 
+/// The numbers inside a block of the first rays of its pixels, which have `side` × `side` sub-rays, row by row; zeros behind
+/// them.
+pub const fn first_rays(side: u32) -> [u8; BLOCK_RAYS as usize] {
+    let (mut rays, mut pixel) = ([0; BLOCK_RAYS as usize], 0);
+    let across = BLOCK / side;
+    while pixel < across * across {
+        rays[pixel as usize] = number([pixel % across * side, pixel / across * side]) as u8;
+        pixel += 1;
+    }
+    rays
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,9 +166,19 @@ mod tests {
             for [x, y] in [[0, 0], [5, 3], [36, 20], [17, 16]] {
                 for inside in (0..side).flat_map(|b| (0..side).map(move |a| [a, b])) {
                     let ray = grid.index([x * side + inside[0], y * side + inside[1]]);
-                    assert_eq!(ray.0, grid.first_ray([x, y]).0 + number(inside));
+                    assert_eq!(ray.0, grid.first_ray(y * grid.width + x).0 + number(inside));
                 }
             }
+        }
+    }
+
+    #[test]
+    fn first_rays_of_a_block_are_those_of_a_frame_of_one_block() {
+        for side in [1, 2, 4] {
+            let grid = Grid { width: BLOCK / side, height: BLOCK / side, side };
+            let pixels = 0..grid.width * grid.height;
+            assert!(pixels.clone().all(|p| grid.first_ray(p).0 == u32::from(first_rays(side)[p as usize])));
+            assert_eq!(pixels.len() as u32 * side * side, BLOCK_RAYS);
         }
     }
 

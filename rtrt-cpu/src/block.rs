@@ -11,7 +11,7 @@ use crate::planes::{Planes, Rows};
 use crate::records::Records;
 use crate::wide::Wide;
 use alloc::vec::Vec;
-use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, number};
+use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, first_rays, number};
 use rtrt_core::lane::{Bits, Row};
 use rtrt_core::layout::{Frame, ShadowKind};
 use rtrt_core::schedule::{Pass, Step, Unit};
@@ -178,18 +178,8 @@ fn summarize_penumbras(grid: Grid, index: u32, cells: &[u32], summaries: &mut [P
     }
 }
 
-/// The first rays of the pixels of a block, row by row, of pixels with 1, 4 and 16 sub-rays: their numbers in the block.
+/// Those of pixels with 1, 4 and 16 sub-rays.
 static FIRST_RAYS: [[u8; RAYS]; 3] = [first_rays(1), first_rays(2), first_rays(4)];
-
-const fn first_rays(side: u32) -> [u8; RAYS] {
-    let (mut rays, mut pixel) = ([0; RAYS], 0);
-    let across = BLOCK / side;
-    while pixel < across * across {
-        rays[pixel as usize] = number([pixel % across * side, pixel / across * side]) as u8;
-        pixel += 1;
-    }
-    rays
-}
 
 /// Makes the pixels of a block of these colors.
 #[inline(always)]

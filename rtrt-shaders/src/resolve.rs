@@ -19,7 +19,7 @@ pub fn resolve(
     let grid = frame.grid();
     let [first, count] = grid.pixels(RayIndex(frame.first_ray), frame.rays);
     if index < count {
-        let first = |_: usize| grid.first_ray(grid.pixel(first + index));
+        let first = |_: usize| grid.first_ray(first + index);
         let color = |ray: RayIndex| colors[(ray.0 - frame.first_ray) as usize];
         let through = |ray: RayIndex| colors[(ray.0 - frame.first_ray + frame.rays) as usize];
         pixels[index as usize] = stage::resolve::resolve::<f32>((), frame, first, color, through).0;

@@ -42,7 +42,7 @@ impl DeviceWorld {
             frame: QueryFrame { rays: 0, root, magnitude, slack },
             nodes,
             masks: (0..instances.len()).map(mask).collect(),
-            scene: scene.indices(),
+            scene: scene.family(),
         }
     }
 

@@ -105,7 +105,7 @@ impl<'a> Shapes<'a> {
     pub fn bvh(&self, mesh: MeshIndex) -> Option<&Bvh> {
         self.meshes
             .get(mesh.number as usize)
-            .filter(|_| mesh.scene == self.identity.indices)
+            .filter(|_| mesh.scene == self.identity.family)
             .map(|shape| &shape.tree)
     }
 
@@ -113,7 +113,7 @@ impl<'a> Shapes<'a> {
         let number = self.meshes.len() as u32;
         let stored = Stored::of_shape(number, &tree, positions);
         self.meshes.push(Shape { positions, indices, tree, stored });
-        MeshIndex { number, scene: self.identity.indices }
+        MeshIndex { number, scene: self.identity.family }
     }
 
     /// Places a mesh in the world. `to_world` takes object to world space.
@@ -125,7 +125,7 @@ impl<'a> Shapes<'a> {
         let shape = self
             .meshes
             .get(mesh.number as usize)
-            .filter(|_| mesh.scene == self.identity.indices)
+            .filter(|_| mesh.scene == self.identity.family)
             .ok_or(missing)?;
         let instance = place(&shape.stored, InstanceMaterial::NONE, to_world)?;
         let number = u32::try_from(self.instances.len())
@@ -136,7 +136,7 @@ impl<'a> Shapes<'a> {
         self.instances.push(instance);
         self.mesh_numbers.push(mesh.number);
         self.tags.push(Tag::default());
-        Ok(InstanceIndex { number, scene: self.identity.indices })
+        Ok(InstanceIndex { number, scene: self.identity.family })
     }
 
     /// Moves an instance.
@@ -193,7 +193,7 @@ impl<'a> Shapes<'a> {
 
     /// The instance with a number; `None` where there is none.
     pub fn instance_index(&self, number: u32) -> Option<InstanceIndex> {
-        let index = InstanceIndex { number, scene: self.identity.indices };
+        let index = InstanceIndex { number, scene: self.identity.family };
         self.index(index).ok().map(|_| index)
     }
 
@@ -201,7 +201,7 @@ impl<'a> Shapes<'a> {
     fn index(&self, instance: InstanceIndex) -> Result<usize, SceneError> {
         let index = instance.number as usize;
         let missing = SceneError::Index { what: "instance", index: instance.number };
-        if instance.scene == self.identity.indices && index < self.instances.len() {
+        if instance.scene == self.identity.family && index < self.instances.len() {
             Ok(index)
         } else {
             Err(missing)
@@ -234,8 +234,8 @@ impl Parts for Shapes<'_> {
     fn id(&self) -> u32 {
         self.identity.own
     }
-    fn indices(&self) -> u32 {
-        self.identity.indices
+    fn family(&self) -> u32 {
+        self.identity.family
     }
     fn meshes(&self) -> usize {
         self.meshes.len()

@@ -22,8 +22,8 @@ pub struct MeshNodes<'a> {
 pub trait Parts {
     /// A number that no other source has.
     fn id(&self) -> u32;
-    /// What its indices carry.
-    fn indices(&self) -> u32;
+    /// [`Identity::family`](crate::scene::Identity::family).
+    fn family(&self) -> u32;
     /// The number of meshes.
     fn meshes(&self) -> usize;
     /// The nodes of one of them.
@@ -56,8 +56,8 @@ impl Parts for Scene {
     fn id(&self) -> u32 {
         self.id()
     }
-    fn indices(&self) -> u32 {
-        self.indices()
+    fn family(&self) -> u32 {
+        self.family()
     }
     fn meshes(&self) -> usize {
         self.stored_meshes().len()

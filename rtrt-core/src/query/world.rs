@@ -165,7 +165,7 @@ impl<'a, S: Source> World<'a, S> {
         accept: impl FnMut(&Hit) -> bool,
     ) -> Result<usize, QueryError> {
         let scaled = ray.scaled()?;
-        let sorted = Sorted::new(hits, scaled.to, self.source.indices());
+        let sorted = Sorted::new(hits, scaled.to, self.source.family());
         let mut sorted = self.filtered(&scaled, sorted, accept);
         self.search::<Plain<4>>((), ray, &scaled, &mut sorted);
         let count = sorted.inner.count;
@@ -200,7 +200,7 @@ impl<'a, S: Source> World<'a, S> {
     /// The place of an instance in the arrays.
     pub(super) fn index(&self, instance: InstanceIndex) -> Option<usize> {
         let index = instance.number as usize;
-        (instance.scene == self.source.indices() && index < self.source.instances().len()).then_some(index)
+        (instance.scene == self.source.family() && index < self.source.instances().len()).then_some(index)
     }
 
     #[inline(always)]
@@ -220,7 +220,7 @@ impl<'a, S: Source> World<'a, S> {
     #[inline(always)]
     fn hit(&self, scaled: &ScaledRay, found: &Found) -> Hit {
         let &Found { t, instance, triangle, u, v } = found;
-        let instance = InstanceIndex { number: instance, scene: self.source.indices() };
+        let instance = InstanceIndex { number: instance, scene: self.source.family() };
         Hit { t: scaled.t(t), instance, triangle, u, v }
     }
 

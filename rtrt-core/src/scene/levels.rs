@@ -35,7 +35,7 @@ impl Scene {
         levels: &[(f32, MeshIndex)],
     ) -> Result<(), SceneError> {
         let (_, own) = self.instance(instance)?;
-        let material = MaterialIndex { number: own.material, scene: self.indices() };
+        let material = MaterialIndex { number: own.material, scene: self.family() };
         let levels: Vec<_> = levels.iter().map(|&(from, mesh)| (from, mesh, material)).collect();
         self.set_levels_with(instance, &levels)
     }

@@ -28,14 +28,14 @@ use glam::{Mat4, Vec3};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeshIndex {
     pub(crate) number: u32,
-    /// [`Identity::indices`].
+    /// [`Identity::family`].
     pub(crate) scene: u32,
 }
 /// A material of one scene; other scenes refuse it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MaterialIndex {
     pub(super) number: u32,
-    /// [`Identity::indices`].
+    /// [`Identity::family`].
     pub(super) scene: u32,
 }
 impl MaterialIndex {
@@ -50,7 +50,7 @@ impl MaterialIndex {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct InstanceIndex {
     pub(crate) number: u32,
-    /// [`Identity::indices`].
+    /// [`Identity::family`].
     pub(crate) scene: u32,
 }
 
@@ -153,20 +153,21 @@ struct Pair([Node; 2]);
 pub(crate) struct Identity {
     /// A number that nothing else has.
     pub own: u32,
-    /// What its indices carry: those of a clone are good for both.
-    pub indices: u32,
+    /// The number of the scene that it is a clone of, or a clone of a clone, and so on; else its own. Indices carry it, so
+    /// those of a scene and of its clones are good in each other.
+    pub family: u32,
 }
 
 impl Identity {
     pub fn new() -> Self {
         let own = unique_id();
-        Self { own, indices: own }
+        Self { own, family: own }
     }
 }
 
 impl Clone for Identity {
     fn clone(&self) -> Self {
-        Self { own: unique_id(), indices: self.indices }
+        Self { own: unique_id(), family: self.family }
     }
 }
 
@@ -309,7 +310,7 @@ impl Scene {
         self.instances.push(instance);
         self.object_meshes.push(mesh.number);
         self.tags.push(Tag::default());
-        Ok(InstanceIndex { number: self.instances.len() as u32 - 1, scene: self.indices() })
+        Ok(InstanceIndex { number: self.instances.len() as u32 - 1, scene: self.family() })
     }
 
     /// Adds a sphere: that of radius 1 around the origin, placed in the world by a matrix, which
@@ -358,7 +359,7 @@ impl Scene {
     /// There is no such light, or it is out of range.
     pub fn show_light(&mut self, light: usize) -> Result<Option<InstanceIndex>, SceneError> {
         let number = light as u32;
-        let shown = self.shown.get(&number).map(|&number| InstanceIndex { number, scene: self.indices() });
+        let shown = self.shown.get(&number).map(|&number| InstanceIndex { number, scene: self.family() });
         let missing = SceneError::Index { what: "light", index: number };
         let Light { kind, position, color, radius, .. } = *self.lights.get(light).ok_or(missing)?;
         if kind == LightKind::Sun || radius <= 0.0 {
@@ -382,7 +383,7 @@ impl Scene {
     /// The instance with a number, such as [`Hit::instance`](crate::layout::Hit::instance); `None`
     /// where there is none.
     pub fn instance_index(&self, number: u32) -> Option<InstanceIndex> {
-        ((number as usize) < self.instances.len()).then_some(InstanceIndex { number, scene: self.indices() })
+        ((number as usize) < self.instances.len()).then_some(InstanceIndex { number, scene: self.family() })
     }
 
     /// The index of an instance in the arrays, and its transform.
@@ -390,7 +391,7 @@ impl Scene {
         let index = instance.number as usize;
         let found = self.instances.get(index).map(|instance| (index, *instance));
         let missing = SceneError::Index { what: "instance", index: instance.number };
-        found.filter(|_| instance.scene == self.indices()).ok_or(missing)
+        found.filter(|_| instance.scene == self.family()).ok_or(missing)
     }
 
     /// Sets the groups that an instance belongs to, one a bit: a [`Ray`](crate::query::Ray) meets it if their
@@ -425,7 +426,7 @@ impl Scene {
     /// The mesh with this index.
     pub(super) fn indexed_mesh(&self, mesh: MeshIndex) -> Result<&Stored, SceneError> {
         let missing = SceneError::Index { what: "mesh", index: mesh.number };
-        self.mesh(mesh.number).ok().filter(|_| mesh.scene == self.indices()).ok_or(missing)
+        self.mesh(mesh.number).ok().filter(|_| mesh.scene == self.family()).ok_or(missing)
     }
 
     /// Takes the places of these instances over.
@@ -472,9 +473,9 @@ impl Scene {
     pub fn id(&self) -> u32 {
         self.identity.own
     }
-    /// What its indices carry.
-    pub(crate) fn indices(&self) -> u32 {
-        self.identity.indices
+    /// [`Identity::family`].
+    pub(crate) fn family(&self) -> u32 {
+        self.identity.family
     }
     /// The number of changes of each part.
     pub fn versions(&self) -> Versions {
@@ -539,7 +540,7 @@ impl Scene {
     }
     /// The material with a number.
     pub(crate) fn material_index(&self, number: u32) -> MaterialIndex {
-        MaterialIndex { number, scene: self.indices() }
+        MaterialIndex { number, scene: self.family() }
     }
     /// The place of the environment in the texels.
     pub(super) fn sky(&self) -> Sky {

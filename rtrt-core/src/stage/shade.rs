@@ -176,11 +176,13 @@ fn lit<L: Lane>(
     let mirrored_share = occlusion * (share + (one - share) * flush(glossy * glossy));
     let occlusion = occlusion * share;
     let albedo = albedo(cosine, roughness);
-    let back = |normal: L, grazing: L| albedo.reflectance(normal, grazing);
     let kept = one - albedo.reflectance(dielectric, strength);
     let through = flush3(ambient.scale(occlusion * kept)) + flush3(arriving.diffuse.scale(one - dielectric));
-    let reflectance =
-        V3 { x: back(mirror.x, grazing.x), y: back(mirror.y, grazing.y), z: back(mirror.z, grazing.z) };
+    let reflectance = V3 {
+        x: albedo.reflectance(mirror.x, grazing.x),
+        y: albedo.reflectance(mirror.y, grazing.y),
+        z: albedo.reflectance(mirror.z, grazing.z),
+    };
     let reflected = flush3(times(reflectance, around.scale(mirrored_share)));
     let highlight = flush3(times(mirror, arriving.specular) + times(grazing, arriving.grazing));
     let answer = flush3(times(diffuse, through)) + reflected + highlight;

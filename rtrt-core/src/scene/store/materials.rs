@@ -15,18 +15,18 @@ impl Scene {
         self.material_records.push(material.record()?);
         self.materials.push(material);
         self.versions.materials += 1;
-        Ok(MaterialIndex { number: self.materials.len() as u32 - 1, scene: self.indices() })
+        Ok(MaterialIndex { number: self.materials.len() as u32 - 1, scene: self.family() })
     }
 
     /// A material as it was added or last set; `None` for an index of another scene.
     pub fn material(&self, index: MaterialIndex) -> Option<&Material> {
-        self.materials.get(index.number as usize).filter(|_| index.scene == self.indices())
+        self.materials.get(index.number as usize).filter(|_| index.scene == self.family())
     }
 
     /// The material of an instance; `None` for an index of another scene.
     pub fn material_of(&self, instance: InstanceIndex) -> Option<MaterialIndex> {
         let (_, found) = self.instance(instance).ok()?;
-        Some(MaterialIndex { number: found.material, scene: self.indices() })
+        Some(MaterialIndex { number: found.material, scene: self.family() })
     }
 
     /// Changes a material, and so the look of all instances that have it.
@@ -98,7 +98,7 @@ impl Scene {
         &self,
         MaterialIndex { number, scene }: MaterialIndex,
     ) -> Result<InstanceMaterial, SceneError> {
-        let found = self.material_records.get(number as usize).filter(|_| scene == self.indices());
+        let found = self.material_records.get(number as usize).filter(|_| scene == self.family());
         let found = found.map(|material| InstanceMaterial::new(number, material));
         found.ok_or(SceneError::Index { what: "material", index: number })
     }

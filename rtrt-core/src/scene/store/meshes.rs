@@ -72,7 +72,7 @@ impl Scene {
         self.sources.extend_from_slice(&tree.triangles);
         self.versions.geometry += 1;
         self.meshes.push(stored);
-        Ok(MeshIndex { number: self.meshes.len() as u32 - 1, scene: self.indices() })
+        Ok(MeshIndex { number: self.meshes.len() as u32 - 1, scene: self.family() })
     }
 }
 
