@@ -13,6 +13,7 @@
 //! | `camera_angle_x` | horizontal angle of view, radians |
 //! | `fov_y` | vertical angle of view, degrees |
 //! | `parallel` | parallel rays: the height of the picture, world units |
+//! | `near`, `far` | the depths between which surfaces are drawn, world units; 0 and no limit if nothing is said |
 //! | `size`, or `w` and `h` | pixels; else `--size` |
 //! | `time` | of the animation, seconds |
 
@@ -45,6 +46,8 @@ pub struct Pose {
     pub name: String,
     placement: Placement,
     projection: Projection,
+    /// The depths of its near and its far plane: 0 or more, and more than that, which may be infinite.
+    pub clip: [f32; 2],
     /// The size of its picture.
     pub size: [u32; 2],
     /// Its time of the animation, seconds.
@@ -115,6 +118,8 @@ struct Keys {
     camera_angle_x: Option<f64>,
     fov_y: Option<f64>,
     parallel: Option<f32>,
+    near: Option<f32>,
+    far: Option<f32>,
     size: Option<[f64; 2]>,
     w: Option<f64>,
     h: Option<f64>,
@@ -238,7 +243,11 @@ fn pose(keys: &Keys, all: &Keys, size: [u32; 2], name: String) -> Result<Pose, S
     if time.is_some_and(|time| !(time >= 0.0 && time.is_finite())) {
         return Err("its time is not a number of 0 or more".into());
     }
-    let pose = Pose { name, placement, projection, size, time };
+    let [near, far] = [keys.near.or(all.near).unwrap_or(0.0), keys.far.or(all.far).unwrap_or(f32::INFINITY)];
+    if !(near >= 0.0 && near < far) {
+        return Err(format!("its near and far are {near} and {far}, and not 0 or more, and more than that"));
+    }
+    let pose = Pose { name, placement, projection, clip: [near, far], size, time };
     let eye = match placement {
         Placement::Points { eye, .. } => eye,
         Placement::Matrix(matrix) => matrix.w_axis.truncate(),

@@ -253,7 +253,7 @@ fn gltf(members: &str, bytes: &[u8]) -> Vec<u8> {
     let data = base64::engine::general_purpose::STANDARD.encode(bytes);
     format!(
         r#"{{"asset":{{"version":"2.0"}},{members},
-        "buffers":[{{"byteLength":{},"uri":"DATA:application/octet-stream;base64,{data}"}}]}}"#,
+        "buffers":[{{"byteLength":{},"uri":"DATA:application/octet-stream;BASE64,{data}"}}]}}"#,
         bytes.len()
     )
     .into_bytes()

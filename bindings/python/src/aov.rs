@@ -1,6 +1,6 @@
 //! What a frame can give of each pixel.
 
-use crate::arrays::output;
+use crate::arrays::{borrowed, output};
 use numpy::{PyArrayDyn, PyReadwriteArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -205,6 +205,7 @@ pub fn objects(array: &Bound<'_, PyAny>) -> PyResult<(u32, u32, Vec<u32>)> {
     };
     let array = array.cast::<PyArrayDyn<i32>>().map_err(|_| wrong())?;
     let &[height, width] = array.shape() else { return Err(wrong()) };
-    let ids = array.to_owned_array().into_iter().map(i32::cast_unsigned).collect();
+    let array = array.try_readonly().map_err(|error| borrowed("objects", &error))?;
+    let ids = array.as_array().iter().copied().map(i32::cast_unsigned).collect();
     Ok((u32::try_from(width).map_err(|_| wrong())?, u32::try_from(height).map_err(|_| wrong())?, ids))
 }

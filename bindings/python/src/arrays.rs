@@ -2,8 +2,8 @@
 
 use glam::{DMat4, DVec4, Mat4};
 use numpy::{
-    Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArray,
-    PyUntypedArrayMethods,
+    BorrowError, Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn,
+    PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::exceptions::{PyIndexError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -66,9 +66,18 @@ fn array<T: Element + Copy>(
     let converted = numpy.call_method("require", (found,), Some(&options))?;
     let converted =
         converted.cast_into::<PyArrayDyn<T>>().map_err(|error| PyTypeError::new_err(error.to_string()))?;
-    let read =
-        converted.try_readonly().map_err(|error| PyRuntimeError::new_err(format!("{name}: {error}")))?;
+    let read = converted.try_readonly().map_err(|error| borrowed(name, &error))?;
     Ok(Array { shape: converted.shape().to_vec(), values: read.as_slice()?.to_vec() })
+}
+
+/// The error for an array that another call fills.
+pub fn borrowed(name: &str, error: &BorrowError) -> PyErr {
+    match error {
+        BorrowError::AlreadyBorrowed => PyRuntimeError::new_err(format!(
+            "{name} is in use by another call, or twice by this one: give each its own array"
+        )),
+        error => PyValueError::new_err(format!("{name}: {error}")),
+    }
 }
 
 /// The error with the name of the argument before it.
@@ -104,6 +113,40 @@ pub fn vector<const N: usize>(name: &str, value: &Bound<'_, PyAny>) -> PyResult<
     values.try_into().map_err(|_| wrong_shape(name, &shape, &format!("({N},)")))
 }
 
+/// A finite vector.
+pub fn finite_vector<const N: usize>(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[f32; N]> {
+    let found = vector(name, value)?;
+    are_finite(name, &[N], &found)?;
+    Ok(found)
+}
+
+/// Checks that no number of an array of this shape is infinite or NaN.
+pub fn are_finite(name: &str, shape: &[usize], values: &[f32]) -> PyResult<()> {
+    let Some(place) = values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
+    let value = values[place];
+    if shape.is_empty() {
+        return Err(PyValueError::new_err(format!("{name} is {value}, which is not finite")));
+    }
+    let mut rest = place;
+    let mut index: Vec<String> = Vec::new();
+    for side in shape.iter().rev() {
+        index.insert(0, (rest % side).to_string());
+        rest /= side;
+    }
+    let index = index.join(", ");
+    Err(PyValueError::new_err(format!("{name} holds {value} at [{index}], which is not finite")))
+}
+
+/// How many things there are, in words: `there are 2 meshes, 0 and 1`.
+pub fn there_are(count: usize, what: &str) -> String {
+    let plural = if what.ends_with('h') { "es" } else { "s" };
+    match count {
+        0 => format!("there are no {what}{plural}"),
+        1 => format!("there is one {what}, 0"),
+        count => format!("there are {count} {what}{plural}, 0 to {}", count - 1),
+    }
+}
+
 /// Numbers from 0 below `count`, each of which is one of `what`.
 pub fn indices(name: &str, value: &Bound<'_, PyAny>, count: usize, what: &str) -> PyResult<Array<u32>> {
     let Array { shape, values } = integers(name, value)?;
@@ -111,7 +154,8 @@ pub fn indices(name: &str, value: &Bound<'_, PyAny>, count: usize, what: &str) -
         let found = u32::try_from(value).ok().filter(|&index| (index as usize) < count);
         found.ok_or_else(|| {
             PyIndexError::new_err(format!(
-                "{name} holds {value} at place {place}, but there are {count} {what}"
+                "{name} holds {value} at place {place}: {}",
+                there_are(count, what)
             ))
         })
     };
@@ -169,8 +213,7 @@ pub fn output<'py, T: Element>(
     if !array.is_c_contiguous() || !array.is_aligned() {
         return Err(refused("it is not contiguous in the order of rows, or not aligned".into()));
     }
-    let array = array.try_readwrite().map_err(|error| refused(error.to_string()))?;
-    Ok(array)
+    array.try_readwrite().map_err(|error| borrowed(&format!("out[{name:?}]"), &error))
 }
 
 /// `ValueError` with what an error says.

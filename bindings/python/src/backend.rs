@@ -2,6 +2,7 @@
 
 use crate::arrays::named;
 use crate::forked::PerProcess;
+use crate::forks::unforked;
 use crate::signals::interruptible;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -35,7 +36,7 @@ pub struct Machine {
 /// Opens a backend, and says why it is this one.
 fn open(options: &Options) -> PyResult<(Batch, String)> {
     let Chosen { backend, why, .. } =
-        choose(options).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        unforked(|| choose(options)).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let cpu = rtrt_cpu::Options { lanes: options.lanes, threads: options.threads };
     Ok((Batch::new(backend, cpu), why))
 }

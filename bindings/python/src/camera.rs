@@ -111,13 +111,18 @@ impl Camera {
 
     /// A camera that draws surfaces at any depth.
     pub fn around(camera: CoreCamera, name: String) -> Self {
-        Self::of(NamedCamera { name, camera, aspect: None, clip: [0.0, f32::INFINITY] })
+        Self::clipped(View { camera, clip: [0.0, f32::INFINITY] }, name)
+    }
+
+    /// A camera with its planes.
+    pub fn clipped(View { camera, clip }: View, name: String) -> Self {
+        Self::of(NamedCamera { name, camera, aspect: None, clip })
     }
 
     /// A camera of a file of cameras, in a scene whose coordinates are relative to this origin.
     pub fn posed(pose: &Pose, origin: DVec3) -> Self {
-        let around = Self::around(pose.camera(origin), pose.name.clone()).sized(pose.size);
-        Self { time: pose.time, ..around }
+        let view = View { camera: pose.camera(origin), clip: pose.clip };
+        Self { time: pose.time, ..Self::clipped(view, pose.name.clone()).sized(pose.size) }
     }
 
     /// The camera for pictures of this size.

@@ -21,6 +21,16 @@ impl<T> PerProcess<T> {
     }
 }
 
+impl<T> Drop for PerProcess<T> {
+    fn drop(&mut self) {
+        let slot = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        // That of the parent stays, as below.
+        if let Some(value) = slot.take_if(|(owner, _)| *owner != std::process::id()) {
+            std::mem::forget(value);
+        }
+    }
+}
+
 impl<T: Default> PerProcess<T> {
     /// The value of this process.
     pub fn get(&self, _py: Python<'_>) -> Arc<T> {

@@ -6,6 +6,8 @@ mod arrays;
 mod backend;
 mod camera;
 mod forked;
+mod forks;
+mod in_use;
 mod light;
 mod material;
 mod rays;
@@ -36,6 +38,7 @@ mod _native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::forks::register(module.py())?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("AOVS", super::aov::names().collect::<Vec<_>>())
     }

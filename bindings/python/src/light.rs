@@ -1,6 +1,6 @@
 //! Lights.
 
-use crate::arrays::vector;
+use crate::arrays::finite_vector as finite;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rtrt_core::scene::{Light as CoreLight, LightKind};
@@ -13,15 +13,6 @@ use rtrt_core::scene::{Light as CoreLight, LightKind};
 #[derive(Clone)]
 pub struct Light {
     pub light: CoreLight,
-}
-
-/// A finite vector.
-fn finite(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[f32; 3]> {
-    let found = vector(name, value)?;
-    if found.iter().all(|c: &f32| c.is_finite()) {
-        return Ok(found);
-    }
-    Err(PyValueError::new_err(format!("{name} is {found:?}, which is not finite")))
 }
 
 fn colored(light: CoreLight, color: Option<&Bound<'_, PyAny>>) -> PyResult<CoreLight> {

@@ -1,6 +1,6 @@
 //! Materials, from the named arguments of Python.
 
-use crate::arrays::vector;
+use crate::arrays::{are_finite, there_are, vector};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -33,18 +33,43 @@ const NAMES: [&str; 23] = [
     "shadow_catcher",
 ];
 
+/// What changes begin with: the material, or another one where they make a shadow catcher, or an ordinary material of it.
+fn begun(material: Material, changes: &Bound<'_, PyDict>) -> PyResult<Material> {
+    let catches = changes.get_item("shadow_catcher")?.map(|value| {
+        value.extract::<bool>().map_err(|_| PyTypeError::new_err(format!("shadow_catcher cannot be {value}")))
+    });
+    let catches = catches.transpose()?;
+    let are_others = changes.len() > usize::from(catches.is_some());
+    let is_catcher = material.alpha_mode == AlphaMode::Shadows;
+    match catches {
+        Some(true) if are_others => Err(PyValueError::new_err(
+            "a shadow_catcher shows shadows and nothing else: it takes no other properties",
+        )),
+        None if is_catcher && are_others => Err(PyValueError::new_err(
+            "the material is a shadow_catcher, which has no other properties; shadow_catcher=False makes an ordinary one of it",
+        )),
+        Some(true) => Ok(Material::shadow_catcher()),
+        Some(false) if is_catcher => Ok(Material::default()),
+        _ => Ok(material),
+    }
+}
+
 /// The material with these changes; maps are numbers of `textures`.
 pub fn changed(
-    mut material: Material,
+    material: Material,
     changes: Option<&Bound<'_, PyDict>>,
     textures: &[Texture],
 ) -> PyResult<Material> {
     let Some(changes) = changes else { return Ok(material) };
+    let mut material = begun(material, changes)?;
     let (mut mode, mut cutoff) = (None, None);
     for (key, value) in changes {
         let name: String = key.extract()?;
         let wrong = |_| PyTypeError::new_err(format!("{name} cannot be {value}"));
-        let number = || value.extract::<f32>().map_err(wrong);
+        let number = || {
+            let number: f32 = value.extract().map_err(wrong)?;
+            are_finite(&name, &[], &[number]).map(|()| number)
+        };
         let truth = || value.extract::<bool>().map_err(wrong);
         let color = || vector::<3>(&name, &value).map(Into::into);
         let map = || {
@@ -52,10 +77,8 @@ pub fn changed(
             let texture = |number: i64| {
                 usize::try_from(number).ok().and_then(|number| textures.get(number)).copied().ok_or_else(
                     || {
-                        let count = textures.len();
-                        PyIndexError::new_err(format!(
-                            "{name} is texture {number}, but there are {count} textures"
-                        ))
+                        let known = there_are(textures.len(), "texture");
+                        PyIndexError::new_err(format!("{name} is texture {number}: {known}"))
                     },
                 )
             };
@@ -84,11 +107,7 @@ pub fn changed(
             "unlit" => material.unlit = truth()?,
             "transmission" => material.transmission = number()?,
             "transmission_map" => material.transmission_map = map()?,
-            "shadow_catcher" => {
-                if truth()? {
-                    material = Material::shadow_catcher();
-                }
-            }
+            "shadow_catcher" => {}
             _ => {
                 let known = NAMES.join(", ");
                 return Err(PyTypeError::new_err(format!("a material has no {name:?}, but: {known}")));

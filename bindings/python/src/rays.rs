@@ -2,7 +2,7 @@
 
 use crate::arrays::{Array, floats, named, wrong_shape};
 use crate::backend::threads;
-use crate::scene::Scene;
+use crate::scene::{Parts, Scene};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -74,7 +74,7 @@ fn answered<T>(answers: Vec<Result<T, QueryError>>) -> PyResult<Vec<T>> {
 /// Does this with the world of a scene, detached from Python.
 fn with_world<T: Send>(
     py: Python<'_>,
-    scene: &Scene,
+    scene: &Parts,
     work: impl FnOnce(&rtrt_cpu::Cpu, &World<'_>) -> T + Send,
 ) -> PyResult<T> {
     let (cpu, tree) = (threads(py)?, scene.tree.get(py));
@@ -93,6 +93,7 @@ pub fn occluded<'py>(
     question: &Question<'_, 'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (rays, shape) = question.rays()?;
+    let scene = &*scene.read()?;
     let answers = with_world(py, scene, |cpu, world| {
         let mut answers = vec![Ok(false); rays.len()];
         cpu.occluded(world, &rays, &mut answers);
@@ -115,7 +116,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn new(scene: &Scene, world: &World<'_>, hits: &[Option<Hit>], surfaces: bool) -> Self {
+    fn new(scene: &Parts, world: &World<'_>, hits: &[Option<Hit>], surfaces: bool) -> Self {
         let mut all = Self::default();
         let id = |number: Option<u32>| number.unwrap_or(NONE).cast_signed();
         for hit in hits {
@@ -145,6 +146,7 @@ pub fn closest<'py>(
     surfaces: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (rays, shape) = question.rays()?;
+    let scene = &*scene.read()?;
     let columns = with_world(py, scene, |cpu, world| {
         let mut answers = vec![Ok(None); rays.len()];
         cpu.closest(world, &rays, &mut answers);

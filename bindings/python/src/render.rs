@@ -4,7 +4,7 @@ use crate::aov::{Aov, Memory, Part};
 use crate::arrays::named;
 use crate::backend::{Backend, machine};
 use crate::camera::{self, Camera, SIZE, View};
-use crate::scene::{Scene, failed};
+use crate::scene::{Parts, Scene, failed};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -112,7 +112,7 @@ impl Cameras {
     }
 
     /// The views of pictures of this size, one or more.
-    fn views(&self, scene: &Scene, size: [u32; 2]) -> Vec<View> {
+    fn views(&self, scene: &Parts, size: [u32; 2]) -> Vec<View> {
         match self {
             Self::Usual => vec![scene.usual_camera(size)],
             _ => self.all().iter().map(|camera| camera.at(size)).collect(),
@@ -136,7 +136,9 @@ impl Before {
     #[new]
     #[pyo3(signature = (scene, camera = None))]
     fn new(scene: &Scene, camera: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let cameras = match Cameras::new(camera)? {
+        let cameras = Cameras::new(camera)?;
+        let scene = &*scene.read()?;
+        let cameras = match cameras {
             Cameras::Usual => vec![scene.first_camera().ok_or_else(|| {
                 PyValueError::new_err("camera is missing: the scene has no camera of a file")
             })?],
@@ -154,7 +156,7 @@ impl Before {
 
 impl Before {
     /// How each of `count` pictures of the scene was.
-    fn all(&self, scene: &Scene, count: usize, size: [u32; 2]) -> PyResult<Vec<Moment>> {
+    fn all(&self, scene: &Parts, count: usize, size: [u32; 2]) -> PyResult<Vec<Moment>> {
         if !self.moment.is_of(&scene.scene) {
             return Err(PyValueError::new_err("before is of another scene"));
         }
@@ -250,6 +252,7 @@ pub fn render<'py>(
     let quality = Quality::new(samples, shadows, layers, exposure, tone_map)?;
     let (cameras, aovs) = (Cameras::new(camera)?, aovs(aov, out.as_ref())?);
     let size = cameras.size(size)?;
+    let scene = &*scene.read()?;
     let (views, are_many) = (cameras.views(scene, size), matches!(cameras, Cameras::Many(_)));
     let count = are_many.then_some(views.len());
     let moments = match before {
@@ -325,6 +328,7 @@ pub fn meter(
 ) -> PyResult<f32> {
     let quality = Quality::new(4, shadows, i64::from(LAYERS), 0.0, "none")?;
     let size = camera.map_or(Cameras::Usual, |camera| Cameras::One(camera.clone())).size(size)?;
+    let scene = &*scene.read()?;
     let camera = camera.map_or_else(|| scene.usual_camera(size), |camera| camera.at(size));
     let (machine, core) = (machine(py, backend)?, &scene.scene);
     let stops = machine

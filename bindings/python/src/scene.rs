@@ -1,10 +1,14 @@
 //! Scenes.
 
 use crate::aov::objects;
-use crate::arrays::{Array, bytes, floats, indices, matrices, named, refused, rows, vector, wrong_shape};
+use crate::arrays::{
+    Array, are_finite, bytes, finite_vector, floats, indices, matrices, named, refused, rows, there_are,
+    wrong_shape,
+};
 use crate::backend::threads;
 use crate::camera::{self, Camera, View};
 use crate::forked::PerProcess;
+use crate::in_use::InUse;
 use crate::light::Light;
 use crate::material::changed;
 use crate::rays::{self, Question};
@@ -33,7 +37,7 @@ use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::io::ErrorKind;
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::{Mutex, RwLockReadGuard};
 
 /// A scene: meshes and spheres with their places and materials, lights, surroundings.
 ///
@@ -42,8 +46,11 @@ use std::sync::Mutex;
 ///
 /// `Scene()` is empty: no lights, faint ambient light, a dark background. A scene cannot be changed while another thread
 /// renders it: that raises RuntimeError.
-#[pyclass(module = "rtrt")]
-pub struct Scene {
+#[pyclass(frozen, module = "rtrt")]
+pub struct Scene(InUse<Parts>);
+
+/// What a scene is made of.
+pub struct Parts {
     pub scene: CoreScene,
     pub tree: PerProcess<Mutex<Tree>>,
     meshes: Vec<MeshIndex>,
@@ -62,6 +69,9 @@ pub struct Scene {
     files: Vec<PathBuf>,
 }
 
+/// The most degrees that an environment is turned by: 1024 radians.
+const MOST_TURN: f32 = 58_670.0;
+
 /// The exception for a file: that of the system where there is one.
 fn import_error(error: &ImportError) -> PyErr {
     let why = error.to_string();
@@ -75,6 +85,16 @@ fn import_error(error: &ImportError) -> PyErr {
 }
 
 impl Scene {
+    /// What it is made of, to be looked at.
+    ///
+    /// # Errors
+    /// It is being changed.
+    pub fn read(&self) -> PyResult<RwLockReadGuard<'_, Parts>> {
+        self.0.read()
+    }
+}
+
+impl Parts {
     fn of(loaded: Loaded) -> Self {
         let Loaded { scene, origin, cameras, labels, animation, mut warnings, files, .. } = loaded;
         if origin.to_array() != [0.0; 3] {
@@ -131,8 +151,8 @@ impl Scene {
 
     fn object(&self, number: i64) -> PyResult<InstanceIndex> {
         u32::try_from(number).ok().and_then(|number| self.scene.instance_index(number)).ok_or_else(|| {
-            let count = self.scene.instances().len();
-            PyIndexError::new_err(format!("there is no object {number}, but there are {count} objects"))
+            let known = there_are(self.scene.instances().len(), "object");
+            PyIndexError::new_err(format!("there is no object {number}: {known}"))
         })
     }
 
@@ -146,8 +166,8 @@ impl Scene {
 
     fn mesh_index(&self, number: i64) -> PyResult<MeshIndex> {
         usize::try_from(number).ok().and_then(|number| self.meshes.get(number)).copied().ok_or_else(|| {
-            let count = self.meshes.len();
-            PyIndexError::new_err(format!("there is no mesh {number}, but {count} meshes were added"))
+            let known = there_are(self.meshes.len(), "mesh");
+            PyIndexError::new_err(format!("there is no mesh {number}: {known}, as added by add_mesh"))
         })
     }
 
@@ -194,7 +214,7 @@ fn mesh(
     let triangles = match triangles {
         None => (0..count as u32).collect(),
         Some(value) => {
-            let Array { shape, values } = indices("triangles", value, count, "vertices")?;
+            let Array { shape, values } = indices("triangles", value, count, "position")?;
             if !(values.is_empty() || shape.len() == 2 && shape[1] == 3) {
                 return Err(wrong_shape("triangles", &shape, "(m, 3)"));
             }
@@ -252,36 +272,37 @@ fn image(value: &Bound<'_, PyAny>) -> PyResult<Image> {
 impl Scene {
     #[new]
     fn new() -> Self {
-        Self::around(CoreScene::new())
+        Self(InUse::new(Parts::around(CoreScene::new())))
     }
 
     /// A copy, in which the same numbers name the same things; `copy.copy` and `copy.deepcopy` make it, too. What changes in
     /// one of them stays as it is in the other, so that one is changed while another is rendered. It takes as much memory
     /// again.
-    fn copy(&self, py: Python<'_>) -> Self {
-        py.detach(|| Self {
-            scene: self.scene.clone(),
+    fn copy(&self, py: Python<'_>) -> PyResult<Self> {
+        let parts = &*self.read()?;
+        Ok(Self(InUse::new(py.detach(|| Parts {
+            scene: parts.scene.clone(),
             // Made when the first ray asks.
             tree: PerProcess::new(),
-            meshes: self.meshes.clone(),
-            materials: self.materials.clone(),
-            textures: self.textures.clone(),
-            mesh_names: self.mesh_names.clone(),
-            material_names: self.material_names.clone(),
-            labels: self.labels.clone(),
-            cameras: self.cameras.clone(),
-            animation: self.animation.clone(),
-            warnings: self.warnings.clone(),
-            files: self.files.clone(),
-            ..*self
-        })
+            meshes: parts.meshes.clone(),
+            materials: parts.materials.clone(),
+            textures: parts.textures.clone(),
+            mesh_names: parts.mesh_names.clone(),
+            material_names: parts.material_names.clone(),
+            labels: parts.labels.clone(),
+            cameras: parts.cameras.clone(),
+            animation: parts.animation.clone(),
+            warnings: parts.warnings.clone(),
+            files: parts.files.clone(),
+            ..*parts
+        }))))
     }
 
-    fn __copy__(&self, py: Python<'_>) -> Self {
+    fn __copy__(&self, py: Python<'_>) -> PyResult<Self> {
         self.copy(py)
     }
 
-    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> Self {
+    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> PyResult<Self> {
         self.copy(py)
     }
 
@@ -316,7 +337,7 @@ impl Scene {
                 }
                 None => pool.install(|| import::load_with(&path, &Parallel, &options)),
             };
-            let mut found = Self::of(loaded.map_err(|error| import_error(&error))?);
+            let mut found = Parts::of(loaded.map_err(|error| import_error(&error))?);
             if found.scene.drawn_triangles() == 0 {
                 let why = found.warnings.join("; ");
                 return Err(PyValueError::new_err(format!("nothing to draw: {}: {why}", path.display())));
@@ -324,13 +345,14 @@ impl Scene {
             if light {
                 pool.install(|| light_by_default(&mut found.scene)).map_err(refused)?;
             }
-            Ok(found)
+            Ok(Self(InUse::new(found)))
         })
     }
 
     /// Lights a scene without lights as the command `rtrt` does it: in a studio, with its key light.
-    fn light_by_default(&mut self, py: Python<'_>) -> PyResult<()> {
-        py.detach(|| light_by_default(&mut self.scene).map_err(refused))
+    fn light_by_default(&self, py: Python<'_>) -> PyResult<()> {
+        let parts = &mut *self.0.change()?;
+        py.detach(|| light_by_default(&mut parts.scene).map_err(refused))
     }
 
     /// Adds a mesh, and returns its number. Any number of objects may show it.
@@ -347,7 +369,7 @@ impl Scene {
     #[pyo3(signature = (positions, triangles = None, *, normals = None, uvs = None, colors = None, tangents = None, make_tangents = false, name = None))]
     #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
     fn add_mesh(
-        &mut self,
+        &self,
         py: Python<'_>,
         positions: &Bound<'_, PyAny>,
         triangles: Option<&Bound<'_, PyAny>>,
@@ -362,17 +384,18 @@ impl Scene {
         if let Some(tangents) = tangents {
             mesh = mesh.with_tangents(&rows::<4>("tangents", tangents)?).map_err(refused)?;
         }
-        let (scene, pool) = (&mut self.scene, threads(py)?);
+        let (pool, parts) = (threads(py)?, &mut *self.0.change()?);
         let index = py.detach(|| {
             if make_tangents {
                 mesh = mesh.with_made_tangents(false);
             }
             let tree = pool.install(|| Bvh::build(&mesh, &Parallel));
-            scene.add_mesh(&mesh, &tree).map_err(refused)
+            parts.scene.add_mesh(&mesh, &tree).map_err(refused)
         })?;
-        self.mesh_names.push(name.unwrap_or_else(|| format!("mesh {}", self.meshes.len())));
-        self.meshes.push(index);
-        Ok(self.meshes.len() - 1)
+        let number = parts.meshes.len();
+        parts.mesh_names.push(name.unwrap_or_else(|| format!("mesh {number}")));
+        parts.meshes.push(index);
+        Ok(number)
     }
 
     /// Gives a mesh that was added another shape: the same triangles with their corners elsewhere.
@@ -382,15 +405,16 @@ impl Scene {
     ///     positions, triangles, normals: See `add_mesh`; the triangles are those that it was added with.
     #[pyo3(signature = (mesh, positions, triangles = None, *, normals = None))]
     fn reshape(
-        &mut self,
+        &self,
         mesh: i64,
         positions: &Bound<'_, PyAny>,
         triangles: Option<&Bound<'_, PyAny>>,
         normals: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let index = self.mesh_index(mesh)?;
         let shape = self::mesh(positions, triangles, normals, None, None)?;
-        self.scene.reshape(index, &shape).map_err(refused)
+        let parts = &mut *self.0.change()?;
+        let index = parts.mesh_index(mesh)?;
+        parts.scene.reshape(index, &shape).map_err(refused)
     }
 
     /// Adds a texture, and returns its number.
@@ -400,7 +424,7 @@ impl Scene {
     ///     content: "color" (sRGB), "cutout" (sRGB, and alpha that hides), "numbers" or "normals".
     ///     wrap: "repeat", "clamp" or "mirror".
     #[pyo3(signature = (pixels, *, content = "color", wrap = "repeat"))]
-    fn add_texture(&mut self, pixels: &Bound<'_, PyAny>, content: &str, wrap: &str) -> PyResult<usize> {
+    fn add_texture(&self, pixels: &Bound<'_, PyAny>, content: &str, wrap: &str) -> PyResult<usize> {
         let kinds = [
             ("color", Content::Color),
             ("cutout", Content::SeeThrough),
@@ -410,36 +434,40 @@ impl Scene {
         let content = named("content", content, &kinds)?;
         let wraps = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp), ("mirror", Wrap::Mirror)];
         let wrap = named("wrap", wrap, &wraps)?;
-        let texture = self.scene.add_map(&image(pixels)?, [wrap; 2], content).map_err(refused)?;
-        self.textures.push(texture);
-        Ok(self.textures.len() - 1)
+        let image = image(pixels)?;
+        let parts = &mut *self.0.change()?;
+        let texture = parts.scene.add_map(&image, [wrap; 2], content).map_err(refused)?;
+        parts.textures.push(texture);
+        Ok(parts.textures.len() - 1)
     }
 
     /// Adds a material, and returns its number; without arguments it is white and matte. Its arguments are those of glTF's
     /// metallic-roughness; see the type stub. Colors are linear RGB, maps are numbers of textures; `labels` calls it by its
-    /// `name`, or its number.
+    /// `name`, or its number. One with `shadow_catcher` shows the shadows on it and nothing else, and has no other properties.
     #[pyo3(signature = (*, name = None, **properties))]
-    fn add_material(
-        &mut self,
-        name: Option<String>,
-        properties: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<u32> {
-        let material = changed(Material::default(), properties, &self.textures)?;
-        let index = self.scene.add_material(material).map_err(refused)?;
-        self.materials.insert(index.number(), index);
+    fn add_material(&self, name: Option<String>, properties: Option<&Bound<'_, PyDict>>) -> PyResult<u32> {
+        let textures = self.read()?.textures.clone();
+        let material = changed(Material::default(), properties, &textures)?;
+        let parts = &mut *self.0.change()?;
+        let index = parts.scene.add_material(material).map_err(refused)?;
+        parts.materials.insert(index.number(), index);
         if let Some(name) = name {
-            self.material_names.insert(index.number(), name);
+            parts.material_names.insert(index.number(), name);
         }
         Ok(index.number())
     }
 
-    /// Changes a material; what is not named stays.
+    /// Changes a material; what is not named stays. A shadow catcher is first made an ordinary material, with
+    /// `shadow_catcher=False`.
     #[pyo3(signature = (material, **properties))]
-    fn set_material(&mut self, material: i64, properties: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        let index = self.material_index(material)?;
-        let old = self.scene.material(index).copied().unwrap_or_default();
-        let new = changed(old, properties, &self.textures)?;
-        self.scene.set_material(index, new).map_err(refused)
+    fn set_material(&self, material: i64, properties: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let (index, old, textures) = {
+            let parts = &*self.read()?;
+            let index = parts.material_index(material)?;
+            (index, parts.scene.material(index).copied().unwrap_or_default(), parts.textures.clone())
+        };
+        let new = changed(old, properties, &textures)?;
+        self.0.change()?.scene.set_material(index, new).map_err(refused)
     }
 
     /// Places a mesh in the world, and returns the number of the object.
@@ -450,16 +478,18 @@ impl Scene {
     ///     name: What `labels` calls it; its number if not given.
     #[pyo3(signature = (mesh, material, transform = None, *, name = None))]
     fn add_instance(
-        &mut self,
+        &self,
         mesh: i64,
         material: i64,
         transform: Option<&Bound<'_, PyAny>>,
         name: Option<String>,
     ) -> PyResult<u32> {
-        let (index, material) = (self.mesh_index(mesh)?, self.material_index(material)?);
-        let object = self.scene.add_instance(index, material, place(transform)?).map_err(refused)?;
-        let mesh = self.mesh_names[mesh as usize].clone();
-        Ok(self.label(object, name, mesh, material))
+        let to_world = place(transform)?;
+        let parts = &mut *self.0.change()?;
+        let (index, material) = (parts.mesh_index(mesh)?, parts.material_index(material)?);
+        let object = parts.scene.add_instance(index, material, to_world).map_err(refused)?;
+        let mesh = parts.mesh_names[mesh as usize].clone();
+        Ok(parts.label(object, name, mesh, material))
     }
 
     /// Adds a sphere, round however close one looks, and returns the number of the object.
@@ -471,21 +501,20 @@ impl Scene {
     ///     name: What `labels` calls it; its number if not given.
     #[pyo3(signature = (material, center = None, radius = None, *, transform = None, name = None))]
     fn add_sphere(
-        &mut self,
+        &self,
         material: i64,
         center: Option<&Bound<'_, PyAny>>,
         radius: Option<f32>,
         transform: Option<&Bound<'_, PyAny>>,
         name: Option<String>,
     ) -> PyResult<u32> {
-        let material = self.material_index(material)?;
         if transform.is_some() && (center.is_some() || radius.is_some()) {
             return Err(PyValueError::new_err("a sphere has a center and a radius, or a transform"));
         }
         let to_world = match transform {
             Some(_) => place(transform)?,
             None => {
-                let center = center.map_or(Ok([0.0; 3]), |center| vector("center", center))?;
+                let center = center.map_or(Ok([0.0; 3]), |center| finite_vector("center", center))?;
                 let radius = radius.unwrap_or(1.0);
                 if !(radius > 0.0 && radius.is_finite()) {
                     return Err(PyValueError::new_err(format!(
@@ -495,14 +524,18 @@ impl Scene {
                 Mat4::from_scale_rotation_translation(Vec3::splat(radius), Quat::IDENTITY, center.into())
             }
         };
-        let object = self.scene.add_sphere(material, to_world).map_err(refused)?;
-        Ok(self.label(object, name, "sphere".into(), material))
+        let parts = &mut *self.0.change()?;
+        let material = parts.material_index(material)?;
+        let object = parts.scene.add_sphere(material, to_world).map_err(refused)?;
+        Ok(parts.label(object, name, "sphere".into(), material))
     }
 
     /// Moves an object; one that was hidden is seen again.
-    fn set_transform(&mut self, object: i64, transform: &Bound<'_, PyAny>) -> PyResult<()> {
-        let object = self.object(object)?;
-        self.scene.set_transform(object, place(Some(transform))?).map_err(refused)
+    fn set_transform(&self, object: i64, transform: &Bound<'_, PyAny>) -> PyResult<()> {
+        let to_world = place(Some(transform))?;
+        let parts = &mut *self.0.change()?;
+        let object = parts.object(object)?;
+        parts.scene.set_transform(object, to_world).map_err(refused)
     }
 
     /// Moves many objects. What does not move costs nothing.
@@ -510,9 +543,10 @@ impl Scene {
     /// Args:
     ///     objects: Their numbers, (n,).
     ///     transforms: (n, 4, 4) or (n, 3, 4).
-    fn set_transforms(&mut self, objects: &Bound<'_, PyAny>, transforms: &Bound<'_, PyAny>) -> PyResult<()> {
-        let count = self.scene.instances().len();
-        let Array { shape, values } = indices("objects", objects, count, "objects")?;
+    fn set_transforms(&self, objects: &Bound<'_, PyAny>, transforms: &Bound<'_, PyAny>) -> PyResult<()> {
+        // Objects are never removed.
+        let count = self.read()?.scene.instances().len();
+        let Array { shape, values } = indices("objects", objects, count, "object")?;
         let Array { shape: many, values: transforms } = matrices("transforms", transforms)?;
         if shape.len() != 1 || many.len() != 1 || many != shape {
             let expected = "n numbers of objects and n matrices";
@@ -521,32 +555,35 @@ impl Scene {
             );
             return Err(PyValueError::new_err(why));
         }
+        let scene = &mut self.0.change()?.scene;
         let place = Cell::new(0);
         let indexed = values.iter().zip(transforms).enumerate();
         let moved: Vec<_> = indexed
-            .filter_map(|(at, (&number, matrix))| Some((at, self.scene.instance_index(number)?, matrix)))
+            .filter_map(|(at, (&number, matrix))| Some((at, scene.instance_index(number)?, matrix)))
             .collect();
         let moves = moved.into_iter().map(|(at, object, matrix)| {
             place.set(at);
             (object, matrix)
         });
-        self.scene.set_transforms(moves).map_err(|error| {
+        scene.set_transforms(moves).map_err(|error| {
             let at = place.get();
             PyValueError::new_err(format!("transforms[{at}], of object {}: {error}", values[at]))
         })
     }
 
     /// Hides an object until it gets a transform again.
-    fn hide(&mut self, object: i64) -> PyResult<()> {
-        let object = self.object(object)?;
-        self.scene.hide(object).map_err(refused)
+    fn hide(&self, object: i64) -> PyResult<()> {
+        let parts = &mut *self.0.change()?;
+        let object = parts.object(object)?;
+        parts.scene.hide(object).map_err(refused)
     }
 
     /// The matrices of all objects to world space, float32, (n, 4, 4).
     #[getter]
     fn transforms<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         use numpy::{PyArray1, PyArrayMethods};
-        let instances = self.scene.instances();
+        let parts = self.read()?;
+        let instances = parts.scene.instances();
         let last = [0.0, 0.0, 0.0, 1.0];
         let numbers = instances.iter().flat_map(|i| i.to_world.into_iter().chain([last]).flatten()).collect();
         Ok(PyArray1::<f32>::from_vec(py, numbers).reshape([instances.len(), 4, 4])?.into_any())
@@ -554,30 +591,34 @@ impl Scene {
 
     /// The lights. What is assigned replaces all of them.
     #[getter]
-    fn lights(&self) -> Vec<Light> {
-        self.scene.lights().iter().map(|&light| Light { light }).collect()
+    fn lights(&self) -> PyResult<Vec<Light>> {
+        Ok(self.read()?.scene.lights().iter().map(|&light| Light { light }).collect())
     }
 
     #[setter]
-    fn set_lights(&mut self, lights: Vec<Light>) {
-        self.own_lights = false;
-        *self.scene.lights_mut() = lights.into_iter().map(|light| light.light).collect();
+    fn set_lights(&self, lights: Vec<Light>) -> PyResult<()> {
+        let parts = &mut *self.0.change()?;
+        parts.own_lights = false;
+        *parts.scene.lights_mut() = lights.into_iter().map(|light| light.light).collect();
+        Ok(())
     }
 
     /// Adds a light.
-    fn add_light(&mut self, light: &Light) {
-        self.scene.add_light(light.light);
+    fn add_light(&self, light: &Light) -> PyResult<()> {
+        self.0.change()?.scene.add_light(light.light);
+        Ok(())
     }
 
     /// Ambient light, linear RGB; an environment replaces it.
     #[getter]
-    fn ambient(&self) -> (f32, f32, f32) {
-        self.scene.ambient.into()
+    fn ambient(&self) -> PyResult<(f32, f32, f32)> {
+        Ok(self.read()?.scene.ambient.into())
     }
 
     #[setter]
-    fn set_ambient(&mut self, color: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.scene.ambient = vector("ambient", color)?.into();
+    fn set_ambient(&self, color: &Bound<'_, PyAny>) -> PyResult<()> {
+        let color = finite_vector("ambient", color)?;
+        self.0.change()?.scene.ambient = color.into();
         Ok(())
     }
 
@@ -585,23 +626,24 @@ impl Scene {
     /// the share that surfaces cover.
     #[getter]
     fn background<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(match self.scene.backdrop {
+        let scene = &self.read()?.scene;
+        Ok(match scene.backdrop {
             Backdrop::Environment => "environment".into_pyobject(py)?.into_any(),
-            Backdrop::Color => <(f32, f32, f32)>::from(self.scene.background).into_pyobject(py)?.into_any(),
+            Backdrop::Color => <(f32, f32, f32)>::from(scene.background).into_pyobject(py)?.into_any(),
             Backdrop::Nothing => py.None().into_bound(py),
         })
     }
 
     #[setter]
-    fn set_background(&mut self, background: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.scene.backdrop = match background.extract::<String>() {
-            Ok(name) => named("background", &name, &[("environment", Backdrop::Environment)])?,
-            Err(_) if background.is_none() => Backdrop::Nothing,
-            Err(_) => {
-                self.scene.background = vector("background", background)?.into();
-                Backdrop::Color
-            }
+    fn set_background(&self, background: &Bound<'_, PyAny>) -> PyResult<()> {
+        let (backdrop, color) = match background.extract::<String>() {
+            Ok(name) => (named("background", &name, &[("environment", Backdrop::Environment)])?, None),
+            Err(_) if background.is_none() => (Backdrop::Nothing, None),
+            Err(_) => (Backdrop::Color, Some(finite_vector("background", background)?)),
         };
+        let scene = &mut self.0.change()?.scene;
+        scene.backdrop = backdrop;
+        scene.background = color.map_or(scene.background, Into::into);
         Ok(())
     }
 
@@ -609,14 +651,15 @@ impl Scene {
     ///
     /// Args:
     ///     source: A panorama or cube in a file (.hdr, .exr, .png, .jpg, or a folder), "studio", or an array of linear RGB,
-    ///         (height, width, 3), whose rows run from straight up to straight down and whose middle column is +x.
+    ///         (height, width, 3), whose rows run from straight up to straight down and whose middle column is +x. Its
+    ///         numbers are finite; those below 0 count as 0.
     ///     rotation: Degrees around y.
     ///     intensity: What its light is multiplied by.
     ///     blur: How blurred it is behind the surfaces, 0 to 1.
     ///     sun: Whether its brightest light is taken out of it and added as a light, which casts sharp shadows.
     #[pyo3(signature = (source, *, rotation = 0.0, intensity = 1.0, blur = 0.0, sun = true))]
     fn set_environment(
-        &mut self,
+        &self,
         py: Python<'_>,
         source: &Bound<'_, PyAny>,
         rotation: f32,
@@ -625,7 +668,7 @@ impl Scene {
         sun: bool,
     ) -> PyResult<()> {
         for (name, value, high) in [
-            ("rotation", rotation.abs(), f32::MAX),
+            ("rotation", rotation.abs(), MOST_TURN),
             ("intensity", intensity, 4_294_967_296.0),
             ("blur", blur, 1.0),
         ] {
@@ -640,7 +683,7 @@ impl Scene {
             return Err(PyFileNotFoundError::new_err(format!("there is no environment {}", path.display())));
         }
         let panorama = if path.is_some() { None } else { Some(panorama(source)?) };
-        let scene = &mut self.scene;
+        let scene = &mut self.0.change()?.scene;
         py.detach(|| {
             let surroundings = match (path, panorama) {
                 (Some(path), _) if path.as_os_str() == "studio" => {
@@ -668,8 +711,8 @@ impl Scene {
 
     /// The cameras of the file.
     #[getter]
-    fn cameras(&self) -> Vec<Camera> {
-        self.cameras.iter().cloned().map(Camera::of).collect()
+    fn cameras(&self) -> PyResult<Vec<Camera>> {
+        Ok(self.read()?.cameras.iter().cloned().map(Camera::of).collect())
     }
 
     /// A camera that sees the whole scene in a picture of this size (width, height).
@@ -680,9 +723,11 @@ impl Scene {
     fn framing(&self, size: [i64; 2], direction: Option<&Bound<'_, PyAny>>) -> PyResult<Camera> {
         let [width, height] = camera::size(size)?;
         let aspect = width as f32 / height as f32;
+        let direction = direction.map(|direction| finite_vector("direction", direction)).transpose()?;
+        let scene = &self.read()?.scene;
         let camera = match direction {
-            None => framing(&self.scene, aspect),
-            Some(direction) => framing_from(&self.scene, aspect, vector("direction", direction)?.into()),
+            None => framing(scene, aspect),
+            Some(direction) => framing_from(scene, aspect, direction.into()),
         };
         Ok(Camera::around(camera, String::new()))
     }
@@ -704,7 +749,8 @@ impl Scene {
             let text = CString::new(format!("{}: {warning}", path.display())).unwrap_or_default();
             PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
         }
-        Ok(poses.iter().map(|pose| Camera::posed(pose, self.origin)).collect())
+        let origin = self.read()?.origin;
+        Ok(poses.iter().map(|pose| Camera::posed(pose, origin)).collect())
     }
 
     /// Cameras evenly around the point that one looks at, as the option `--orbit` of the command has them: the first is that
@@ -719,29 +765,32 @@ impl Scene {
         let size = camera::usual_size(size)?;
         let count = u32::try_from(count).ok().filter(|count| (1..=1_000_000).contains(count));
         let count = count.ok_or_else(|| PyValueError::new_err("count is not within 1 .. 1000000"))?;
-        let is_framed = camera.is_none() && self.cameras.is_empty();
+        let parts = self.read()?;
+        let is_framed = camera.is_none() && parts.cameras.is_empty();
         let aspect = is_framed.then(|| size[0] as f32 / size[1] as f32);
-        let first = camera.map_or_else(|| self.usual_camera(size), |camera| camera.at(size));
-        let all = orbit(&self.scene, &first.camera, count, aspect);
+        let first = camera.map_or_else(|| parts.usual_camera(size), |camera| camera.at(size));
+        let all = orbit(&parts.scene, &first.camera, count, aspect);
         let name = |number: usize| format!("orbit-{number:04}");
         let all = all.into_iter().enumerate();
-        Ok(all.map(|(number, camera)| Camera::around(camera, name(number)).sized(size)).collect())
+        let view =
+            |(number, camera)| Camera::clipped(View { camera, clip: first.clip }, name(number)).sized(size);
+        Ok(all.map(view).collect())
     }
 
     /// What coordinates are relative to, in those of the file: 0, 0, 0 unless that is so far away that single precision would
     /// round them.
     #[getter]
-    fn origin(&self) -> (f64, f64, f64) {
-        self.origin.into()
+    fn origin(&self) -> PyResult<(f64, f64, f64)> {
+        Ok(self.read()?.origin.into())
     }
 
     /// What is known of each object: a list of dicts with its number `object`, its `node`, `mesh` and `material` as the file
     /// calls them, the number `material_id`, and `box`, the lower and upper corner of a box around it.
     #[getter]
     fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let all = PyList::empty(py);
-        for (number, instance) in self.scene.instances().iter().enumerate() {
-            let label = self.labels.get(number).cloned().unwrap_or_default();
+        let (all, parts) = (PyList::empty(py), self.read()?);
+        for (number, instance) in parts.scene.instances().iter().enumerate() {
+            let label = parts.labels.get(number).cloned().unwrap_or_default();
             let entry = PyDict::new(py);
             entry.set_item("object", number)?;
             entry.set_item("node", label.node)?;
@@ -761,9 +810,9 @@ impl Scene {
     ///     objects: The aov "object" of a picture.
     fn seen<'py>(&self, py: Python<'py>, objects: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
         let (width, height, object) = self::objects(objects)?;
-        let all = PyList::empty(py);
+        let (all, parts) = (PyList::empty(py), self.read()?);
         for Seen { object, pixels, box_2d, box_3d } in
-            seen(&self.scene, &Layers { width, height, object, ..Layers::default() })
+            seen(&parts.scene, &Layers { width, height, object, ..Layers::default() })
         {
             let entry = PyDict::new(py);
             entry.set_item("object", object)?;
@@ -776,56 +825,57 @@ impl Scene {
     }
 
     /// Shows the animation of the file at a time, seconds: objects, deformed meshes, cameras and lights.
-    fn play(&mut self, time: f64) -> PyResult<()> {
+    fn play(&self, time: f64) -> PyResult<()> {
         if !(time >= 0.0 && time.is_finite()) {
             return Err(PyValueError::new_err(format!("time is {time}, and not a number of 0 or more")));
         }
-        let Some(animation) = &self.animation else { return Ok(()) };
+        let parts = &mut *self.0.change()?;
+        let Some(animation) = &parts.animation else { return Ok(()) };
         let pose = animation.at(time).map_err(|error| import_error(&error))?;
-        pose.apply(&mut self.scene).map_err(|error| import_error(&error))?;
-        if self.own_lights {
-            pose.aim(self.scene.lights_mut());
+        pose.apply(&mut parts.scene).map_err(|error| import_error(&error))?;
+        if parts.own_lights {
+            pose.aim(parts.scene.lights_mut());
         }
         for (index, camera) in pose.cameras {
-            self.cameras[index].camera = camera;
+            parts.cameras[index].camera = camera;
         }
         Ok(())
     }
 
     /// The end of the animation of the file, seconds; None without one.
     #[getter]
-    fn duration(&self) -> Option<f64> {
-        self.animation.as_ref().map(Animation::end)
+    fn duration(&self) -> PyResult<Option<f64>> {
+        Ok(self.read()?.animation.as_ref().map(Animation::end))
     }
 
     /// What of the file is not drawn as it says, a line each.
     #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
+    fn warnings(&self) -> PyResult<Vec<String>> {
+        Ok(self.read()?.warnings.clone())
     }
 
     /// The files that the scene was read from.
     #[getter]
-    fn files(&self) -> Vec<PathBuf> {
-        self.files.clone()
+    fn files(&self) -> PyResult<Vec<PathBuf>> {
+        Ok(self.read()?.files.clone())
     }
 
     /// Objects.
     #[getter]
-    fn objects(&self) -> usize {
-        self.scene.instances().len()
+    fn objects(&self) -> PyResult<usize> {
+        Ok(self.read()?.scene.instances().len())
     }
 
     /// Triangles of all objects: those of a mesh count once for each object.
     #[getter]
-    fn triangles(&self) -> u64 {
-        self.scene.drawn_triangles()
+    fn triangles(&self) -> PyResult<u64> {
+        Ok(self.read()?.scene.drawn_triangles())
     }
 
     /// Lower and upper corner of a box around all that is not hidden; None for an empty scene.
     #[getter]
-    fn extent(&self) -> Option<([f32; 3], [f32; 3])> {
-        self.scene.extent().map(|(low, high)| (low.to_array(), high.to_array()))
+    fn extent(&self) -> PyResult<Option<([f32; 3], [f32; 3])>> {
+        Ok(self.read()?.scene.extent().map(|(low, high)| (low.to_array(), high.to_array())))
     }
 
     /// The closest hit of each ray, on all threads: a dict of arrays with the shape of the rays.
@@ -869,7 +919,10 @@ impl Scene {
     }
 
     fn __repr__(&self) -> String {
-        format!("<rtrt.Scene of {} objects, {} triangles>", self.objects(), self.triangles())
+        // A debugger may show it while it is changed.
+        let Ok(parts) = self.read() else { return "<rtrt.Scene that is being changed>".into() };
+        let (objects, triangles) = (parts.scene.instances().len(), parts.scene.drawn_triangles());
+        format!("<rtrt.Scene of {objects} objects, {triangles} triangles>")
     }
 }
 
@@ -879,6 +932,7 @@ fn panorama(source: &Bound<'_, PyAny>) -> PyResult<Panorama> {
     let [height, width, 3] = shape[..] else {
         return Err(wrong_shape("source", &shape, "(height, width, 3)"));
     };
+    are_finite("source", &shape, &values)?;
     let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
     Ok(Panorama { width: side(width), height: side(height), rgb: values.as_chunks::<3>().0.to_vec() })
 }

@@ -1,7 +1,9 @@
 """What is wrong is named, and nothing crashes."""
 
+import contextlib
 import itertools
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -26,7 +28,7 @@ TRIANGLE = np.eye(3, dtype=np.float32)
         (dict(positions=TRIANGLE + np.inf), ValueError, "vertex 0 has the coordinate"),
         (dict(positions=TRIANGLE.astype(float) * 1e300), ValueError, "vertex 0 has the coordinate inf"),
         (dict(positions=TRIANGLE[:2]), ValueError, "2 indices do not make whole triangles"),
-        (dict(positions=TRIANGLE, triangles=[[0, 1, 3]]), IndexError, "triangles holds 3 at place 2, but there are 3"),
+        (dict(positions=TRIANGLE, triangles=[[0, 1, 3]]), IndexError, "triangles holds 3 at place 2: there are 3 positions, 0 to 2"),
         (dict(positions=TRIANGLE, triangles=[[0, 1, -1]]), IndexError, "triangles holds -1 at place 2"),
         (dict(positions=TRIANGLE, triangles=[[0, 1, 2**40]]), IndexError, "triangles holds 1099511627776"),
         (dict(positions=TRIANGLE, triangles=[0, 1, 2]), ValueError, r"triangles has the shape \(3,\)"),
@@ -90,7 +92,7 @@ def test_empty_arrays():
 @pytest.mark.parametrize(
     "call, kind, why",
     [
-        (lambda s: s.add_instance(7, 0), IndexError, "there is no mesh 7, but 1 meshes were added"),
+        (lambda s: s.add_instance(7, 0), IndexError, "there is no mesh 7: there is one mesh, 0"),
         (lambda s: s.add_instance(-1, 0), IndexError, "there is no mesh -1"),
         (lambda s: s.add_instance(0, 9), IndexError, "no material 9"),
         (lambda s: s.add_instance(0, 0, np.zeros((4, 4))), ValueError, "cannot be inverted"),
@@ -100,8 +102,8 @@ def test_empty_arrays():
         (lambda s: s.add_sphere(0, (0, 0), 1), ValueError, r"center has the shape \(2,\)"),
         (lambda s: s.add_sphere(0, (0, 0, 0), -1), ValueError, "radius is -1"),
         (lambda s: s.add_sphere(0, (0, 0, 0), transform=np.eye(4)), ValueError, "a center and a radius, or"),
-        (lambda s: s.set_transform(5, np.eye(4)), IndexError, "there is no object 5, but there are 2 objects"),
-        (lambda s: s.set_transforms([0, 2], np.zeros((2, 4, 4))), IndexError, "objects holds 2 at place 1"),
+        (lambda s: s.set_transform(5, np.eye(4)), IndexError, "there is no object 5: there are 2 objects, 0 to 1"),
+        (lambda s: s.set_transforms([0, 2], np.zeros((2, 4, 4))), IndexError, "objects holds 2 at place 1: there are 2 objects"),
         (lambda s: s.set_transforms([0], np.zeros((2, 4, 4))), ValueError, "objects and transforms"),
         (lambda s: s.set_transforms([1, 0], [np.eye(4), np.zeros((4, 4))]), ValueError, r"transforms\[1\], of object 0"),
         (lambda s: s.add_material(rughness=1), TypeError, 'a material has no "rughness", but: base_color'),
@@ -109,7 +111,7 @@ def test_empty_arrays():
         (lambda s: s.add_material(roughness="x"), TypeError, "roughness cannot be x"),
         (lambda s: s.add_material(base_color=(1, 2)), ValueError, "base_color has the shape"),
         (lambda s: s.add_material(base_color=(1, 2, np.nan)), ValueError, "the base color of a material is NaN"),
-        (lambda s: s.add_material(base_color_map=0), IndexError, "base_color_map is texture 0, but there are 0"),
+        (lambda s: s.add_material(base_color_map=0), IndexError, "base_color_map is texture 0: there are no textures"),
         (lambda s: s.add_material(alpha_mode="glass"), ValueError, "alpha_mode is \"glass\""),
         (lambda s: s.add_texture(np.zeros((4, 4, 3))), TypeError, "pixels has the dtype float64"),
         (lambda s: s.add_texture(np.zeros((4, 4, 7), np.uint8)), ValueError, "pixels has the shape"),
@@ -119,12 +121,17 @@ def test_empty_arrays():
         (lambda s: s.set_environment(__file__), ValueError, "environment refused: "),
         (lambda s: s.set_environment(np.zeros((4, 3))), ValueError, "source has the shape"),
         (lambda s: s.set_environment("studio", blur=2), ValueError, "blur is 2"),
+        (lambda s: s.set_environment("studio", rotation=1e9), ValueError, "rotation is 1000000000"),
         (lambda s: s.play(-1), ValueError, "time is -1"),
+        (lambda s: s.add_material(shadow_catcher=True, roughness=0.5), ValueError, "takes no other properties"),
+        (lambda s: s.add_material(base_color=(1, 0, 0), shadow_catcher=True), ValueError, "takes no other properties"),
+        (lambda s: s.set_material(0, shadow_catcher=True, alpha=1), ValueError, "takes no other properties"),
+        (lambda s: s.add_material(shadow_catcher="x"), TypeError, "shadow_catcher cannot be x"),
         (lambda s: s.seen(np.zeros((3, 3))), ValueError, "objects is no array of int32"),
         (lambda s: setattr(s, "background", "sky"), ValueError, 'background is "sky"'),
         (lambda s: setattr(s, "ambient", 3), ValueError, "ambient has the shape"),
         (lambda s: setattr(s, "lights", [1]), TypeError, "Light"),
-        (lambda s: rtrt.Light.point((0, 0, np.inf)), ValueError, "position is"),
+        (lambda s: rtrt.Light.point((0, 0, np.inf)), ValueError, r"position holds inf at \[2\], which is not finite"),
         (lambda s: rtrt.Light.spot((0, 0, 0), (0, 0, 1), outer=120), ValueError, "outer is 120"),
         (lambda s: rtrt.Light.point((0, 0, 0), reach=0), ValueError, "reach is 0"),
         (lambda s: rtrt.Camera((0, 0, 0), (0, 0, 0)), ValueError, "looks nowhere"),
@@ -176,6 +183,82 @@ def test_an_environment_that_is_refused_changes_nothing(square):
     assert np.array_equal(rtrt.render(square, camera, (16, 12))["rgba"], before)
 
 
+VECTOR = (0.0, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize(
+    "array, call",
+    [
+        (TRIANGLE, lambda s, a: s.add_mesh(a)),
+        (TRIANGLE, lambda s, a: s.add_mesh(TRIANGLE, normals=a)),
+        (TRIANGLE[:, :2], lambda s, a: s.add_mesh(TRIANGLE, uvs=a)),
+        (np.ones((3, 4)), lambda s, a: s.add_mesh(TRIANGLE, uvs=TRIANGLE[:, :2], tangents=a)),
+        (np.zeros((6, 3)), lambda s, a: s.reshape(0, a)),
+        (np.eye(4), lambda s, a: s.set_transform(0, a)),
+        (np.eye(4)[:3], lambda s, a: s.add_instance(0, 0, a)),
+        (np.eye(4), lambda s, a: s.add_sphere(0, transform=a)),
+        (np.eye(4)[None], lambda s, a: s.set_transforms([0], a)),
+        (VECTOR, lambda s, a: s.add_sphere(0, a)),
+        (1.0, lambda s, a: s.add_sphere(0, VECTOR, float(a))),
+        (VECTOR, lambda s, a: setattr(s, "ambient", a)),
+        (VECTOR, lambda s, a: setattr(s, "background", a)),
+        (VECTOR, lambda s, a: s.framing((8, 8), a)),
+        (VECTOR, lambda s, a: s.closest(a, VECTOR)),
+        (VECTOR, lambda s, a: s.occluded(VECTOR, a)),
+        (np.ones((4, 8, 3)), lambda s, a: s.set_environment(a)),
+        (np.ones((4, 8, 3)), lambda s, a: s.set_environment(a, sun=False)),
+        *[(1.0, lambda s, a, k=k: s.set_environment("studio", **{k: float(a)})) for k in ("rotation", "intensity", "blur")],
+        (VECTOR, lambda s, a: rtrt.Light.point(a)),
+        (VECTOR, lambda s, a: rtrt.Light.point(VECTOR, a)),
+        (VECTOR, lambda s, a: rtrt.Light.sun(a)),
+        (VECTOR, lambda s, a: rtrt.Light.spot(VECTOR, a)),
+        (1.0, lambda s, a: rtrt.Light.point(VECTOR, radius=float(a))),
+        (VECTOR, lambda s, a: rtrt.Camera(a, (0, 0, 0))),
+        (VECTOR, lambda s, a: rtrt.Camera((0, 0, 0), a)),
+        (VECTOR, lambda s, a: rtrt.Camera((5, 0, 0), (0, 0, 0), a)),
+        (np.eye(4), lambda s, a: rtrt.Camera.from_matrix(a)),
+        *[(VECTOR, lambda s, a, k=k: s.add_material(**{k: a})) for k in ("base_color", "specular", "emission")],
+        *[
+            (1.0, lambda s, a, k=k: s.add_material(**{k: float(a)}))
+            for k in ("metallic", "roughness", "specular_strength", "normal_scale", "occlusion_strength", "alpha",
+                      "alpha_cutoff", "transmission")
+        ],
+    ],
+)
+def test_numbers_that_are_not_finite_are_refused(square, array, call, value):
+    bad = np.array(array, float)
+    bad.flat[-1] = value
+    before = square.objects, square.ambient, square.background
+    with pytest.raises(ValueError):
+        call(square, bad)
+    assert (square.objects, square.ambient, square.background) == before
+    rtrt.render(square, rtrt.Camera((0, 0, 4), (0, 0, 0)), (8, 8))
+
+
+def test_a_panorama_that_is_refused_names_the_place(square):
+    panorama = np.ones((4, 8, 3))
+    panorama[2, 5, 1] = np.nan
+    with pytest.raises(ValueError, match=r"source holds NaN at \[2, 5, 1\], which is not finite"):
+        square.set_environment(panorama)
+
+
+def test_a_shadow_catcher_has_no_other_properties(square):
+    catcher = square.add_material(shadow_catcher=True)
+    with pytest.raises(ValueError, match="shadow_catcher=False makes an ordinary one"):
+        square.set_material(catcher, base_color=(1, 0, 0))
+    camera, pictures = rtrt.Camera((0, 0, 4), (0, 0, 0)), []
+    for material in (square.add_material(base_color=(1, 0, 0)), catcher):
+        if material == catcher:
+            square.set_material(catcher, shadow_catcher=False, base_color=(1, 0, 0))
+        sphere = square.add_sphere(material, (0, 0, 1), 0.5)
+        pictures.append(rtrt.render(square, camera, (16, 12))["rgba"])
+        square.hide(sphere)
+    assert np.array_equal(*pictures)
+    square.set_material(catcher, shadow_catcher=True)
+    square.set_material(catcher, shadow_catcher=True)
+
+
 def test_buffers(glass):
     shape = (54, 96, 4)
     frozen = np.zeros(shape, np.uint8)
@@ -196,7 +279,7 @@ def test_buffers(glass):
             rtrt.render(glass, size=(96, 54), out=out)
     # Two buffers that share memory.
     memory = np.zeros(54 * 96 * 4, np.uint8)
-    with pytest.raises(ValueError, match="already borrowed"):
+    with pytest.raises(RuntimeError, match=r'out\["material"\] is in use by another call, or twice by this one'):
         out = {"object": memory.view(np.int32).reshape(54, 96), "material": memory.view(np.int32).reshape(54, 96)}
         rtrt.render(glass, size=(96, 54), out=out)
 
@@ -218,13 +301,80 @@ def test_a_scene_is_not_changed_while_it_is_rendered(glass):
     thread = threading.Thread(target=work)
     thread.start()
     started.wait()
-    refused = 0
+    refused = set()
     while thread.is_alive():
         try:
             glass.ambient = glass.ambient
-        except RuntimeError:
-            refused += 1
-    assert refused > 0
+        except RuntimeError as error:
+            refused.add(str(error))
+    assert len(refused) == 1 and "is in use by another call" in refused.pop()
+
+
+def test_a_scene_that_is_changed_is_not_read(square):
+    """A large mesh is added in one thread, while the others look at the scene."""
+    positions = np.random.default_rng(1).normal(size=(300_000, 3)).astype(np.float32)
+    rtrt.render(square, size=(4, 4))  # opens the backend
+
+    def work():
+        # While the others look, it is refused itself.
+        while True:
+            with contextlib.suppress(RuntimeError):
+                return square.add_mesh(positions, make_tangents=True)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    refused = set()
+    while thread.is_alive():
+        for call in (lambda: square.objects, lambda: rtrt.render(square, size=(4, 4)), square.copy, lambda: square.lights):
+            try:
+                call()
+            except RuntimeError as error:
+                refused.add(str(error))
+        repr(square)
+        time.sleep(0.001)
+    assert len(refused) == 1 and "is being changed by another call" in refused.pop()
+
+
+def test_what_makes_an_array_may_use_the_scene(square):
+    """Arguments are arrays before the scene is looked at."""
+
+    class Late:
+        def __init__(self, array):
+            self.array = array
+
+        def __array__(self, dtype=None, copy=None):
+            square.ambient = (0.5, 0.25, square.ambient[2])
+            return np.asarray(self.array)
+
+    square.set_transform(0, Late(np.eye(4)))
+    square.set_transforms(Late([0]), Late(np.eye(4)[None]))
+    square.reshape(0, Late(np.zeros((6, 3))))
+    mesh = square.add_mesh(Late(TRIANGLE), Late([[0, 1, 2]]))
+    material = square.add_material(base_color=Late([1, 0, 0]))
+    square.set_material(material, emission=Late([1, 0, 0]))
+    square.add_instance(mesh, material, Late(np.eye(4)))
+    square.add_sphere(material, Late([0, 0, 0]))
+    square.add_texture(Late(np.zeros((2, 2), np.uint8)))
+    square.background = Late([0, 0, 0])
+    square.ambient = Late([0, 0, 0])
+    square.set_environment(Late(np.ones((4, 8, 3))))
+    square.framing((4, 4), Late([0, 0, 1]))
+    square.closest(Late([0, 0, 5]), Late([0, 0, -1]), far=Late(9.0))
+
+
+def test_arrays_that_another_thread_fills_are_not_read(glass):
+    frames = rtrt.render(glass, size=(1280, 720), aov=["rgba", "object"])
+    thread = threading.Thread(target=lambda: rtrt.render(glass, size=(1280, 720), samples=16, out=frames))
+    thread.start()
+    refused = set()
+    other = rtrt.Scene()
+    while thread.is_alive():
+        for call in (lambda: other.add_texture(frames["rgba"]), lambda: other.seen(frames["object"])):
+            try:
+                call()
+            except RuntimeError as error:
+                refused.add(str(error))
+    assert len(refused) == 2 and all("is in use by another call" in why for why in refused)
 
 
 def test_random_arguments_raise_or_work(square):

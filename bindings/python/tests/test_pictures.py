@@ -319,6 +319,38 @@ def test_processes_forked_while_threads_work_render(glass, cpu):
         [process.kill() for process in processes]
 
 
+def opened(queue):
+    queue.put(rtrt.Backend().kind)
+
+
+@pytest.mark.skipif(not hasattr(os, "register_at_fork"), reason="no fork")
+def test_processes_forked_while_threads_open_backends_open_some():
+    """What loads drivers has locks, which a forked process would wait for."""
+    done, opening = threading.Event(), threading.Event()
+
+    def work():
+        while not done.is_set():
+            opening.set()
+            rtrt.Backend()
+
+    threads = [threading.Thread(target=work) for _ in range(2)]
+    [thread.start() for thread in threads]
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    processes = [context.Process(target=opened, args=(queue,), daemon=True) for _ in range(6)]
+    for number, process in enumerate(processes):
+        opening.wait()
+        # In another part of it.
+        time.sleep(0.02 + 0.03 * number)
+        process.start()
+    done.set()
+    [thread.join() for thread in threads]
+    try:
+        assert len({queue.get(timeout=60) for _ in processes}) == 1
+    finally:
+        [process.kill() for process in processes]
+
+
 def test_copies_have_the_same_numbers_and_nothing_in_common(square):
     camera = rtrt.Camera((0, 0, 12), (0, 0, 0))
 
@@ -421,12 +453,13 @@ def test_motion_follows_objects_and_cameras(square):
 
 def hashes(command, *options):
     lines = subprocess.run([command, "render", *options, "--hash", "--quiet"], check=True, capture_output=True, text=True)
-    return [line.split()[0] for line in lines.stdout.splitlines() if line.endswith("  pixels")]
+    columns = [line.split("  ") for line in lines.stdout.splitlines()]
+    return [column[0] for column in columns if column[1] == "pixels"]
 
 
 def test_files_of_cameras_are_read_as_the_command_reads_them(command, tmp_path):
     ours = {"fov_y": 40, "cameras": [
-        {"name": "a", "eye": [3, 2, 4], "look_at": [0, 0.5, 0], "size": [80, 60], "time": 0.5},
+        {"name": "a", "eye": [3, 2, 4], "look_at": [0, 0.5, 0], "size": [80, 60], "time": 0.5, "near": 4.5, "far": 5.5},
         {"name": "b", "eye": [-3, 2, 4], "look_at": [0, 0.5, 0], "parallel": 4}]}
     nerf = {"camera_angle_x": 0.8, "w": 64, "h": 48, "k1": 0.1, "frames": [
         {"file_path": "./train/r_0", "transform_matrix": np.eye(4).tolist(), "cx": 20}]}
@@ -443,6 +476,7 @@ def test_files_of_cameras_are_read_as_the_command_reads_them(command, tmp_path):
     assert (cameras[0].name, cameras[0].size, cameras[0].time) == ("train_r_0", (64, 48), None)
     cameras = scene.load_cameras(tmp_path / "ours.json")
     assert [(c.name, c.size, c.time) for c in cameras] == [("a", (80, 60), 0.5), ("b", (640, 360), None)]
+    assert [c.clip for c in cameras] == [(4.5, 5.5), (0, np.inf)]
     with pytest.raises(ValueError, match="camera 1 has another size than camera 0"):
         rtrt.render(scene, cameras)
     assert rtrt.render(scene, cameras, (8, 6))["rgba"].shape == (2, 6, 8, 4)
@@ -464,6 +498,8 @@ def test_orbits_are_those_of_the_command(command, tmp_path):
         assert [digest(picture) for picture in frames["rgba"]] == hashes(command, name, "--size", "96x54", "--orbit", "3")
     around = scene.orbit(4, rtrt.Camera((3, 0, 0), (0, 0, 0)))
     assert np.allclose([camera.eye for camera in around], [[3, 0, 0], [0, 0, -3], [-3, 0, 0], [0, 0, 3]], atol=1e-6)
+    clipped = scene.orbit(2, rtrt.Camera((3, 0, 0), (0, 0, 0), near=2.5, far=3.5))
+    assert [camera.clip for camera in clipped] == [(2.5, 3.5)] * 2
     with pytest.raises(ValueError, match="count is not within 1"):
         scene.orbit(0)
 

@@ -45,14 +45,18 @@ impl Console {
         self.bar.suspend(|| output::print(line))
     }
 
-    /// Writes hashes as results, a line each: of the pixels, then of the deferred buffers.
+    /// Writes hashes as results, a line each: of the pixels, then of the deferred buffers. `of` says of which picture, where
+    /// there are several.
     pub fn print_hashes(
         &self,
         pixels: &str,
         buffers: Option<BTreeMap<&'static str, String>>,
+        of: Option<&str>,
     ) -> Result<(), Error> {
-        self.print(format_args!("{pixels}  pixels"))?;
-        buffers.into_iter().flatten().try_for_each(|(name, hash)| self.print(format_args!("{hash}  {name}")))
+        let of = of.map_or_else(String::new, |of| format!("  {of}"));
+        self.print(format_args!("{pixels}  pixels{of}"))?;
+        let mut buffers = buffers.into_iter().flatten();
+        buffers.try_for_each(|(name, hash)| self.print(format_args!("{hash}  {name}{of}")))
     }
 
     /// Prints a warning. With `--strict` it is an error with this exit code.

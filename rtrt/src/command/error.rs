@@ -26,8 +26,8 @@ pub enum Error {
         /// The warnings of the import.
         warnings: Vec<String>,
     },
-    /// The scene has fewer cameras.
-    #[error("unknown camera: {}: there is no camera {asked}, {}", scene.display(), listed(names))]
+    /// The scene has no such camera.
+    #[error("unknown camera: {}: there is no camera {asked:?}; {}", scene.display(), listed("camera", names))]
     Camera {
         /// The scene.
         scene: PathBuf,
@@ -37,7 +37,7 @@ pub enum Error {
         names: Vec<String>,
     },
     /// The scene has no object or material with a number.
-    #[error("unknown {what}: {}: no object is, or has, {what} {asked}", scene.display())]
+    #[error("unknown {what}: {}: there is no {what} {asked}; {what}s of the scene: {}", scene.display(), ranges(known))]
     Number {
         /// The scene.
         scene: PathBuf,
@@ -45,9 +45,11 @@ pub enum Error {
         what: &'static str,
         /// The number.
         asked: u32,
+        /// Those that there are, in order.
+        known: Vec<u32>,
     },
     /// The scene has no such animation.
-    #[error("unknown animation: {}: there is no animation {asked:?}, {}", scene.display(), listed(names))]
+    #[error("unknown animation: {}: there is no animation {asked:?}; {}", scene.display(), listed("animation", names))]
     Animation {
         /// The scene.
         scene: PathBuf,
@@ -297,6 +299,9 @@ impl Error {
             Self::Render { source: RenderError::Setup(SetupError::Camera { .. }), .. } => {
                 "see --eye, --look-at, --up and --fov-y"
             }
+            Self::Render { source: RenderError::Setup(SetupError::Clip { .. }), .. } => {
+                "see --near and --far"
+            }
             Self::Render { source: RenderError::Backend { .. }, .. } => "--backend cpu needs no GPU",
             Self::Disagree { .. } | Self::Structure { .. } => {
                 "this is a mistake in rtrt; `rtrt --version` and `rtrt doctor` say what it happened with"
@@ -365,14 +370,34 @@ fn blank(warnings: &[String]) -> String {
     if warnings.is_empty() { "it has no surfaces, points or lines".into() } else { warnings.join("; ") }
 }
 
-/// Which cameras or animations there are, in words.
-fn listed(names: &[String]) -> String {
-    if names.is_empty() {
-        return "the scene has none".into();
-    }
+/// How many cameras or animations there are, in words, with their numbers and names.
+fn listed(what: &str, names: &[String]) -> String {
+    let count = match names.len() {
+        0 => return format!("the scene has no {what}s"),
+        1 => format!("one {what}"),
+        count => format!("{count} {what}s"),
+    };
     let list = names.iter().enumerate().map(|(number, name)| match &name[..] {
         "" => number.to_string(),
-        name => format!("{number} ({name:?})"),
+        name => format!("{number} {name:?}"),
     });
-    format!("the scene has {}", list.collect::<Vec<_>>().join(", "))
+    format!("the scene has {count}: {}", list.collect::<Vec<_>>().join(", "))
+}
+
+/// Numbers in order, in words: `0 to 3, 7`.
+fn ranges(numbers: &[u32]) -> String {
+    let runs = numbers.chunk_by(|a, b| a.checked_add(1) == Some(*b)).map(|run| match run {
+        [first, .., last] => format!("{first} to {last}"),
+        run => run.iter().map(u32::to_string).collect(),
+    });
+    runs.collect::<Vec<_>>().join(", ")
+}
+
+#[test]
+fn numbers_are_ranges() {
+    for (numbers, words) in
+        [(&[0, 1, 2, 3, 7][..], "0 to 3, 7"), (&[4], "4"), (&[0, 2, u32::MAX], "0, 2, 4294967295")]
+    {
+        assert_eq!(ranges(numbers), words);
+    }
 }

@@ -20,9 +20,9 @@ use rtrt::import::{self, Animation, ImportError, Label, Loaded, NamedCamera, Pos
 use rtrt::layers::MOST_RAYS;
 use rtrt_core::backend::{Backend, Picture, Request, Shadows, ToneMap};
 use rtrt_core::layout::Kind;
-use rtrt_core::scene::{Camera, LightKind, Projection, Scene};
+use rtrt_core::scene::{Camera, InstanceIndex, LightKind, Projection, Scene};
 use rtrt_cpu::{Cpu, Parallel};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -118,7 +118,7 @@ impl RenderJob {
         choose_animation(common, &mut loaded, time.is_some(), console)?;
         let camera_number = camera_number(common, &loaded.cameras)?;
         let camera = camera(common, &mut loaded, camera_number, time.is_some())?;
-        let clip = clip(&common.camera, loaded.cameras.get(camera_number));
+        let clip = file_clip(&common.camera, loaded.cameras.get(camera_number));
         let Loaded { mut scene, origin, cameras, mut labels, animation, files, bvh_build_ms, .. } = loaded;
         let own_lights = common.lights.is_empty() && !scene.lights().is_empty();
         if !common.lights.is_empty() {
@@ -233,7 +233,8 @@ impl RenderJob {
     /// Changes a material.
     pub fn repaint(&mut self, repaint: &Repaint) -> Result<(), Error> {
         let path = &self.common.scene;
-        let unknown = || Error::Number { scene: path.clone(), what: "material", asked: repaint.number };
+        let used = self.scene.instances().iter().map(|instance| instance.material);
+        let unknown = || unknown(&self.common, "material", repaint.number, used.clone().collect());
         let index = repaint::material(&self.scene, repaint.number).ok_or_else(unknown)?;
         let material = repaint.applied(self.scene.material(index).ok_or_else(unknown)?);
         let changed = self.scene.set_material(index, material);
@@ -242,10 +243,9 @@ impl RenderJob {
 
     /// Takes the chosen camera of the file as it is now.
     fn aim(&mut self) {
-        let named = self.camera_number.and_then(|number| self.cameras.get(number));
-        self.clip = clip(&self.common.camera, named);
-        if let Some(named) = named {
+        if let Some(named) = self.camera_number.and_then(|number| self.cameras.get(number)) {
             let options = &self.common.camera;
+            self.clip = file_clip(options, Some(named));
             self.camera = changed(named.fitted(aspect(self.size)), options, &self.scene, self.origin);
         }
     }
@@ -260,9 +260,9 @@ impl RenderJob {
                 self.camera_number = Some(number);
                 self.aim();
             }
-            Viewpoint::Camera(camera) => {
+            Viewpoint::Camera(camera, clip) => {
                 (self.camera_number, self.camera) = (None, camera);
-                self.aim();
+                self.clip = clipped(&self.common.camera, clip);
             }
         }
         Ok(())
@@ -405,8 +405,7 @@ impl RenderJob {
     pub fn unhide(&mut self, number: u32) -> Result<(), Error> {
         let Some(transform) = self.hidden.remove(&number) else { return Ok(()) };
         let path = &self.common.scene;
-        let unknown = || Error::Number { scene: path.clone(), what: "object", asked: number };
-        let object = self.scene.instance_index(number).ok_or_else(unknown)?;
+        let object = object(&self.scene, &self.common, number)?;
         let shown = self.scene.set_transform(object, transform);
         Ok(shown.map_err(|source| ImportError::Scene { path: path.clone(), source })?)
     }
@@ -538,11 +537,21 @@ fn added(name: &str) -> Label {
     Label { node: name.into(), mesh: name.into(), material: name.into(), path: String::new() }
 }
 
+/// The object with a number.
+fn object(scene: &Scene, common: &Common, number: u32) -> Result<InstanceIndex, Error> {
+    let all = 0..scene.instances().len() as u32;
+    scene.instance_index(number).ok_or_else(|| unknown(common, "object", number, all.collect()))
+}
+
+/// The error for a number that is not among these.
+fn unknown(common: &Common, what: &'static str, asked: u32, known: BTreeSet<u32>) -> Error {
+    Error::Number { scene: common.scene.clone(), what, asked, known: known.into_iter().collect() }
+}
+
 /// Hides an object.
 fn hide(scene: &mut Scene, common: &Common, number: u32) -> Result<(), Error> {
     let path = &common.scene;
-    let unknown = || Error::Number { scene: path.clone(), what: "object", asked: number };
-    let object = scene.instance_index(number).ok_or_else(unknown)?;
+    let object = object(scene, common, number)?;
     Ok(scene.hide(object).map_err(|source| ImportError::Scene { path: path.clone(), source })?)
 }
 
@@ -583,9 +592,13 @@ fn camera(common: &Common, loaded: &mut Loaded, number: usize, plays: bool) -> R
 
 /// The depths of the planes before and beyond which nothing is drawn: those of the options, else those of the file's
 /// camera where the options do not move it.
-fn clip(options: &CameraOptions, named: Option<&NamedCamera>) -> [f32; 2] {
+fn file_clip(options: &CameraOptions, named: Option<&NamedCamera>) -> [f32; 2] {
     let own = named.filter(|_| options.eye.is_none() && options.look_at.is_none());
-    let [near, far] = own.map_or([0.0, f32::INFINITY], |named| named.clip);
+    clipped(options, own.map_or([0.0, f32::INFINITY], |named| named.clip))
+}
+
+/// The depths of the options, else these.
+fn clipped(options: &CameraOptions, [near, far]: [f32; 2]) -> [f32; 2] {
     [options.near.unwrap_or(near), options.far.unwrap_or(far)]
 }
 

@@ -79,7 +79,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "F", default_value = "24", value_parser = rate, allow_negative_numbers = true)]
     pub fps: f64,
     /// Print the SHA-256 of the pixels (red, green, blue, alpha, row by row) and of each
-    /// deferred buffer
+    /// deferred buffer; of several pictures with scene, view and frame behind them
     #[arg(long)]
     pub hash: bool,
     /// Rasterize the first surfaces on the GPU, and trace shadows, light and transparency. Some pixels at

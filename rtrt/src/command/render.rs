@@ -72,6 +72,8 @@ struct Run<'a> {
     console: &'a Console,
     began: Instant,
     sinks: Sinks,
+    /// Whether a scene has several views, or may.
+    has_views: bool,
     /// The names of the files so far.
     written: BTreeSet<PathBuf>,
     picture: Picture,
@@ -108,6 +110,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Error> {
         console: &console,
         began,
         sinks: Sinks::new(options.stream, options.fps),
+        has_views: are_many(options, &poses),
         written: BTreeSet::new(),
         picture: Picture::default(),
     };
@@ -264,7 +267,7 @@ impl Run<'_> {
         let hash = hash::pixels(picture);
         let buffers = options.hash.then(|| buffer_hashes(picture)).flatten();
         if !options.common.json {
-            return console.print_hashes(&hash, buffers);
+            return console.print_hashes(&hash, buffers, self.called(frame).as_deref());
         }
         console.print(output::json(&RenderReport {
             machine: machine.clone(),
@@ -286,6 +289,15 @@ impl Run<'_> {
             buffers,
             output: output.as_deref(),
         })?)
+    }
+
+    /// What tells a frame from the others of the run: its scene, its view and its number, as far as there are several.
+    fn called(&self, frame: &Frame<'_>) -> Option<String> {
+        let scene = (!self.options.more.is_empty()).then(|| frame.scene.display().to_string());
+        let view = self.has_views.then(|| frame.view.name.clone());
+        let number = (self.options.frames > 1).then(|| format!("frame {}", frame.number));
+        let parts: Vec<String> = [scene, view, number].into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| parts.join(", "))
     }
 
     /// Takes names of files for a frame; no two frames have the same. Streams and films have many.

@@ -6,6 +6,7 @@ use super::gpus;
 use super::job::RenderJob;
 use super::memory::peak_rss_bytes;
 use super::report::{Machine, PerStage};
+use super::views::Names;
 use glam::{DMat4, DVec3};
 use rtrt::hash;
 use rtrt::import::Label;
@@ -28,6 +29,9 @@ pub struct RunReport {
     machine: Machine,
     scenes: Vec<SceneReport>,
     frames: Vec<FrameReport>,
+    /// The names of the frames.
+    #[serde(skip)]
+    names: Names,
     /// Wall-clock time since the command began.
     total_ms: f64,
     /// The peak memory of the process; null on systems without that figure.
@@ -65,6 +69,8 @@ struct ObjectReport {
 /// A picture of a run.
 #[derive(Serialize)]
 struct FrameReport {
+    /// That of its camera, with a number where another frame has it: what `--cameras` calls it.
+    name: String,
     /// Its place in `scenes`.
     scene: usize,
     file_path: Option<PathBuf>,
@@ -118,6 +124,9 @@ pub struct Shot {
     fov_y: Option<f64>,
     /// The height of the picture, world units, with parallel rays.
     parallel: Option<f32>,
+    /// The depths between which surfaces are drawn, world units; null for no limit.
+    near: f32,
+    far: Option<f32>,
 }
 
 impl Shot {
@@ -150,6 +159,8 @@ impl Shot {
             cy: lens.map(|lens| lens.cy),
             fov_y,
             parallel,
+            near: job.clip[0],
+            far: Some(job.clip[1]).filter(|far| far.is_finite()),
         }
     }
 }
@@ -173,6 +184,7 @@ impl RunReport {
             machine: machine.clone(),
             scenes: vec![],
             frames: vec![],
+            names: Names::default(),
             total_ms: 0.0,
             peak_rss_bytes: None,
         }
@@ -213,7 +225,9 @@ impl RunReport {
             box_3d: seen.box_3d.map(|corner| in_file(corner, job.origin)),
         };
         let tone_map = ToneMap::ALL.iter().find(|(_, map)| *map == job.tone_map);
+        let name = self.names.take(&shot.camera, self.frames.len());
         self.frames.push(FrameReport {
+            name,
             scene: self.scenes.len().saturating_sub(1),
             file_path: file_path.map(Path::to_owned),
             aov: aov.map(Path::to_owned),

@@ -101,7 +101,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Error> {
             variants: verdicts,
         })?)?;
     } else if options.hash {
-        console.print_hashes(&hash, buffers)?;
+        console.print_hashes(&hash, buffers, None)?;
     }
     failure.map_or(Ok(()), Err)
 }

@@ -27,8 +27,8 @@ pub enum Viewpoint {
     Options,
     /// A camera of the file, by its number.
     File(usize),
-    /// This camera.
-    Camera(Camera),
+    /// This camera, with the depths of its near and its far plane.
+    Camera(Camera, [f32; 2]),
 }
 
 /// The views that the options ask for; `poses` are those of `--cameras`.
@@ -37,7 +37,7 @@ pub fn views(options: &RenderOptions, poses: &[Pose], job: &RenderJob) -> Result
     if !poses.is_empty() {
         let view = |pose: &Pose| View {
             name: pose.name.clone(),
-            from: Viewpoint::Camera(pose.camera(job.origin)),
+            from: Viewpoint::Camera(pose.camera(job.origin), pose.clip),
             size: Some(pose.size),
             time: pose.time,
         };
@@ -47,7 +47,7 @@ pub fn views(options: &RenderOptions, poses: &[Pose], job: &RenderJob) -> Result
         let cameras = orbit(&job.scene, &job.camera, count, job.is_framed().then(|| job.aspect()));
         let view = |(number, camera)| View {
             name: format!("orbit-{number:04}"),
-            from: Viewpoint::Camera(camera),
+            from: Viewpoint::Camera(camera, job.clip),
             ..usual.clone()
         };
         return Ok(cameras.into_iter().enumerate().map(view).collect());
@@ -71,14 +71,27 @@ pub fn are_many(options: &RenderOptions, poses: &[Pose]) -> bool {
     poses.len() > 1 || options.orbit.is_some_and(|count| count > 1) || is_all(options)
 }
 
+/// Names that are taken.
+#[derive(Default)]
+pub struct Names(BTreeSet<String>);
+
+impl Names {
+    /// Takes a name: with this number behind it, once or more, if it is taken.
+    pub fn take(&mut self, name: &str, number: usize) -> String {
+        let mut name = name.to_owned();
+        while !self.0.insert(name.clone()) {
+            name = format!("{name}-{number}");
+        }
+        name
+    }
+}
+
 /// The names, each of them once, and none of them empty.
 fn unique(names: Vec<String>) -> Vec<String> {
-    let mut known = BTreeSet::new();
+    let mut taken = Names::default();
     let name = |(number, name): (usize, String)| {
         let name = if name.is_empty() { number.to_string() } else { plain(&name) };
-        let name = if known.contains(&name) { format!("{name}-{number}") } else { name };
-        known.insert(name.clone());
-        name
+        taken.take(&name, number)
     };
     names.into_iter().enumerate().map(name).collect()
 }
@@ -89,7 +102,7 @@ mod tests {
 
     #[test]
     fn names_differ() {
-        let names = ["a", "", "a", "b/c"].map(String::from).to_vec();
-        assert_eq!(unique(names), ["a", "1", "a-2", "b_c"]);
+        let names = ["a", "", "a", "b/c", "a-5", "a"].map(String::from).to_vec();
+        assert_eq!(unique(names), ["a", "1", "a-2", "b_c", "a-5", "a-5-5"]);
     }
 }

@@ -126,9 +126,9 @@ fn one_of_several_animations_is_chosen() {
     // Without a time it is at its start.
     assert_eq!(pixels("--animation grow").0, pixels("--animation grow --time 0").0);
     for (scene, asked, said) in [
-        ("two.gltf", "shrink", r#"there is no animation "shrink", the scene has 0, 1 ("grow")"#),
-        ("two.gltf", "2", r#"there is no animation "2", the scene has 0, 1 ("grow")"#),
-        ("scene.obj", "all", r#"there is no animation "all", the scene has none"#),
+        ("two.gltf", "shrink", r#"there is no animation "shrink"; the scene has 2 animations: 0, 1 "grow""#),
+        ("two.gltf", "2", r#"there is no animation "2"; the scene has 2 animations: 0, 1 "grow""#),
+        ("scene.obj", "all", r#"there is no animation "all"; the scene has no animations"#),
     ] {
         for command in ["render -o out.png", "verify", "bench"] {
             let output = folder.run(&format!("{command} {scene} --size 8x8 --animation {asked}"));

@@ -40,7 +40,7 @@ fn a_camera_is_chosen_by_its_name_or_number() {
     let output = folder.run(&format!("render square.gltf {LINE} --hash --camera Mian"));
     let said = stderr(&output);
     assert_eq!(code(&output), 2);
-    assert!(said.contains(r#"there is no camera Mian, the scene has 0 ("Main"), 1 ("Side view")"#), "{said}");
+    assert!(said.contains(r#"no camera "Mian"; the scene has 2 cameras: 0 "Main", 1 "Side view""#), "{said}");
 }
 
 #[test]
@@ -62,9 +62,10 @@ fn what_is_outside_of_clip_planes_is_not_drawn() {
     assert_eq!(near, far);
 }
 
-/// The first line of each picture's hashes.
+/// The hash of each picture's pixels.
 fn pixels(hashes: &str) -> Vec<String> {
-    hashes.lines().filter_map(|line| line.strip_suffix("  pixels")).map(str::to_owned).collect()
+    let columns = hashes.lines().map(|line| line.split("  ").collect::<Vec<_>>());
+    columns.filter(|columns| columns[1] == "pixels").map(|columns| columns[0].to_owned()).collect()
 }
 
 fn report(folder: &Folder, name: &str) -> Value {
@@ -107,6 +108,88 @@ fn many_views_are_what_each_is_alone() {
     let object = json!({"id": 0, "node": "square", "mesh": "quad", "material": "paint", "material_id": 0});
     assert_eq!(report["scenes"][0]["objects"], json!([object]));
     assert_eq!(run("--cameras run.json"), together);
+}
+
+/// A report of a film has the same name of a file for each view, and names that differ.
+#[test]
+fn a_report_gives_the_same_pictures_again() {
+    let folder = folder("again");
+    let text = fs::read_to_string(folder.0.join("square.gltf")).unwrap();
+    let near = text.replacen(r#""znear":0.1"#, r#""znear":1.9,"zfar":2.3"#, 1);
+    fs::write(folder.0.join("near.gltf"), near).unwrap();
+    let poses = json!({"near": 1.5, "far": 2.25, "cameras": [
+        {"name": "a", "eye": [1, 0.5, 2], "look_at": [0.1, 0, 0]},
+        {"name": "b", "eye": [1, 0.5, 2], "look_at": [0.1, 0, 0], "near": 0, "far": 2.125},
+        {"name": "c", "eye": [1, 0.5, 2], "look_at": [0.1, 0, 0], "far": 1e60}]});
+    fs::write(folder.0.join("poses.json"), poses.to_string()).unwrap();
+    let run = |options: &str| {
+        pixels(&stdout(&folder.run(&format!("render {options} {LINE} --background 0,0,0 --hash"))))
+    };
+    let mut different = Vec::new();
+    for (options, planes) in [
+        ("near.gltf --eye 1,0.5,2 --look-at 0,0,0 --near 2 --far 2.4", json!([2.0, 2.4])),
+        ("near.gltf", json!([1.9, 2.3])),
+        ("near.gltf --camera all", json!([0.1, null])),
+        ("near.gltf --orbit 3", json!([1.9, 2.3])),
+        ("near.gltf --cameras poses.json", json!([1.5, null])),
+        ("near.gltf --cameras poses.json --near 1.625", json!([1.625, null])),
+        ("demo:moving demo:glass --time 0.7 --frames 3 --fps 7 -o {scene}{n}.png", json!([0.0, null])),
+    ] {
+        let first = run(&format!("{options} --report run.json"));
+        let frames = report(&folder, "run.json")["frames"].as_array().unwrap().clone();
+        let last = frames.last().unwrap();
+        assert_eq!(json!([last["near"], last["far"]]), planes, "{options}");
+        let scenes = options.split_whitespace().take_while(|word| !word.starts_with('-'));
+        for (number, scene) in scenes.enumerate() {
+            // The frames of this scene, as the file of cameras of a run of it.
+            let own: Vec<_> = frames.iter().filter(|frame| frame["scene"] == number).cloned().collect();
+            let of_scene = |(frame, _): &(&Value, &String)| frame["scene"] == number;
+            let expected = frames.iter().zip(&first).filter(of_scene).map(|(_, hash)| hash.clone());
+            let expected: Vec<String> = expected.collect();
+            fs::write(folder.0.join("own.json"), json!({"frames": own}).to_string()).unwrap();
+            assert_eq!(run(&format!("{scene} --cameras own.json")), expected, "{options}");
+        }
+        different.push(first);
+    }
+    // The planes count.
+    assert!(different[0] != run("near.gltf --eye 1,0.5,2 --look-at 0,0,0"));
+    assert!(different[4][0] != different[4][1] && different[4][1] != different[4][2]);
+    assert_eq!(different[3][0], different[1][0], "an orbit begins with its camera");
+    let output =
+        folder.run(&format!("render near.gltf {LINE} --orbit 3 -o - --stream rgba --report run.json"));
+    assert_eq!(code(&output), 0);
+    let names = report(&folder, "run.json")["frames"].as_array().unwrap().clone();
+    let names: Vec<_> = names.iter().map(|frame| frame["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["orbit-0000", "orbit-0001", "orbit-0002"]);
+    assert_eq!(run("near.gltf --cameras run.json"), different[3]);
+    let wrong = json!({"cameras": [{"eye": [0, 0, 2], "look_at": [0, 0, 0], "near": 3, "far": 2}]});
+    fs::write(folder.0.join("wrong.json"), wrong.to_string()).unwrap();
+    let output = folder.run(&format!("render near.gltf {LINE} --hash --cameras wrong.json"));
+    assert!(code(&output) == 3 && stderr(&output).contains("camera 0 (0): its near and far are 3 and 2"));
+    let output = folder.run(&format!("render near.gltf {LINE} --hash --near 3 --far 2"));
+    assert!(code(&output) == 2 && stderr(&output).contains("hint: see --near and --far"));
+}
+
+/// Each line of hashes says of which picture it is, where there are several.
+#[test]
+fn hashes_name_their_pictures() {
+    let folder = folder("hash_names");
+    let named = |options: &str| {
+        let lines = stdout(&folder.run(&format!("render {options} {LINE} --hash")));
+        let lines: Vec<_> =
+            lines.lines().map(|line| line.splitn(3, "  ").map(str::to_owned).collect()).collect();
+        let names = lines.iter().map(|line: &Vec<String>| line.get(2).cloned().unwrap_or_default());
+        let mut names: Vec<String> = names.collect();
+        assert_eq!(lines.iter().filter(|line| line[1] == "pixels").count() * 11, lines.len());
+        names.dedup();
+        names
+    };
+    assert_eq!(named("square.gltf"), [""]);
+    assert_eq!(named("square.gltf --camera all"), ["Main", "Side view"]);
+    assert_eq!(named("square.gltf scene.obj"), ["square.gltf", "scene.obj"]);
+    assert_eq!(named("square.gltf --frames 2"), ["frame 0", "frame 1"]);
+    let all = ["square.gltf, orbit-0000, frame 0", "square.gltf, orbit-0000, frame 1"];
+    assert_eq!(named("square.gltf scene.obj --orbit 2 --frames 2")[..2], all);
 }
 
 /// Objects of files without names, and those that options add, are called what they are.

@@ -4,6 +4,23 @@ use crate::folder::{Folder, code, stderr};
 use std::fs;
 
 #[test]
+fn what_is_not_there_is_told_from_what_is() {
+    let folder = Folder::new("not_there");
+    for (line, said) in [
+        ("scene.obj --camera left", r#"there is no camera "left"; the scene has no cameras"#),
+        ("demo:glass --camera left", r#"there is no camera "left"; the scene has one camera: 0 "window""#),
+        ("scene.obj --hide 7", "there is no object 7; objects of the scene: 0"),
+        ("scene.obj --ground --hide 0,2", "there is no object 2; objects of the scene: 0 to 1"),
+        ("scene.obj --material 3:alpha=1", "there is no material 3; materials of the scene: 0"),
+    ] {
+        let output = folder.run(&format!("render {line} -o out.png --size 8x8 --backend cpu --quiet"));
+        assert_eq!(code(&output), 2, "{line}");
+        assert!(stderr(&output).lines().next().unwrap().ends_with(said), "{line}: {}", stderr(&output));
+    }
+    assert_eq!(folder.files(), [""; 0]);
+}
+
+#[test]
 fn wrong_usage_is_exit_code_2_and_no_panic() {
     let folder = Folder::new("usage");
     for wrong in [

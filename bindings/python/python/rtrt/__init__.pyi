@@ -207,7 +207,7 @@ class Scene:
         unlit: bool = False,
         transmission: float = 0.0,
         transmission_map: int | None = None,
-        shadow_catcher: bool = False,
+        shadow_catcher: bool = False,  # with no other property
     ) -> int: ...
     def set_material(
         self,

@@ -112,16 +112,22 @@ impl<'a> Buffers<'a> {
     }
 }
 
+/// What stands behind the scheme of a URI that has its data in it.
+pub(super) fn of_data(uri: &str) -> Option<&str> {
+    let (scheme, data) = uri.split_once(':')?;
+    scheme.eq_ignore_ascii_case("data").then_some(data)
+}
+
 /// The bytes of a URI: its own data (`data:`), or those of a file of at most `limit` bytes, relative to
 /// the scene's file.
 ///
 /// # Errors
 /// The reason, in one line.
 fn fetch(path: &Path, files: &Files, uri: &str, limit: u64) -> Result<Vec<u8>, String> {
-    // Schemes of URIs have no case.
-    if let Some(data) = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:")).map(|_| &uri[5..])
-    {
-        let (_, data) = data.split_once(";base64,").ok_or("its data URI is not in base64")?;
+    if let Some(data) = of_data(uri) {
+        // Neither what stands before the comma nor the scheme has a case.
+        let is_base64 = |(kind, _): &(&str, &str)| kind.to_ascii_lowercase().ends_with(";base64");
+        let (_, data) = data.split_once(',').filter(is_base64).ok_or("its data URI is not in base64")?;
         return STANDARD.decode(data).map_err(|error| format!("its data URI: {error}"));
     }
     if uri.contains("://") {

@@ -1,6 +1,6 @@
 //! Materials and their textures.
 
-use super::buffer::Buffers;
+use super::buffer::{Buffers, of_data};
 use super::extended::{Properties, Used};
 use super::extensions::{ANISOTROPY, CLEARCOAT, IOR, IRIDESCENCE, LOD, SHEEN, SPECULAR, TEXTURE_TRANSFORM};
 use super::primitive::Coordinates;
@@ -372,10 +372,7 @@ impl<'a> Materials<'a> {
 
 /// The name of an image in a message.
 fn image_name(number: usize, image: &image::Image) -> String {
-    let uri = image
-        .uri
-        .as_ref()
-        .filter(|uri| !uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")));
+    let uri = image.uri.as_ref().filter(|uri| of_data(uri).is_none());
     match uri.or(image.name.as_ref()) {
         Some(name) => quoted(name),
         None => number.to_string(),
