@@ -19,6 +19,10 @@ const GROUPS_8: usize = 32;
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 const GROUPS_16: usize = 16;
 
+/// What eight lanes need where they are not.
+#[cfg(feature = "simd")]
+const EIGHT_NEED: &str = if cfg!(feature = "sse4_2") { "SSE4.2" } else { "AVX2" };
+
 /// An instruction set that is there, and how it is used.
 #[derive(Debug, Clone, Copy)]
 pub enum InstructionSet {
@@ -34,7 +38,7 @@ pub enum InstructionSet {
     #[cfg(all(feature = "simd", target_arch = "aarch64"))]
     Neon(fearless_simd::Neon),
     /// Eight numbers in two registers, SSE4.2.
-    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+    #[cfg(all(feature = "sse4_2", target_arch = "x86_64"))]
     Sse4_2(fearless_simd::Sse4_2),
     /// Eight numbers in whatever every processor of the target has.
     #[cfg(all(feature = "simd", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
@@ -49,7 +53,7 @@ impl InstructionSet {
         let here = fearless_simd::Level::new();
         match lanes {
             Some(1) => Ok(Self::Scalar),
-            Some(8) => Self::eight(here).ok_or(Error::Unsupported { lanes: 8, needed: "SSE4.2" }),
+            Some(8) => Self::eight(here).ok_or(Error::Unsupported { lanes: 8, needed: EIGHT_NEED }),
             Some(16) => Self::sixteen(here).ok_or(Error::Unsupported { lanes: 16, needed: "AVX-512" }),
             Some(lanes) => Err(Error::Lanes { lanes }),
             None => Ok(Self::sixteen(here).or_else(|| Self::eight(here)).unwrap_or(Self::Scalar)),
@@ -77,7 +81,7 @@ impl InstructionSet {
     pub fn wide() -> Vec<Self> {
         let here = fearless_simd::Level::new();
         let wide = [Self::eight(here), Self::sixteen(here)];
-        #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+        #[cfg(all(feature = "sse4_2", target_arch = "x86_64"))]
         // Where there is AVX2, nothing else runs this one.
         let wide = [here.as_sse4_2().map(Self::Sse4_2)].into_iter().chain(wide);
         wide.into_iter().flatten().collect()
@@ -85,7 +89,10 @@ impl InstructionSet {
 
     #[cfg(all(feature = "simd", target_arch = "x86_64"))]
     fn eight(here: fearless_simd::Level) -> Option<Self> {
-        here.as_avx2().map(Self::Avx2).or_else(|| here.as_sse4_2().map(Self::Sse4_2))
+        let eight = here.as_avx2().map(Self::Avx2);
+        #[cfg(feature = "sse4_2")]
+        let eight = eight.or_else(|| here.as_sse4_2().map(Self::Sse4_2));
+        eight
     }
     #[cfg(all(feature = "simd", target_arch = "aarch64"))]
     fn eight(here: fearless_simd::Level) -> Option<Self> {
@@ -126,7 +133,7 @@ impl InstructionSet {
             Self::Avx512(_) => "AVX-512",
             #[cfg(all(feature = "simd", target_arch = "aarch64"))]
             Self::Neon(_) => "NEON",
-            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            #[cfg(all(feature = "sse4_2", target_arch = "x86_64"))]
             Self::Sse4_2(_) => "SSE4.2",
             #[cfg(all(feature = "simd", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
             Self::Baseline(_) => {
@@ -158,7 +165,7 @@ impl InstructionSet {
                 #[inline(always)]
                 || work.run::<Float8<_>, GROUPS_8>(token),
             ),
-            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            #[cfg(all(feature = "sse4_2", target_arch = "x86_64"))]
             Self::Sse4_2(token) => token.vectorize(
                 #[inline(always)]
                 || work.run::<Float8<_>, GROUPS_8>(token),
@@ -188,7 +195,7 @@ impl InstructionSet {
                 #[inline(always)]
                 || work.run::<Float8<_>>(token),
             ),
-            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            #[cfg(all(feature = "sse4_2", target_arch = "x86_64"))]
             Self::Sse4_2(token) => token.vectorize(
                 #[inline(always)]
                 || work.run::<Float8<_>>(token),

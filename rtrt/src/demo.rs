@@ -37,7 +37,7 @@ const BULB: Vec3 = vec3(1.35, 2.5, -1.1);
 /// above it. Figure 1a of the paper, in spirit.
 ///
 /// The scene and its textures are computed from integers and by `libm`, so they are the same on every
-/// host. `join` runs the halves of BVH builds.
+/// host. `join` runs the halves of work on textures and BVHs.
 ///
 /// # Errors
 /// Those of [`crate::import::load`]; the scene causes none.
@@ -71,11 +71,11 @@ impl<J: Join> DemoBuilder<'_, J> {
         let [low, high] = ROOM;
         let size = high - low;
         let (x, y, z) = (Vec3::X * size.x, Vec3::Y, Vec3::Z * size.z);
-        let texture = self.texture(paint::planks())?;
+        let texture = self.texture(paint::planks)?;
         let floor = self.material("planks", [0.95; 3], 0.45, texture)?;
         self.add("floor", Shape::default().tiled(low, x, z, 2.4), floor)?;
 
-        let texture = self.texture(paint::plaster())?;
+        let texture = self.texture(paint::plaster)?;
         let plaster = self.material("plaster", [1.0; 3], 0.95, texture)?;
         let upper = high.y - RAIL;
         let corner = |x: f32, z: f32| vec3(x, high.y, z);
@@ -93,7 +93,7 @@ impl<J: Join> DemoBuilder<'_, J> {
             .tiled(open_low, Vec3::Z * (open_high.z - open_low.z), y * (RAIL - open_low.y), 2.0);
         self.add("walls", walls, plaster)?;
 
-        let texture = self.texture(paint::tiles())?;
+        let texture = self.texture(paint::tiles)?;
         let tiles = self.material("tiles", [1.0; 3], 0.25, texture)?;
         let corner = |x: f32, z: f32| vec3(x, RAIL, z);
         let dado = Shape::default()
@@ -114,7 +114,7 @@ impl<J: Join> DemoBuilder<'_, J> {
         }
         self.add("trim", trim, wood)?;
 
-        let texture = self.texture(paint::landscape())?;
+        let texture = self.texture(paint::landscape)?;
         let canvas = self.material("landscape", [1.0; 3], 0.8, texture)?;
         let frame = self.painted("gilded wood", [0.45, 0.28, 0.08], 0.3)?;
         let (corner, wide, tall) = (vec3(-1.95, 2.75, low.z + 0.05), Vec3::X * 1.5, Vec3::Y * -1.0);
@@ -185,7 +185,7 @@ impl<J: Join> DemoBuilder<'_, J> {
         let (x, y, z) = (Vec3::X * HALF.x, Vec3::Y * HALF.y, Vec3::Z * HALF.z);
         let whole = [[0.0; 2], [1.0; 2]];
 
-        let texture = self.texture(paint::label())?;
+        let texture = self.texture(paint::label)?;
         let label = self.material("label", [1.0; 3], 0.5, texture)?;
         let lids = Shape::default().quad(-x + y - z, x * 2.0, z * 2.0, whole).quad(
             -x - y + z,
@@ -195,7 +195,7 @@ impl<J: Join> DemoBuilder<'_, J> {
         );
         let lids = self.mesh(lids)?;
         self.place(["sleeve", "lids"], lids, label, at)?;
-        let texture = self.texture(paint::striker())?;
+        let texture = self.texture(paint::striker)?;
         let striker = self.material("striker", [1.0; 3], 0.7, texture)?;
         let strips = [[0.0; 2], [2.0, 0.5]];
         let sides = Shape::default().quad(-x + y + z, x * 2.0, y * -2.0, strips).quad(
@@ -208,7 +208,7 @@ impl<J: Join> DemoBuilder<'_, J> {
         self.place(["sleeve", "sides"], sides, striker, at)?;
 
         // The tray's floor and four walls, with room in the sleeve.
-        let texture = self.texture(paint::board())?;
+        let texture = self.texture(paint::board)?;
         let board = self.material("board", [1.0; 3], 0.9, texture)?;
         let (half, wall) = (HALF - 0.03, 0.02);
         let side = |low: Vec3, high: Vec3| (low.max(-half), high.min(half));

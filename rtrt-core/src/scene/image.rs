@@ -1,8 +1,11 @@
 //! Textures and their mip chains.
 
+use super::bvh::Join;
+use super::encoder::Encoder;
 use crate::kernel::texture::{DECODE_WORDS, half};
 use crate::layout::{Texture, Wrap};
-use crate::num::{floor, srgb_decode, srgb_encode};
+use crate::num::srgb_decode;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -77,7 +80,7 @@ impl Image {
     ///
     /// Each level halves the one before, rounding down; a texel is the average of the
     /// texels it covers (two by two, or three where a size is odd), in linear light if they
-    /// are colors. See [`Content::SeeThrough`] for those with alpha.
+    /// are colors. See [`Content::SeeThrough`] for those with alpha. The result does not depend on `join`.
     ///
     /// # Errors
     /// The size or the number of bytes is wrong.
@@ -86,9 +89,11 @@ impl Image {
         wrap: [Wrap; 2],
         content: Content,
         texels: &mut Vec<u32>,
+        join: &impl Join,
     ) -> Result<Texture, ImageError> {
         self.check()?;
         let mut normals = Vec::new();
+        let channels = Channels::new(content, &texels[..DECODE_WORDS]);
         let first = texels.len();
         let levels = self.width.max(self.height).ilog2() as usize + 1;
         texels.resize(first + levels, 0);
@@ -102,13 +107,12 @@ impl Image {
         for level in 1..levels {
             let finer = size;
             size = size.map(half);
-            let places = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
-            let coarser: Vec<u32> = if is_normal {
-                let mean = |at| mean_normal(&texels[start..], &normals, finer, size, at);
-                normals = places.map(mean).collect();
+            let finer_texels = &texels[start..];
+            let coarser = if is_normal {
+                normals = filled(size, join, |at| mean_normal(finer_texels, &normals, finer, size, at));
                 normals.iter().copied().map(encode_normal).collect()
             } else {
-                places.map(|at| average(texels, content, start, finer, size, at)).collect()
+                filled(size, join, |at| channels.average(finer_texels, finer, covered(finer, size, at)))
             };
             start = texels.len();
             texels[first + level] = start as u32;
@@ -132,6 +136,7 @@ impl Image {
 }
 
 /// The columns and rows of the finer level that one texel of the coarser covers.
+#[inline(always)]
 fn covered(finer: [u32; 2], coarser: [u32; 2], at: [u32; 2]) -> [Range<u32>; 2] {
     [0, 1].map(|axis| {
         let end = if at[axis] + 1 == coarser[axis] { finer[axis] } else { 2 * at[axis] + 2 };
@@ -179,43 +184,112 @@ fn unit(v: [f32; 3]) -> Option<([f32; 3], f32)> {
 fn encode_normal(mean: [f32; 3]) -> u32 {
     let (normal, length) = unit(mean).unwrap_or(([0.0, 0.0, 1.0], 0.0));
     let deviation = libm::sqrtf((2.0 * (1.0 - length)).max(0.0) / length.max(1e-3)).min(1.0);
-    let byte = |share: f32| floor(share * 255.0 + 0.5) as u32;
     let [r, g, b] = normal.map(|c| byte((c * 0.5 + 0.5).clamp(0.0, 1.0)));
     r | g << 8 | b << 16 | byte(deviation) << 24
 }
 
-/// The average of the texels of the finer level that one texel of the coarser covers.
-fn average(
-    texels: &[u32],
-    content: Content,
-    start: usize,
-    finer: [u32; 2],
-    coarser: [u32; 2],
-    at: [u32; 2],
-) -> u32 {
-    let is_light = |channel: usize| channel < 3 && content != Content::Numbers;
-    let [columns, rows] = covered(finer, coarser, at);
-    // Of channels, and of what they count.
-    let (mut sum, mut counts) = ([0.0_f32; 4], [0.0_f32; 4]);
-    for y in rows {
-        for x in columns.clone() {
-            let texel = texels[start + (y * finer[0] + x) as usize];
-            let seen = if content == Content::SeeThrough { (texel >> 24) as f32 } else { 1.0 };
-            for (channel, sum) in sum.iter_mut().enumerate() {
-                let byte = (texel >> (8 * channel) & 255) as usize;
-                let weight = if is_light(channel) { seen } else { 1.0 };
-                let value =
-                    if is_light(channel) { f32::from_bits(texels[byte]) } else { byte as f32 / 255.0 };
-                *sum += value * weight;
-                counts[channel] += weight;
+/// What the bytes of texels mean.
+struct Channels {
+    /// Of colors.
+    encoder: Option<Encoder>,
+    /// The value of each byte: light, or a share.
+    values: [f32; 256],
+    shares: [f32; 256],
+    is_see_through: bool,
+}
+
+impl Channels {
+    /// `light` is that of each byte, as bits.
+    fn new(content: Content, light: &[u32]) -> Self {
+        let shares = core::array::from_fn(|byte| byte as f32 / 255.0);
+        let is_color = matches!(content, Content::Color | Content::SeeThrough);
+        let values = if is_color { core::array::from_fn(|byte| f32::from_bits(light[byte])) } else { shares };
+        let is_see_through = content == Content::SeeThrough;
+        Self { encoder: is_color.then(Encoder::new), values, shares, is_see_through }
+    }
+
+    /// The average of the texels of the finer level in these columns and rows.
+    #[inline(always)]
+    fn average(&self, texels: &[u32], finer: [u32; 2], [columns, rows]: [Range<u32>; 2]) -> u32 {
+        let row = |y: u32| &texels[(y * finer[0] + columns.start) as usize..][..columns.len()];
+        if let ([a, b], 2) = (row(rows.start), rows.len())
+            && let [c, d] = row(rows.start + 1)
+        {
+            return self.mean([a, b, c, d].into_iter());
+        }
+        self.mean(rows.flat_map(row))
+    }
+
+    /// The average of some texels.
+    #[inline(always)]
+    fn mean<'a>(&self, texels: impl Iterator<Item = &'a u32>) -> u32 {
+        // Of colors and alpha, and what they count.
+        let (mut sum, mut alpha, mut seen, mut count) = ([0.0; 3], 0.0, 0.0, 0.0);
+        for texel in texels {
+            let [r, g, b, a] = texel.to_le_bytes();
+            let weight = if self.is_see_through { f32::from(a) } else { 1.0 };
+            for (sum, byte) in sum.iter_mut().zip([r, g, b]) {
+                *sum += self.values[usize::from(byte)] * weight;
+            }
+            alpha += self.shares[usize::from(a)];
+            seen += weight;
+            count += 1.0;
+        }
+        let sum = if seen > 0.0 { sum } else { [0.0; 3] };
+        let [r, g, b] = match &self.encoder {
+            Some(encoder) => [0, 1, 2].map(
+                #[inline(always)]
+                |i| encoder.byte(sum[i] / seen.max(1.0)),
+            ),
+            None => [0, 1, 2].map(
+                #[inline(always)]
+                |i| byte(sum[i] / count),
+            ),
+        };
+        r | g << 8 | b << 16 | byte(alpha / count) << 24
+    }
+}
+
+/// A share, 0 ..= 1, as a byte.
+#[inline(always)]
+fn byte(share: f32) -> u32 {
+    (share * 255.0 + 0.5) as u32
+}
+
+/// Levels with fewer texels are made by one worker.
+const PARALLEL: usize = 1 << 14;
+
+/// A level of this size, row by row, of what is at each column and row.
+fn filled<T: Copy + Default + Send>(
+    [width, height]: [u32; 2],
+    join: &impl Join,
+    at: impl Fn([u32; 2]) -> T + Sync,
+) -> Vec<T> {
+    let mut level = vec![T::default(); (width * height) as usize];
+    fill_rows(&mut level, width, 0, join, &at);
+    level
+}
+
+/// [`filled`] for the rows from `first` on.
+fn fill_rows<T: Send>(
+    level: &mut [T],
+    width: u32,
+    first: u32,
+    join: &impl Join,
+    at: &(impl Fn([u32; 2]) -> T + Sync),
+) {
+    let rows = level.len() / width as usize;
+    if level.len() < PARALLEL || rows < 2 {
+        for (y, row) in (first..).zip(level.chunks_exact_mut(width as usize)) {
+            for (x, texel) in (0..).zip(row) {
+                *texel = at([x, y]);
             }
         }
+        return;
     }
-    (0..4).fold(0, |texel, channel| {
-        let mean = if counts[channel] > 0.0 { sum[channel] / counts[channel] } else { 0.0 };
-        let encoded = if is_light(channel) { srgb_encode(mean) } else { mean };
-        texel | (floor(encoded * 255.0 + 0.5) as u32) << (8 * channel)
-    })
+    let (upper, lower) = level.split_at_mut(rows / 2 * width as usize);
+    let middle = first + (rows / 2) as u32;
+    join.join(|| fill_rows(upper, width, first, join, at), || fill_rows(lower, width, middle, join, at));
 }
 
 /// Gives texels with an alpha of 0 the color of the texel that covers them in the next coarser level, from the coarsest
@@ -243,12 +317,13 @@ pub(super) fn decode_words() -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alloc::vec;
+    use crate::num::{floor, srgb_encode};
+    use crate::scene::Sequential;
 
     fn chain(width: u32, height: u32, rgba: Vec<u8>) -> (Texture, Vec<u32>) {
         let mut texels = decode_words();
         let image = Image { width, height, rgba };
-        (image.append([Wrap::Repeat; 2], Content::Color, &mut texels).unwrap(), texels)
+        (image.append([Wrap::Repeat; 2], Content::Color, &mut texels, &Sequential).unwrap(), texels)
     }
 
     #[test]
@@ -262,7 +337,8 @@ mod tests {
     fn normals(width: u32, height: u32, rgba: Vec<u8>) -> Vec<u32> {
         let mut texels = decode_words();
         let image = Image { width, height, rgba };
-        let levels = image.append([Wrap::Repeat; 2], Content::Normals, &mut texels).unwrap().levels;
+        let levels =
+            image.append([Wrap::Repeat; 2], Content::Normals, &mut texels, &Sequential).unwrap().levels;
         texels.split_off(DECODE_WORDS + levels as usize)
     }
 
@@ -292,7 +368,7 @@ mod tests {
         let levels = |content| {
             let mut texels = decode_words();
             let image = Image { width: 2, height: 4, rgba: rgba.clone() };
-            image.append([Wrap::Clamp; 2], content, &mut texels).unwrap();
+            image.append([Wrap::Clamp; 2], content, &mut texels, &Sequential).unwrap();
             texels.split_off(DECODE_WORDS + 3)
         };
         let texels = levels(Content::SeeThrough);
@@ -316,9 +392,34 @@ mod tests {
     }
 
     #[test]
+    fn workers_change_nothing() {
+        struct LastFirst;
+        impl Join for LastFirst {
+            fn join<A: Send, B: Send>(
+                &self,
+                a: impl FnOnce() -> A + Send,
+                b: impl FnOnce() -> B + Send,
+            ) -> (A, B) {
+                let b = b();
+                (a(), b)
+            }
+        }
+        let (width, height) = (301, 223);
+        let rgba = (0..width * height * 4).map(|i: u32| (i.wrapping_mul(0x9e37_79b1) >> 13) as u8).collect();
+        let image = Image { width, height, rgba };
+        for content in [Content::Color, Content::SeeThrough, Content::Numbers, Content::Normals] {
+            let [mut one, mut many] = [decode_words(), decode_words()];
+            image.append([Wrap::Repeat; 2], content, &mut one, &Sequential).unwrap();
+            image.append([Wrap::Repeat; 2], content, &mut many, &LastFirst).unwrap();
+            assert!(one == many, "{content:?}");
+        }
+    }
+
+    #[test]
     fn refuses_wrong_sizes() {
         let image = |width, height, bytes| Image { width, height, rgba: vec![0; bytes] };
-        let append = |image: Image| image.append([Wrap::Clamp; 2], Content::Numbers, &mut decode_words());
+        let append =
+            |image: Image| image.append([Wrap::Clamp; 2], Content::Numbers, &mut decode_words(), &Sequential);
         assert!(matches!(append(image(0, 4, 0)), Err(ImageError::Size { .. })));
         assert!(matches!(append(image(2, 2, 15)), Err(ImageError::Bytes { .. })));
     }

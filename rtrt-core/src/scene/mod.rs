@@ -29,6 +29,7 @@ mod camera;
 mod choice;
 mod cube;
 mod cut;
+mod encoder;
 mod environment;
 mod extensions;
 mod floor;

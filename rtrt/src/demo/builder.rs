@@ -41,9 +41,9 @@ impl<'a, J: Join> DemoBuilder<'a, J> {
         Self { builder: Builder::new(Path::new(name), join, &Options::default()), name }
     }
 
-    /// A texture from an image that was computed.
-    pub fn texture(&mut self, image: Image) -> Result<Texture, ImportError> {
-        self.builder.add_texture("painted", Ok(image))
+    /// A texture of what is painted.
+    pub fn texture(&mut self, paint: impl FnOnce(&J) -> Image) -> Result<Texture, ImportError> {
+        self.builder.add_texture("painted", Ok(paint(self.builder.join)))
     }
 
     /// A material with this name, color, roughness and texture.

@@ -37,7 +37,7 @@ struct Goods {
 /// Those of [`crate::import::load`]; the scene causes none.
 pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut stage = DemoBuilder::new(MOVING, join);
-    let planks = stage.texture(paint::planks())?;
+    let planks = stage.texture(paint::planks)?;
     let floor = stage.material("planks", [0.95; 3], 0.6, planks)?;
     let shape = Shape::default().tiled(vec3(-16.0, 0.0, -9.0), Vec3::X * 32.0, Vec3::Z * 18.0, 2.4);
     stage.add("floor", shape, floor)?;
@@ -61,7 +61,7 @@ pub fn moving(join: &impl Join) -> Result<Loaded, ImportError> {
 impl<J: Join> DemoBuilder<'_, J> {
     /// The objects with their starts and motions.
     fn lanes(&mut self) -> Result<Vec<(InstanceIndex, Mat4, Motion)>, ImportError> {
-        let board = self.texture(paint::board())?;
+        let board = self.texture(paint::board)?;
         let tints = [
             ("red glass", [0.9, 0.25, 0.15]),
             ("green glass", [0.15, 0.7, 0.3]),

@@ -1,13 +1,14 @@
 //! The textures of the demo, painted in code.
 
-use super::noise::{cloudy, hash, smooth};
-use rtrt_core::scene::Image;
+use super::noise::{Cloudy, Smooth, hash};
+use rtrt_core::scene::{Image, Join};
+use std::ops::Range;
 
 /// sRGB, each 0 ..= 1.
 type Color = [f32; 3];
 
 /// A picture of `color(u, v)`, averaged over four points a pixel.
-fn picture([width, height]: [u32; 2], color: impl Fn(f32, f32) -> Color) -> Image {
+fn picture([width, height]: [u32; 2], join: &impl Join, color: impl Fn(f32, f32) -> Color + Sync) -> Image {
     let pixel = |x: u32, y: u32| {
         let mut sum = [0.0; 3];
         for (dx, dy) in [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)] {
@@ -17,8 +18,20 @@ fn picture([width, height]: [u32; 2], color: impl Fn(f32, f32) -> Color) -> Imag
         let [r, g, b] = sum.map(|s| (s * 0.25).clamp(0.0, 1.0) * 255.0 + 0.5).map(|c| c as u8);
         [r, g, b, 255]
     };
-    let rgba = (0..height).flat_map(|y| (0..width).flat_map(move |x| pixel(x, y)));
-    Image { width, height, rgba: rgba.collect() }
+    let row = |y: u32| (0..width).flat_map(|x| pixel(x, y)).collect();
+    Image { width, height, rgba: rows(0..height, join, &row) }
+}
+
+/// Rows one behind the other. Workers of `join` make parts of them.
+fn rows(range: Range<u32>, join: &impl Join, row: &(impl Fn(u32) -> Vec<u8> + Sync)) -> Vec<u8> {
+    if range.len() <= 16 {
+        return range.flat_map(row).collect();
+    }
+    let middle = range.start + range.len() as u32 / 2;
+    let halves = [range.start..middle, middle..range.end];
+    let [upper, lower] = halves.map(|half| move || rows(half, join, row));
+    let (upper, lower) = join.join(upper, lower);
+    [upper, lower].concat()
 }
 
 fn mix(a: Color, b: Color, share: f32) -> Color {
@@ -37,9 +50,11 @@ fn step(from: f32, to: f32, x: f32) -> f32 {
 }
 
 /// Eight planks across, along `v`, of two lengths each; repeats.
-pub(super) fn planks() -> Image {
+pub(super) fn planks(join: &impl Join) -> Image {
     const ACROSS: f32 = 8.0;
-    picture([512, 512], |u, v| {
+    let rings: Vec<_> = (0..16).map(|plank| Cloudy::new([24, 2], 11 + plank)).collect();
+    let fibers = Smooth::new([256, 16], 5);
+    picture([512, 512], join, |u, v| {
         let row = (u * ACROSS) as u32;
         let shifted = v + hash(row, 0, 7);
         let shifted = (shifted - shifted as u32 as f32) * 2.0;
@@ -47,9 +62,9 @@ pub(super) fn planks() -> Image {
         let plank = row * 2 + shifted as u32;
         let tone = hash(plank, 1, 7);
         // Rings seen from the side: noise stretched along the plank, cut into bands.
-        let rings = cloudy(u, v, [24, 2], 11 + plank) * 5.0 + x;
+        let rings = rings[plank as usize].at(u, v) * 5.0 + x;
         let band = (rings - rings as u32 as f32 - 0.5).abs() * 2.0;
-        let fiber = smooth(u, v, [256, 16], 5);
+        let fiber = fibers.at(u, v);
         let wood = mix([0.50, 0.31, 0.17], [0.70, 0.47, 0.27], 0.75 * tone + 0.25 * band);
         let wood = scale(wood, 0.84 + 0.1 * band + 0.12 * fiber);
         let edge = (x.min(1.0 - x) / ACROSS).min(y.min(1.0 - y) * 0.5);
@@ -58,45 +73,47 @@ pub(super) fn planks() -> Image {
 }
 
 /// Lime plaster, nearly white; repeats.
-pub(super) fn plaster() -> Image {
-    picture([512, 512], |u, v| {
-        let stains = cloudy(u, v, [3, 3], 21);
-        let trowel = cloudy(u, v, [12, 40], 22);
+pub(super) fn plaster(join: &impl Join) -> Image {
+    let (stains, trowel) = (Cloudy::new([3, 3], 21), Cloudy::new([12, 40], 22));
+    picture([512, 512], join, |u, v| {
         let grain = hash((u * 512.0) as u32, (v * 512.0) as u32, 23);
-        scale([0.93, 0.89, 0.81], 0.84 + 0.1 * stains + 0.07 * trowel + 0.03 * grain)
+        scale([0.93, 0.89, 0.81], 0.84 + 0.1 * stains.at(u, v) + 0.07 * trowel.at(u, v) + 0.03 * grain)
     })
 }
 
 /// Eight by eight glazed tiles; repeats.
-pub(super) fn tiles() -> Image {
+pub(super) fn tiles(join: &impl Join) -> Image {
     const SIDE: f32 = 8.0;
-    picture([512, 512], |u, v| {
+    let (cloudy, grainy) = (Cloudy::new([16, 16], 32), Cloudy::new([64, 64], 33));
+    picture([512, 512], join, |u, v| {
         let (column, row) = ((u * SIDE) as u32, (v * SIDE) as u32);
         let (x, y) = (u * SIDE - column as f32, v * SIDE - row as f32);
         let edge = x.min(1.0 - x).min(y.min(1.0 - y));
         let tone = hash(column, row, 31);
         let glaze = mix([0.10, 0.33, 0.36], [0.22, 0.50, 0.49], tone);
-        let glaze = scale(glaze, 0.88 + 0.2 * cloudy(u, v, [16, 16], 32));
+        let glaze = scale(glaze, 0.88 + 0.2 * cloudy.at(u, v));
         // The rim is worn: lighter above and left, darker below and right.
         let rim = if x < y { 1.0 - x.min(y) } else { 1.0 - y.min(x) };
         let light = if x.min(y) < 1.0 - x.max(y) { 1.12 } else { 0.86 };
         let glaze = scale(glaze, 1.0 + (light - 1.0) * (1.0 - step(0.05, 0.13, edge)) * rim);
-        let grout = scale([0.72, 0.70, 0.65], 0.8 + 0.2 * cloudy(u, v, [64, 64], 33));
+        let grout = scale([0.72, 0.70, 0.65], 0.8 + 0.2 * grainy.at(u, v));
         mix(grout, glaze, step(0.025, 0.05, edge))
     })
 }
 
 /// Gray board with fibers; repeats.
-pub(super) fn board() -> Image {
-    picture([256, 256], |u, v| {
-        let fibers = smooth(u, v, [128, 12], 41) * 0.5 + smooth(u, v, [12, 128], 42) * 0.5;
-        scale([0.80, 0.70, 0.55], 0.86 + 0.1 * fibers + 0.08 * cloudy(u, v, [4, 4], 43))
+pub(super) fn board(join: &impl Join) -> Image {
+    let [along, across] = [([128, 12], 41), ([12, 128], 42)].map(|(cells, seed)| Smooth::new(cells, seed));
+    let stains = Cloudy::new([4, 4], 43);
+    picture([256, 256], join, |u, v| {
+        let fibers = along.at(u, v) * 0.5 + across.at(u, v) * 0.5;
+        scale([0.80, 0.70, 0.55], 0.86 + 0.1 * fibers + 0.08 * stains.at(u, v))
     })
 }
 
 /// The striking surface: dark, grainy, in a pattern of lozenges; repeats.
-pub(super) fn striker() -> Image {
-    picture([256, 128], |u, v| {
+pub(super) fn striker(join: &impl Join) -> Image {
+    picture([256, 128], join, |u, v| {
         let (a, b) = (u * 24.0 + v * 12.0, u * 24.0 + 12.0 - v * 12.0);
         let line = |x: f32| ((x - x as u32 as f32) - 0.5).abs() * 2.0;
         let grain = hash((u * 256.0) as u32, (v * 128.0) as u32, 51);
@@ -106,11 +123,12 @@ pub(super) fn striker() -> Image {
 }
 
 /// A picture to hang up: hills at sunset.
-pub(super) fn landscape() -> Image {
-    picture([384, 256], |u, v| {
+pub(super) fn landscape(join: &impl Join) -> Image {
+    let clouds = Cloudy::new([3, 9], 61);
+    let ridges = [0, 1, 2].map(|hill| Cloudy::new([3 + hill, 1], 62 + hill));
+    picture([384, 256], join, |u, v| {
         let sky = mix([0.25, 0.30, 0.52], [0.98, 0.70, 0.38], step(0.0, 0.62, v));
-        let clouds = cloudy(u, v, [3, 9], 61);
-        let sky = mix(sky, [1.0, 0.86, 0.70], 0.6 * step(0.55, 0.8, clouds));
+        let sky = mix(sky, [1.0, 0.86, 0.70], 0.6 * step(0.55, 0.8, clouds.at(u, v)));
         let from_sun = [(u - 0.66) * 1.5, v - 0.5];
         let distance = from_sun[0] * from_sun[0] + from_sun[1] * from_sun[1];
         let mut color = mix([1.0, 0.95, 0.78], sky, step(0.006, 0.0075, distance));
@@ -120,7 +138,7 @@ pub(super) fn landscape() -> Image {
             ([0.13, 0.15, 0.22], 0.76, 0.18),
         ];
         for (hill, (tone, height, steepness)) in hills.into_iter().enumerate() {
-            let ridge = height + steepness * (cloudy(u, 0.5, [3 + hill as u32, 1], 62 + hill as u32) - 0.5);
+            let ridge = height + steepness * (ridges[hill].at(u, 0.5) - 0.5);
             color = mix(color, tone, step(ridge - 0.003, ridge + 0.003, v));
         }
         color
@@ -128,10 +146,11 @@ pub(super) fn landscape() -> Image {
 }
 
 /// The label of the matchbox: a flame in a sun, within a border, with words.
-pub(super) fn label() -> Image {
+pub(super) fn label(join: &impl Join) -> Image {
     const ASPECT: f32 = 1.5;
-    picture([768, 512], |u, v| {
-        let paper = scale([0.96, 0.90, 0.74], 0.93 + 0.09 * cloudy(u, v, [6, 4], 71));
+    let stains = Cloudy::new([6, 4], 71);
+    picture([768, 512], join, |u, v| {
+        let paper = scale([0.96, 0.90, 0.74], 0.93 + 0.09 * stains.at(u, v));
         let (red, gold, ink) = ([0.72, 0.11, 0.09], [0.93, 0.66, 0.16], [0.16, 0.07, 0.06]);
         let (x, y) = (u * ASPECT, v);
         let edge = x.min(ASPECT - x).min(y.min(1.0 - y));

@@ -18,7 +18,7 @@ pub const SPHERES: &str = "demo:spheres";
 /// Those of [`crate::import::load`]; the scene causes none.
 pub fn spheres(join: &impl Join) -> Result<Loaded, ImportError> {
     let mut stage = DemoBuilder::new(SPHERES, join);
-    let planks = stage.texture(paint::planks())?;
+    let planks = stage.texture(paint::planks)?;
     let floor = stage.material("planks", [0.95; 3], 0.5, planks)?;
     let corner = vec3(-6.0, 0.0, -7.0);
     let shape = Shape::default().tiled(corner, Vec3::X * 12.0, Vec3::Z * 12.0, 2.4);
@@ -66,7 +66,7 @@ impl<J: Join> DemoBuilder<'_, J> {
 
     /// A globe of tiles, two of glass with something in them, a disc and an egg.
     fn large(&mut self) -> Result<(), ImportError> {
-        let tiles = self.texture(paint::tiles())?;
+        let tiles = self.texture(paint::tiles)?;
         let tiles =
             self.material("tiles", [1.0; 3], 0.25, Texture { turn: [[4.0, 0.0], [0.0, 2.0]], ..tiles })?;
         let tilt = Quat::from_rotation_z(0.4) * Quat::from_rotation_y(0.6);

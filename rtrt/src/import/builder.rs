@@ -50,7 +50,8 @@ pub(crate) struct Builder<'a, J> {
     pub path: PathBuf,
     /// The files that were read.
     pub files: Files,
-    join: &'a J,
+    /// Runs the halves of work, in parallel if there are threads.
+    pub join: &'a J,
     cache: Option<&'a Cache>,
     texels: u64,
     deformed: u64,
@@ -275,7 +276,7 @@ impl<'a, J: Join> Builder<'a, J> {
         }
         let path = &self.path;
         self.scene
-            .add_map(&image, [Wrap::Repeat; 2], content)
+            .add_map_with(&image, [Wrap::Repeat; 2], content, self.join)
             .map_err(|source| ImportError::Scene { path: path.clone(), source })
     }
 }

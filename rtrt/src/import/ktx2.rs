@@ -27,6 +27,11 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
+/// Columns and rows of the largest level.
+pub(super) fn size(bytes: &[u8]) -> Option<(u32, u32)> {
+    Container::new(bytes).ok().map(|container| (container.width, container.height))
+}
+
 /// The largest level of an image, 8 bits a channel.
 ///
 /// # Errors

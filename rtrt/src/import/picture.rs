@@ -25,6 +25,16 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
     Ok(Image { width: picture.width(), height: picture.height(), rgba: picture.into_raw() })
 }
 
+/// How many texels the picture in these bytes has, as its header says; none if that is not read.
+pub(super) fn texels(bytes: &[u8]) -> Option<u64> {
+    let (width, height) = if ktx2::looks_like(bytes) {
+        ktx2::size(bytes)?
+    } else {
+        ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?.into_dimensions().ok()?
+    };
+    Some(u64::from(width) * u64::from(height))
+}
+
 /// The picture in place of one that cannot be read: an unmistakable checker of magenta and black.
 pub(super) fn placeholder() -> Image {
     const SIDE: u32 = 8;

@@ -2,7 +2,7 @@
 
 use super::{Scene, SceneError};
 use crate::layout::{Sky, Texture, Wrap};
-use crate::scene::{Content, Cube, Image, Panorama};
+use crate::scene::{Content, Cube, Image, Join, Panorama, Sequential};
 use alloc::vec::Vec;
 
 impl Scene {
@@ -24,11 +24,25 @@ impl Scene {
         wrap: [Wrap; 2],
         content: Content,
     ) -> Result<Texture, SceneError> {
+        self.add_map_with(image, wrap, content, &Sequential)
+    }
+
+    /// [`Scene::add_map`] whose mip chain workers of `join` build. It does not depend on them.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_texture`].
+    pub fn add_map_with(
+        &mut self,
+        image: &Image,
+        wrap: [Wrap; 2],
+        content: Content,
+        join: &impl Join,
+    ) -> Result<Texture, SceneError> {
         if self.texels.len() + image.rgba.len() / 2 > u32::MAX as usize {
             return Err(SceneError::TooLarge { what: "texels" });
         }
         self.versions.texels += 1;
-        Ok(image.append(wrap, content, &mut self.texels)?)
+        Ok(image.append(wrap, content, &mut self.texels, join)?)
     }
 
     /// Surrounds the scene with an environment. It is behind all surfaces (but see [`Scene::backdrop`]), is

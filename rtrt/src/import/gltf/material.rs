@@ -12,6 +12,7 @@ use gltf_json::deserialize::from_value;
 use gltf_json::extensions::material::Volume;
 use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material;
+use gltf_json::serialize::to_value;
 use gltf_json::texture::{self, Info, WrappingMode};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, Value, image};
@@ -19,7 +20,8 @@ use rtrt_core::layout::{COLOR_LIMIT, Filter, LIGHT_LIMIT, Texture, Wrap};
 use rtrt_core::scene::{
     Anisotropy, Clearcoat, Content, Image, Iridescence, Join, Material, MaterialIndex, Sheen,
 };
-use std::collections::HashMap;
+use std::borrow::Cow;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// The materials and textures of a file. Each is added when it is first used.
 pub(super) struct Materials<'a> {
@@ -30,7 +32,14 @@ pub(super) struct Materials<'a> {
     /// The images by index and kind: mip levels of colors and of numbers are computed differently.
     /// Samplers share an image.
     images: HashMap<(usize, Kind), Texture>,
+    /// The images that were used.
+    used: HashSet<usize>,
+    /// The pictures of the material that is being made, by the index of their image.
+    pictures: HashMap<usize, Result<Image, String>>,
 }
+
+/// The texels of the pictures that are decoded before they are used, at most: 256 MB, and as much of their files.
+const ADVANCE: u64 = 1 << 26;
 
 /// What is made of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -43,7 +52,14 @@ enum Kind {
 
 impl<'a> Materials<'a> {
     pub fn new(root: &'a Root, buffers: &'a Buffers<'a>) -> Self {
-        Self { root, buffers, made: HashMap::new(), images: HashMap::new() }
+        Self {
+            root,
+            buffers,
+            made: HashMap::new(),
+            images: HashMap::new(),
+            used: HashSet::new(),
+            pictures: HashMap::new(),
+        }
     }
 
     /// A material of the scene, and the sets of texture coordinates that it uses.
@@ -69,6 +85,7 @@ impl<'a> Materials<'a> {
             source.name.clone().unwrap_or_else(|| format!("material {}", index.value()))
         });
         let mut coordinates = Coordinates::default();
+        self.decode(builder.join, source);
         let material = self.surface(builder, source, &mut coordinates)?;
         let material = self.usual_maps(builder, source, &mut coordinates, material)?;
         let material = self.extended(builder, source, &mut coordinates, material)?;
@@ -335,7 +352,7 @@ impl<'a> Materials<'a> {
             Some(&image) => image,
             None => {
                 let (name, image) = match source {
-                    Some(source) => (image_name(key, source), self.image(source)),
+                    Some(source) => (image_name(key, source), self.picture(key, source)),
                     None => (number.to_string(), Err("it has no image that is read".into())),
                 };
                 let image = match kind {
@@ -354,18 +371,75 @@ impl<'a> Materials<'a> {
         Ok((texture_use.apply(texture), texture_use.set))
     }
 
-    /// The picture of an image.
+    /// Decodes the images that a material names and no other has used, in parallel if there are threads. What would need
+    /// much memory, or cannot be read, is left for its first use.
+    fn decode<J: Join>(&mut self, join: &J, source: &material::Material) {
+        self.pictures.clear();
+        let mut textures = BTreeSet::new();
+        if let Ok(source) = to_value(source) {
+            textures_in(&source, &mut textures);
+        }
+        let image = |texture: usize| self.root.textures.get(texture).map(|texture| texture.source.value());
+        let mut images: BTreeSet<usize> = textures.into_iter().filter_map(image).collect();
+        images.retain(|index| !self.used.contains(index));
+        let mut room = ADVANCE;
+        let read = |index: usize| {
+            let bytes = self.bytes(self.root.images.get(index)?).ok()?;
+            room = room.checked_sub(picture::texels(&bytes)?.max(bytes.len() as u64 / 4))?;
+            Some((index, bytes))
+        };
+        let bytes: Vec<_> = images.into_iter().filter_map(read).collect();
+        self.pictures = pictures(join, &bytes).into_iter().collect();
+    }
+
+    /// The picture of an image with this index.
     ///
     /// # Errors
     /// The reason, in one line.
-    fn image(&self, source: &image::Image) -> Result<Image, String> {
+    fn picture(&mut self, index: usize, source: &image::Image) -> Result<Image, String> {
+        // One that is used a second time, as another kind, is decoded again.
+        self.used.insert(index);
+        self.pictures.remove(&index).unwrap_or_else(|| picture::decode(&self.bytes(source)?))
+    }
+
+    /// The bytes of an image.
+    ///
+    /// # Errors
+    /// The reason, in one line.
+    fn bytes(&self, source: &image::Image) -> Result<Cow<'_, [u8]>, String> {
         match (&source.uri, source.buffer_view) {
-            (Some(uri), _) => picture::decode(&self.buffers.fetch(uri)?),
+            (Some(uri), _) => self.buffers.fetch(uri).map(Cow::Owned),
             (None, Some(view)) => {
                 let (bytes, _) = self.buffers.view(self.root, view).map_err(|error| error.to_string())?;
-                picture::decode(bytes)
+                Ok(Cow::Borrowed(bytes))
             }
             (None, None) => Err("it has neither a URI nor a buffer view".into()),
+        }
+    }
+}
+
+/// The textures that a part of a material names, that of an extension too.
+fn textures_in(part: &Value, textures: &mut BTreeSet<usize>) {
+    let Value::Object(members) = part else { return };
+    for (name, member) in members {
+        if name.to_ascii_lowercase().ends_with("texture") {
+            let index = member.get("index").and_then(Value::as_u64);
+            textures.extend(index.and_then(|index| usize::try_from(index).ok()));
+        }
+        textures_in(member, textures);
+    }
+}
+
+/// The pictures in these bytes, each with the index of its image.
+fn pictures<J: Join>(join: &J, bytes: &[(usize, Cow<'_, [u8]>)]) -> Vec<(usize, Result<Image, String>)> {
+    match bytes {
+        [] => Vec::new(),
+        [(index, bytes)] => vec![(*index, picture::decode(bytes))],
+        several => {
+            let (a, b) = several.split_at(several.len() / 2);
+            let (mut a, b) = join.join(|| pictures(join, a), || pictures(join, b));
+            a.extend(b);
+            a
         }
     }
 }
@@ -516,8 +590,31 @@ fn tinted(base: [f32; 3], attenuation: [f32; 3], thickness: f32, distance: f32) 
 
 #[cfg(test)]
 mod tests {
-    use super::{roughness, tinted};
+    use super::{roughness, textures_in, tinted};
+    use gltf_json::deserialize::from_str;
+    use gltf_json::material::Material;
+    use gltf_json::serialize::to_value;
     use rtrt_core::scene::Image;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn textures_of_extensions_are_found() {
+        let material: Material = from_str(
+            r#"{
+                "normalTexture": { "index": 3 },
+                "pbrMetallicRoughness": { "baseColorTexture": { "index": 0, "texCoord": 9 } },
+                "extensions": {
+                    "KHR_materials_clearcoat": { "clearcoatNormalTexture": { "index": 7 }, "clearcoatFactor": 8 },
+                    "KHR_materials_unlit": {}
+                },
+                "extras": { "index": 5 }
+            }"#,
+        )
+        .unwrap();
+        let mut textures = BTreeSet::new();
+        textures_in(&to_value(material).unwrap(), &mut textures);
+        assert_eq!(textures.into_iter().collect::<Vec<_>>(), [0, 3, 7]);
+    }
 
     #[test]
     fn roughness_is_what_glossiness_leaves() {
