@@ -8,6 +8,9 @@ use std::{env, fs};
 use wasm_bindgen_cli_support::Bindgen;
 
 const TARGET: &str = "wasm32-unknown-unknown";
+/// Packages that run once for a file or a shader: their size counts for more than their speed.
+const SMALL: [&str; 9] =
+    ["basisu", "draco-core", "exr", "gltf-json", "moxcms", "naga", "pxfm", "ruzstd", "serde_json"];
 
 fn main() -> Result<()> {
     let here = env::var_os("CARGO_MANIFEST_DIR").context("start it with `cargo run`")?;
@@ -20,8 +23,10 @@ fn main() -> Result<()> {
     };
     // rustup has it, or the toolchain came with it.
     let _ = Command::new("rustup").args(["target", "add", TARGET]).current_dir(&root).status();
+    let small = SMALL.map(|package| format!("--config=profile.release.package.{package}.opt-level=\"s\""));
     let built = Command::new("cargo")
         .args(["build", "--release", "--locked", "-p", "rtrt-web", "--target", TARGET])
+        .args(small)
         .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", "-C target-feature=+simd128")
         .env("CARGO_TARGET_DIR", &target)
         .current_dir(&root)
