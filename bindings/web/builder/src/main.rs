@@ -8,9 +8,27 @@ use std::{env, fs};
 use wasm_bindgen_cli_support::Bindgen;
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// Packages that run once for a file or a shader: their size counts for more than their speed.
-const SMALL: [&str; 9] =
-    ["basisu", "draco-core", "exr", "gltf-json", "moxcms", "naga", "pxfm", "ruzstd", "serde_json"];
+/// Packages whose size counts for more than their speed: they run once a file, a shader or a scene.
+const SMALL: [&str; 18] = [
+    "basisu",
+    "conformance",
+    "conformance-cases",
+    "draco-core",
+    "exr",
+    "gltf-json",
+    "image",
+    "image-webp",
+    "moxcms",
+    "naga",
+    "png",
+    "pxfm",
+    "rtrt-gpu",
+    "rtrt-web",
+    "ruzstd",
+    "serde_json",
+    "wgpu",
+    "zune-jpeg",
+];
 
 fn main() -> Result<()> {
     let here = env::var_os("CARGO_MANIFEST_DIR").context("start it with `cargo run`")?;
