@@ -25,7 +25,7 @@
 //! |---|---|
 //! | `threads` | all runs on the caller's thread: for targets without threads, as WebAssembly |
 //! | `simd` | one lane |
-//! | `sse4_2` | one lane on x86-64 without AVX2; the crate compiles in three quarters of the time |
+//! | `sse4_2` | one lane on x86-64 without AVX2; the crate compiles in two thirds of the time |
 //! | `std` | `no_std` with `alloc`, and stages take no time; the others need it |
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
