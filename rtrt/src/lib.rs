@@ -37,6 +37,8 @@ pub mod demo;
 pub mod difference;
 #[cfg(feature = "import")]
 pub mod golden;
+#[cfg(feature = "import")]
+mod halves;
 pub mod hash;
 #[cfg(feature = "import")]
 pub mod import;

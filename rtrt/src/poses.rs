@@ -324,6 +324,17 @@ mod tests {
     }
 
     #[test]
+    fn numbers_come_back_as_they_were_printed() {
+        let mut bits = 1_u64;
+        for _ in 0..10_000 {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            // 1 to 2, with all digits.
+            let number = f64::from_bits(1.0_f64.to_bits() | bits >> 12);
+            assert_eq!(serde_json::from_str::<f64>(&number.to_string()).unwrap(), number);
+        }
+    }
+
+    #[test]
     fn a_camera_is_a_point_and_a_target_or_a_matrix() {
         let placed = one(r#"{"cameras":[{"name":"a","eye":[1,2,3],"look_at":[1,2,0],"fov_y":90}]}"#).unwrap();
         assert_eq!((placed.name.as_str(), placed.size, placed.time), ("a", SIZE, None));

@@ -2,7 +2,8 @@
 
 use crate::arrays::{Array, floats, named, wrong_shape};
 use crate::backend::threads;
-use crate::scene::{Parts, Scene};
+use crate::parts::Parts;
+use crate::scene::Scene;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -1,43 +1,33 @@
 //! Scenes.
 
 use crate::aov::objects;
-use crate::arrays::{
-    Array, are_finite, bytes, finite_vector, floats, indices, matrices, named, refused, rows, there_are,
-    wrong_shape,
-};
+use crate::arrays::{Array, finite_vector, indices, matrices, named, refused, rows};
 use crate::backend::threads;
 use crate::camera::{self, Camera, View};
 use crate::forked::PerProcess;
+use crate::given::{image, mesh, panorama, place};
 use crate::in_use::InUse;
 use crate::light::Light;
 use crate::material::changed;
+use crate::parts::Parts;
 use crate::rays::{self, Question};
-use glam::{DVec3, Mat4, Quat, Vec3};
-use pyo3::exceptions::{
-    PyFileNotFoundError, PyIndexError, PyOSError, PyRuntimeError, PyUserWarning, PyValueError,
-};
+use glam::{Mat4, Quat, Vec3};
+use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyRuntimeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rtrt::demo;
-use rtrt::import::{
-    self, Animation, ImportError, Label, Loaded, NamedCamera, framing, framing_from, light_by_default,
-};
+use rtrt::import::{self, Animation, ImportError, Loaded, framing, framing_from, light_by_default};
 use rtrt::layers::Layers;
 use rtrt::objects::{Seen, seen};
 use rtrt::orbit::orbit;
 use rtrt::poses::{self, Poses};
-use rtrt_core::query::Tree;
-use rtrt_core::scene::{
-    Attribute, Backdrop, Bvh, Content, Image, InstanceIndex, Material, MaterialIndex, Mesh, MeshIndex,
-    Panorama, Scene as CoreScene, Texture, Wrap,
-};
+use rtrt_core::scene::{Backdrop, Bvh, Content, Material, Scene as CoreScene, Wrap};
 use rtrt_cpu::Parallel;
 use std::cell::Cell;
-use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::io::ErrorKind;
 use std::path::PathBuf;
-use std::sync::{Mutex, RwLockReadGuard};
+use std::sync::RwLockReadGuard;
 
 /// A scene: meshes and spheres with their places and materials, lights, surroundings.
 ///
@@ -48,26 +38,6 @@ use std::sync::{Mutex, RwLockReadGuard};
 /// renders it: that raises RuntimeError.
 #[pyclass(frozen, module = "rtrt")]
 pub struct Scene(InUse<Parts>);
-
-/// What a scene is made of.
-pub struct Parts {
-    pub scene: CoreScene,
-    pub tree: PerProcess<Mutex<Tree>>,
-    meshes: Vec<MeshIndex>,
-    materials: BTreeMap<u32, MaterialIndex>,
-    textures: Vec<Texture>,
-    mesh_names: Vec<String>,
-    material_names: BTreeMap<u32, String>,
-    /// What coordinates are relative to, in those of the file.
-    origin: DVec3,
-    labels: Vec<Label>,
-    cameras: Vec<NamedCamera>,
-    animation: Option<Animation>,
-    /// Whether the lights are those of the file, which its animation moves.
-    own_lights: bool,
-    warnings: Vec<String>,
-    files: Vec<PathBuf>,
-}
 
 /// The most degrees that an environment is turned by: 1024 radians.
 const MOST_TURN: f32 = 58_670.0;
@@ -92,180 +62,6 @@ impl Scene {
     pub fn read(&self) -> PyResult<RwLockReadGuard<'_, Parts>> {
         self.0.read()
     }
-}
-
-impl Parts {
-    fn of(loaded: Loaded) -> Self {
-        let Loaded { scene, origin, cameras, labels, animation, mut warnings, files, .. } = loaded;
-        if origin.to_array() != [0.0; 3] {
-            let [x, y, z] = origin.to_array();
-            warnings.push(format!(
-                "the scene is far away, so coordinates are relative to {x}, {y}, {z} of the file"
-            ));
-        }
-        let mut found = Self { own_lights: !scene.lights().is_empty(), ..Self::around(scene) };
-        for (number, instance) in found.scene.instances().iter().enumerate() {
-            let index = found.scene.instance_index(number as u32);
-            if let Some(material) = index.and_then(|index| found.scene.material_of(index)) {
-                found.materials.insert(instance.material, material);
-            }
-        }
-        (found.labels, found.cameras, found.animation) = (labels, cameras, animation);
-        found.origin = origin;
-        (found.warnings, found.files) = (warnings, files);
-        found
-    }
-
-    fn around(scene: CoreScene) -> Self {
-        Self {
-            scene,
-            tree: PerProcess::new(),
-            meshes: vec![],
-            materials: BTreeMap::new(),
-            textures: vec![],
-            mesh_names: vec![],
-            material_names: BTreeMap::new(),
-            origin: DVec3::ZERO,
-            labels: vec![],
-            cameras: vec![],
-            animation: None,
-            own_lights: false,
-            warnings: vec![],
-            files: vec![],
-        }
-    }
-
-    /// The camera for pictures without one: the first of the file, or one that sees everything.
-    pub fn usual_camera(&self, size: [u32; 2]) -> View {
-        let aspect = size[0] as f32 / size[1] as f32;
-        match self.cameras.first() {
-            Some(named) => Camera::of(named.clone()).at(size),
-            None => Camera::around(framing(&self.scene, aspect), String::new()).at(size),
-        }
-    }
-
-    /// The first camera of the file.
-    pub fn first_camera(&self) -> Option<Camera> {
-        self.cameras.first().cloned().map(Camera::of)
-    }
-
-    fn object(&self, number: i64) -> PyResult<InstanceIndex> {
-        u32::try_from(number).ok().and_then(|number| self.scene.instance_index(number)).ok_or_else(|| {
-            let known = there_are(self.scene.instances().len(), "object");
-            PyIndexError::new_err(format!("there is no object {number}: {known}"))
-        })
-    }
-
-    fn material_index(&self, number: i64) -> PyResult<MaterialIndex> {
-        u32::try_from(number).ok().and_then(|number| self.materials.get(&number)).copied().ok_or_else(|| {
-            PyIndexError::new_err(format!(
-                "no material {number} was added, or is that of an object of the file"
-            ))
-        })
-    }
-
-    fn mesh_index(&self, number: i64) -> PyResult<MeshIndex> {
-        usize::try_from(number).ok().and_then(|number| self.meshes.get(number)).copied().ok_or_else(|| {
-            let known = there_are(self.meshes.len(), "mesh");
-            PyIndexError::new_err(format!("there is no mesh {number}: {known}, as added by add_mesh"))
-        })
-    }
-
-    /// Remembers what an object that was just added is called. What has no name has its number.
-    fn label(
-        &mut self,
-        object: InstanceIndex,
-        node: Option<String>,
-        mesh: String,
-        material: MaterialIndex,
-    ) -> u32 {
-        let number = object.number();
-        let material = match self.material_names.get(&material.number()) {
-            Some(name) => name.clone(),
-            None => format!("material {}", material.number()),
-        };
-        self.labels.resize_with(number as usize + 1, Label::default);
-        let node = node.unwrap_or_else(|| format!("object {number}"));
-        self.labels[number as usize] = Label { node, mesh, material, path: String::new() };
-        number
-    }
-}
-
-/// One matrix, or the identity.
-fn place(transform: Option<&Bound<'_, PyAny>>) -> PyResult<Mat4> {
-    let Some(value) = transform else { return Ok(Mat4::IDENTITY) };
-    let Array { shape, values } = matrices("transform", value)?;
-    match values[..] {
-        [matrix] if shape.is_empty() => Ok(matrix),
-        _ => Err(PyValueError::new_err("transform is not one matrix of 4 x 4 or 3 x 4")),
-    }
-}
-
-/// Vertices with what is known of them.
-fn mesh(
-    positions: &Bound<'_, PyAny>,
-    triangles: Option<&Bound<'_, PyAny>>,
-    normals: Option<&Bound<'_, PyAny>>,
-    uvs: Option<&Bound<'_, PyAny>>,
-    colors: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Mesh> {
-    let positions = rows::<3>("positions", positions)?;
-    let count = positions.len();
-    let triangles = match triangles {
-        None => (0..count as u32).collect(),
-        Some(value) => {
-            let Array { shape, values } = indices("triangles", value, count, "position")?;
-            if !(values.is_empty() || shape.len() == 2 && shape[1] == 3) {
-                return Err(wrong_shape("triangles", &shape, "(m, 3)"));
-            }
-            values
-        }
-    };
-    let fits = |name: &str, has: usize| {
-        if has == count {
-            return Ok(());
-        }
-        Err(PyValueError::new_err(format!("{name} has {has} rows, but there are {count} positions")))
-    };
-    let normals = normals.map(|value| rows::<3>("normals", value)).transpose()?;
-    let uvs = uvs.map(|value| rows::<2>("uvs", value)).transpose()?;
-    let colors = colors.map(vertex_colors).transpose()?;
-    normals.as_ref().map_or(Ok(()), |all| fits("normals", all.len()))?;
-    uvs.as_ref().map_or(Ok(()), |all| fits("uvs", all.len()))?;
-    colors.as_ref().map_or(Ok(()), |all| fits("colors", all.len()))?;
-    let attribute = |vertex: usize| Attribute {
-        normal: normals.as_ref().map_or([0.0; 3], |all| all[vertex]),
-        uv: uvs.as_ref().map_or([0.0; 2], |all| all[vertex]),
-        color: colors.as_ref().map_or(Attribute::WHITE, |all| all[vertex]),
-    };
-    Mesh::new(positions, (0..count).map(attribute).collect(), triangles).map_err(refused)
-}
-
-/// Colors of vertices: bytes of linear RGB or RGBA.
-fn vertex_colors(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 2]>> {
-    let Array { shape, values } = bytes("colors", value)?;
-    let pack = |rgba: [u8; 4]| Attribute::pack_color(rgba.map(|byte| f32::from(byte) / 255.0));
-    match shape[..] {
-        [_, 3] => Ok(values.as_chunks::<3>().0.iter().map(|&[r, g, b]| pack([r, g, b, 255])).collect()),
-        [_, 4] => Ok(values.as_chunks::<4>().0.iter().map(|&rgba| pack(rgba)).collect()),
-        _ => Err(wrong_shape("colors", &shape, "(n, 3) or (n, 4)")),
-    }
-}
-
-/// Bytes of a picture with alpha.
-fn image(value: &Bound<'_, PyAny>) -> PyResult<Image> {
-    let Array { shape, values } = bytes("pixels", value)?;
-    let (height, width, rgba) = match shape[..] {
-        [height, width] => (height, width, values.iter().flat_map(|&v| [v, v, v, 255]).collect()),
-        [height, width, 3] => {
-            let rgb = values.as_chunks::<3>().0;
-            (height, width, rgb.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect())
-        }
-        [height, width, 4] => (height, width, values),
-        _ => return Err(wrong_shape("pixels", &shape, "(height, width), with 3 or 4 channels or none")),
-    };
-    let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
-    Ok(Image { width: side(width), height: side(height), rgba })
 }
 
 #[pymethods]
@@ -924,17 +720,6 @@ impl Scene {
         let (objects, triangles) = (parts.scene.instances().len(), parts.scene.drawn_triangles());
         format!("<rtrt.Scene of {objects} objects, {triangles} triangles>")
     }
-}
-
-/// Linear light from all around.
-fn panorama(source: &Bound<'_, PyAny>) -> PyResult<Panorama> {
-    let Array { shape, values } = floats::<f32>("source", source)?;
-    let [height, width, 3] = shape[..] else {
-        return Err(wrong_shape("source", &shape, "(height, width, 3)"));
-    };
-    are_finite("source", &shape, &values)?;
-    let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
-    Ok(Panorama { width: side(width), height: side(height), rgb: values.as_chunks::<3>().0.to_vec() })
 }
 
 /// An exception for what happens to the backend rather than to the arguments.

@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn bytes_are_those_of_the_formula() {
         let encoder = Encoder::new();
-        // Others would be around a byte's least light. All numbers of 0 ..= 1 were tried once: 1,065,353,217 of them.
+        // The formula rounds, so other bytes would be around a byte's least light (docs/experiments.md has all numbers).
         for byte in 1..=255 {
             let least = encoder.least[byte].to_bits();
             assert_same(&encoder, least - 3000..=least + 3000);

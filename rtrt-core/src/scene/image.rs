@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn workers_change_nothing() {
+    fn each_place_of_a_level_is_filled_whoever_works() {
         struct LastFirst;
         impl Join for LastFirst {
             fn join<A: Send, B: Send>(
@@ -404,14 +404,10 @@ mod tests {
                 (a(), b)
             }
         }
-        let (width, height) = (301, 223);
-        let rgba = (0..width * height * 4).map(|i: u32| (i.wrapping_mul(0x9e37_79b1) >> 13) as u8).collect();
-        let image = Image { width, height, rgba };
-        for content in [Content::Color, Content::SeeThrough, Content::Numbers, Content::Normals] {
-            let [mut one, mut many] = [decode_words(), decode_words()];
-            image.append([Wrap::Repeat; 2], content, &mut one, &Sequential).unwrap();
-            image.append([Wrap::Repeat; 2], content, &mut many, &LastFirst).unwrap();
-            assert!(one == many, "{content:?}");
+        for size in [[301, 223], [1, 40_000], [40_000, 1], [7, 5]] {
+            let places: Vec<_> = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y])).collect();
+            assert!(filled(size, &Sequential, |at| at) == places, "{size:?}");
+            assert!(filled(size, &LastFirst, |at| at) == places, "{size:?}");
         }
     }
 

@@ -393,11 +393,16 @@ fn ranges(numbers: &[u32]) -> String {
     runs.collect::<Vec<_>>().join(", ")
 }
 
-#[test]
-fn numbers_are_ranges() {
-    for (numbers, words) in
-        [(&[0, 1, 2, 3, 7][..], "0 to 3, 7"), (&[4], "4"), (&[0, 2, u32::MAX], "0, 2, 4294967295")]
-    {
-        assert_eq!(ranges(numbers), words);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_ranges() {
+        for (numbers, words) in
+            [(&[0, 1, 2, 3, 7][..], "0 to 3, 7"), (&[4], "4"), (&[0, 2, u32::MAX], "0, 2, 4294967295")]
+        {
+            assert_eq!(ranges(numbers), words);
+        }
     }
 }

@@ -1,13 +1,13 @@
 //! The textures of the demo, painted in code.
 
 use super::noise::{Cloudy, Smooth, hash};
+use crate::halves::each;
 use rtrt_core::scene::{Image, Join};
-use std::ops::Range;
 
 /// sRGB, each 0 ..= 1.
 type Color = [f32; 3];
 
-/// A picture of `color(u, v)`, averaged over four points a pixel.
+/// A picture of `color(u, v)`, averaged over four points a pixel. Workers of `join` paint rows.
 fn picture([width, height]: [u32; 2], join: &impl Join, color: impl Fn(f32, f32) -> Color + Sync) -> Image {
     let pixel = |x: u32, y: u32| {
         let mut sum = [0.0; 3];
@@ -18,20 +18,9 @@ fn picture([width, height]: [u32; 2], join: &impl Join, color: impl Fn(f32, f32)
         let [r, g, b] = sum.map(|s| (s * 0.25).clamp(0.0, 1.0) * 255.0 + 0.5).map(|c| c as u8);
         [r, g, b, 255]
     };
-    let row = |y: u32| (0..width).flat_map(|x| pixel(x, y)).collect();
-    Image { width, height, rgba: rows(0..height, join, &row) }
-}
-
-/// Rows one behind the other. Workers of `join` make parts of them.
-fn rows(range: Range<u32>, join: &impl Join, row: &(impl Fn(u32) -> Vec<u8> + Sync)) -> Vec<u8> {
-    if range.len() <= 16 {
-        return range.flat_map(row).collect();
-    }
-    let middle = range.start + range.len() as u32 / 2;
-    let halves = [range.start..middle, middle..range.end];
-    let [upper, lower] = halves.map(|half| move || rows(half, join, row));
-    let (upper, lower) = join.join(upper, lower);
-    [upper, lower].concat()
+    let row = |&y: &u32| (0..width).flat_map(|x| pixel(x, y)).collect::<Vec<u8>>();
+    let rows: Vec<u32> = (0..height).collect();
+    Image { width, height, rgba: each(join, &rows, &row).concat() }
 }
 
 fn mix(a: Color, b: Color, share: f32) -> Color {

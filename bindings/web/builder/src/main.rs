@@ -8,27 +8,8 @@ use std::{env, fs};
 use wasm_bindgen_cli_support::Bindgen;
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// Packages whose size counts for more than their speed: they run once a file, a shader or a scene.
-const SMALL: [&str; 18] = [
-    "basisu",
-    "conformance",
-    "conformance-cases",
-    "draco-core",
-    "exr",
-    "gltf-json",
-    "image",
-    "image-webp",
-    "moxcms",
-    "naga",
-    "png",
-    "pxfm",
-    "rtrt-gpu",
-    "rtrt-web",
-    "ruzstd",
-    "serde_json",
-    "wgpu",
-    "zune-jpeg",
-];
+/// Packages that are compiled for speed: they build trees and textures, and render. Of others the size counts.
+const FAST: [&str; 4] = ["libm", "rtrt", "rtrt-core", "rtrt-cpu"];
 
 fn main() -> Result<()> {
     let here = env::var_os("CARGO_MANIFEST_DIR").context("start it with `cargo run`")?;
@@ -41,10 +22,11 @@ fn main() -> Result<()> {
     };
     // rustup has it, or the toolchain came with it.
     let _ = Command::new("rustup").args(["target", "add", TARGET]).current_dir(&root).status();
-    let small = SMALL.map(|package| format!("--config=profile.release.package.{package}.opt-level=\"s\""));
+    let fast = FAST.map(|package| format!("--config=profile.release.package.{package}.opt-level=3"));
     let built = Command::new("cargo")
         .args(["build", "--release", "--locked", "-p", "rtrt-web", "--target", TARGET])
-        .args(small)
+        .arg("--config=profile.release.opt-level=\"s\"")
+        .args(fast)
         .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", "-C target-feature=+simd128")
         .env("CARGO_TARGET_DIR", &target)
         .current_dir(&root)

@@ -4,6 +4,7 @@ use super::buffer::{Buffers, of_data};
 use super::extended::{Properties, Used};
 use super::extensions::{ANISOTROPY, CLEARCOAT, IOR, IRIDESCENCE, LOD, SHEEN, SPECULAR, TEXTURE_TRANSFORM};
 use super::primitive::Coordinates;
+use crate::halves::each;
 use crate::import::builder::Builder;
 use crate::import::placement::Placement;
 use crate::import::{ImportError, error::quoted, picture};
@@ -389,7 +390,8 @@ impl<'a> Materials<'a> {
             Some((index, bytes))
         };
         let bytes: Vec<_> = images.into_iter().filter_map(read).collect();
-        self.pictures = pictures(join, &bytes).into_iter().collect();
+        let decoded = each(join, &bytes, &|(index, bytes)| (*index, picture::decode(bytes)));
+        self.pictures = decoded.into_iter().collect();
     }
 
     /// The picture of an image with this index.
@@ -427,20 +429,6 @@ fn textures_in(part: &Value, textures: &mut BTreeSet<usize>) {
             textures.extend(index.and_then(|index| usize::try_from(index).ok()));
         }
         textures_in(member, textures);
-    }
-}
-
-/// The pictures in these bytes, each with the index of its image.
-fn pictures<J: Join>(join: &J, bytes: &[(usize, Cow<'_, [u8]>)]) -> Vec<(usize, Result<Image, String>)> {
-    match bytes {
-        [] => Vec::new(),
-        [(index, bytes)] => vec![(*index, picture::decode(bytes))],
-        several => {
-            let (a, b) = several.split_at(several.len() / 2);
-            let (mut a, b) = join.join(|| pictures(join, a), || pictures(join, b));
-            a.extend(b);
-            a
-        }
     }
 }
 
