@@ -3,6 +3,7 @@
 use glam::{Mat4, Quat, Vec3};
 use rtrt_core::query::{Ray, Tree};
 use rtrt_core::scene::{Attribute, Bvh, Material, Mesh, Scene, Sequential};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 
 /// Numbers that look random.
 struct Random(u64);
@@ -35,6 +36,8 @@ struct Shape {
     center: Vec3,
     /// So far from the center, along each axis, everything is seen.
     room: Vec3,
+    /// How many times as long a ray may take as through a box.
+    cost: u32,
 }
 
 impl Shape {
@@ -55,13 +58,14 @@ impl Shape {
             triangles: triangles.collect(),
             center: Vec3::ZERO,
             room: Vec3::new(0.3, height * 0.3, 0.3),
+            cost: 1 + ring / 50,
         }
     }
 
     /// A box whose sides, flat along the axes, are cut into so many parts along each, of two triangles.
     fn room(name: &'static str, size: Vec3, cuts: [u32; 3]) -> Self {
         let mut shape =
-            Self { name, corners: vec![], triangles: vec![], center: Vec3::ZERO, room: size * 0.4 };
+            Self { name, corners: vec![], triangles: vec![], center: Vec3::ZERO, room: size * 0.4, cost: 1 };
         for side in 0..6 {
             let (axis, sign) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
             let first = shape.corners.len() as u32;
@@ -143,6 +147,12 @@ impl Shape {
         }
     }
 
+    /// The rays that it is asked: where each meets hundreds of triangles, fewer of many.
+    fn rays(&self) -> u32 {
+        let rays = rays();
+        rays.min(RAYS.max(rays / self.cost))
+    }
+
     /// Asks so many rays from within, in the space of an instance that is placed so. Returns how many miss.
     fn leaks(&self, place: Mat4, rays: u32, random: &mut Random) -> u32 {
         let mut scene = Scene::new();
@@ -175,9 +185,16 @@ impl Shape {
     }
 }
 
-/// The rays that each shape is asked, under each transform; `RTRT_RAYS` sets another number.
+/// The rays that a shape is asked, under each transform.
+const RAYS: u32 = 4_000;
+
+/// The same, or what `RTRT_RAYS` says.
 fn rays() -> u32 {
-    std::env::var("RTRT_RAYS").map_or(4_000, |rays| rays.parse().expect("a number of rays"))
+    std::env::var("RTRT_RAYS").map_or(RAYS, |rays| rays.parse().expect("a number of rays"))
+}
+
+fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Where shapes are: as they are made, turned, stretched and mirrored, and moved.
@@ -207,16 +224,28 @@ fn no_ray_gets_out_of_a_closed_mesh() {
         Shape::ball("", 12, 0.02, &mut random).placed("a ball far away", 1.0, Vec3::new(900.0, -70.0, 3.0)),
         Shape::room("", Vec3::ONE, [5; 3]).placed("tiles far away", 1.0, Vec3::new(4096.0, 0.0, -512.0)),
     ];
-    let mut all = vec![];
-    for shape in &shapes {
-        for place in places() {
-            let leaks = shape.leaks(place, rays(), &mut random);
+    let all: Vec<_> = shapes.iter().flat_map(|shape| places().map(|place| (shape, place))).collect();
+    let (next, count) = (AtomicUsize::new(0), AtomicU64::new(0));
+    let work = || {
+        let mut found = vec![];
+        loop {
+            let number = next.fetch_add(1, Relaxed);
+            let Some((shape, place)) = all.get(number) else { break };
+            let mut random = Random(number as u64);
+            let leaks = shape.leaks(*place, shape.rays(), &mut random);
+            count.fetch_add(shape.rays().into(), Relaxed);
             if leaks > 0 {
-                all.push(format!("{}: {leaks}", shape.name));
+                found.push(format!("{}: {leaks}", shape.name));
             }
         }
-    }
-    assert!(all.is_empty(), "{all:#?}");
+        found
+    };
+    let found: Vec<_> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..all.len().min(threads())).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("no panic")).collect()
+    });
+    println!("{} rays", count.into_inner());
+    assert!(found.is_empty(), "{found:#?}");
 }
 
 #[test]
