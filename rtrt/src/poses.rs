@@ -119,7 +119,8 @@ struct Keys {
     fov_y: Option<f64>,
     parallel: Option<f32>,
     near: Option<f32>,
-    far: Option<f32>,
+    /// Wider than what it becomes: whatever is too far for that is without end.
+    far: Option<f64>,
     size: Option<[f64; 2]>,
     w: Option<f64>,
     h: Option<f64>,
@@ -243,7 +244,8 @@ fn pose(keys: &Keys, all: &Keys, size: [u32; 2], name: String) -> Result<Pose, S
     if time.is_some_and(|time| !(time >= 0.0 && time.is_finite())) {
         return Err("its time is not a number of 0 or more".into());
     }
-    let [near, far] = [keys.near.or(all.near).unwrap_or(0.0), keys.far.or(all.far).unwrap_or(f32::INFINITY)];
+    let near = keys.near.or(all.near).unwrap_or(0.0);
+    let far = keys.far.or(all.far).map_or(f32::INFINITY, |far| far as f32);
     if !(near >= 0.0 && near < far) {
         return Err(format!("its near and far are {near} and {far}, and not 0 or more, and more than that"));
     }
