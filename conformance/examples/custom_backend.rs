@@ -26,7 +26,7 @@ use rtrt_core::stage::peel::LayerSum;
 use rtrt_core::stage::surface::Surfaces;
 use rtrt_core::stage::visibility::{directions, hit};
 use rtrt_core::stage::{
-    ambient, bin, detail, light, occlusion, peel, penumbra_filter, prepare, resolve, shade, surface,
+    ambient, bin, detail, light, occlusion, peel, penumbra_filter, prepare, resolve, shade, share, surface,
     visibility,
 };
 
@@ -141,6 +141,7 @@ fn run(
         Pass::Visibility => hits[at] = hit(&visibility::visibility::<f32, 1>((), context, ray)[0], 0),
         Pass::EndCovered if peel::is_covered(colors[at][3]) => hits[at] = Hit::MISS,
         Pass::Peel => hits[at] = hit(&peel::peel::<f32, 1>((), context, ray, &[closest])[0], 0),
+        Pass::Share => share::share(frame, hits, frame.grid().first_ray(unit).0),
         Pass::Surface => {
             let found = surface::surface(camera, geometry, scene.attributes(), direction, &closest);
             surfaces[at] = found.lane(0);
@@ -215,7 +216,10 @@ fn run(
         }
         Pass::Resolve => {
             let grid = frame.grid();
-            let color = |ray: RayIndex| colors[ray.0 as usize];
+            let color = |RayIndex(ray)| {
+                let is_another = frame.is_shared == 1;
+                colors[if is_another { share::shaded(ray, &hits[ray as usize]) } else { ray } as usize]
+            };
             let through = |ray: RayIndex| colors[(ray.0 + frame.rays) as usize];
             pixels[at] = resolve::resolve::<f32>((), frame, |_| grid.first_ray(unit), color, through).0;
         }

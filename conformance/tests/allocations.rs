@@ -2,7 +2,7 @@
 
 use conformance::shape::{Build, Shape};
 use glam::Vec3;
-use rtrt_core::backend::{Backend, Picture, Request, Shadows};
+use rtrt_core::backend::{Backend, Picture, Request, Shading, Shadows};
 use rtrt_core::scene::{Camera, Light, Material, Projection, Scene};
 use rtrt_cpu::{Cpu, Options};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -41,14 +41,14 @@ fn scene(sheet: Material) -> Scene {
 }
 
 /// The number of allocations in frames after the first three.
-fn allocations(scene: &Scene, shadows: Shadows) -> u32 {
+fn allocations(scene: &Scene, shadows: Shadows, shading: Shading) -> u32 {
     let camera = Camera {
         eye: Vec3::new(0.5, 2.5, 3.0),
         look_at: Vec3::ZERO,
         up: Vec3::Y,
         projection: Projection::Perspective { fov_y: 0.8 },
     };
-    let request = Request::new(&camera, [160, 90]).shadows(shadows);
+    let request = Request::new(&camera, [160, 90]).shadows(shadows).samples(4).shading(shading);
     let mut cpu = Cpu::new(Options::default()).expect("a backend");
     let mut picture = Picture::default();
     for frame in 0..3 + FRAMES {
@@ -66,11 +66,15 @@ fn warm_frames_ask_for_no_memory() {
     let opaque = Material::new([0.8; 3]).roughness(0.5);
     let pane = opaque.blend(0.5);
     for (sheet, name) in [(opaque, "opaque"), (pane, "a pane")] {
-        for shadows in [Shadows::Hard, Shadows::Soft] {
-            let count = allocations(&scene(sheet), shadows);
+        for (shadows, shading) in [
+            (Shadows::Hard, Shading::Sample),
+            (Shadows::Hard, Shading::Pixel),
+            (Shadows::Soft, Shading::Sample),
+        ] {
+            let count = allocations(&scene(sheet), shadows, shading);
             // Threads are handed their work through a queue, which takes memory for some 60 jobs at
             // once.
-            assert!(count <= 2, "{name}, {shadows:?}: {count} in {FRAMES} frames");
+            assert!(count <= 2, "{name}, {shadows:?}, {shading:?}: {count} in {FRAMES} frames");
         }
     }
 }

@@ -12,7 +12,7 @@ use bytemuck::{Pod, Zeroable};
 use core::sync::atomic::AtomicBool;
 
 pub use crate::layout::{Hit, Lit, NONE, Surface, ToneMap};
-pub use crate::request::{LAYERS, Request, Shadows};
+pub use crate::request::{LAYERS, Request, Shading, Shadows};
 
 /// The deferred buffers of a frame, one record a ray in the order of
 /// [`crate::grid::Grid`], and the lists they came from. Those up to `lit` are of the first

@@ -71,6 +71,19 @@ pub enum Shadows {
     },
 }
 
+/// How many colors are computed for a pixel of several sub-rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shading {
+    /// One for each sub-ray.
+    #[default]
+    Sample,
+    /// One for each triangle that its sub-rays meet, as with multisampling on GPUs ([`share`](crate::stage::share)): edges are
+    /// as smooth, but textures, highlights and edges of shadows are as with one sub-ray. Frames in which that cannot be are shaded as
+    /// [`Shading::Sample`] says: those with layers behind surfaces, penumbras ([`Shadows::Soft`] and [`Shadows::Area`]
+    /// with lights that have a radius) or ambient occlusion.
+    Pixel,
+}
+
 /// The usual number of transparent layers: that of a [`Request`] that names none.
 pub const LAYERS: u32 = 8;
 
@@ -98,6 +111,8 @@ pub struct Request<'a> {
     pub size: [u32; 2],
     /// Sub-rays a pixel: 1, 4 or 16. One unless set.
     pub samples: u32,
+    /// How many colors are computed for a pixel. One a sub-ray unless set.
+    pub shading: Shading,
     /// How lights cast shadows. Soft unless set.
     pub shadows: Shadows,
     /// The most layers of surfaces that a ray looks at, 1 ..= [`crate::scene::Setup::MAX_LAYERS`].
@@ -129,6 +144,7 @@ impl<'a> Request<'a> {
             camera,
             size,
             samples: 1,
+            shading: Shading::Sample,
             shadows: Shadows::Soft,
             layers: LAYERS,
             exposure: 0.0,
@@ -156,6 +172,12 @@ impl<'a> Request<'a> {
     #[must_use]
     pub const fn samples(self, samples: u32) -> Self {
         Self { samples, ..self }
+    }
+
+    /// The request with so many colors a pixel.
+    #[must_use]
+    pub const fn shading(self, shading: Shading) -> Self {
+        Self { shading, ..self }
     }
 
     /// The request with such shadows.

@@ -96,6 +96,8 @@ pub enum Pass {
     /// The closest surface behind the last one; in the first layer, where the last hit is at 0, the
     /// closest of all.
     Peel,
+    /// Which sub-rays of a pixel are shaded, in frames where [`Frame::is_shared`] is 1.
+    Share,
     /// The geometry and material of a surface.
     Surface,
     /// Normal maps and second texture coordinates.
@@ -175,7 +177,7 @@ impl Step {
             Pass::Bin => Stage::Bin,
             Pass::Resolve => Stage::Resolve,
             _ if self.layer > 0 => Stage::Layers,
-            Pass::Pick | Pass::Visibility | Pass::EndCovered | Pass::Peel => Stage::Visibility,
+            Pass::Pick | Pass::Visibility | Pass::EndCovered | Pass::Peel | Pass::Share => Stage::Visibility,
             Pass::Surface => Stage::Surface,
             Pass::Detail => Stage::Detail,
             Pass::Occlusion
@@ -200,7 +202,7 @@ impl Step {
                 Unit::RayAndLight
             }
             Pass::SummarizePenumbras | Pass::SelectFilterBlocks => Unit::BlockAndLight,
-            Pass::Resolve => Unit::Pixel,
+            Pass::Share | Pass::Resolve => Unit::Pixel,
             _ => Unit::Ray,
         }
     }
@@ -220,11 +222,12 @@ impl Step {
 }
 
 /// The passes over a layer of surfaces, in order. No layer has all of them.
-const LAYER: [Pass; 17] = [
+const LAYER: [Pass; 18] = [
     Pass::EndCovered,
     Pass::Pick,
     Pass::Visibility,
     Pass::Peel,
+    Pass::Share,
     Pass::Surface,
     Pass::Detail,
     Pass::Occlusion,
@@ -249,6 +252,7 @@ impl Step {
             Pass::Pick => is_drawn,
             Pass::Visibility => !is_drawn && !frame.is_peeled(),
             Pass::Peel => is_drawn || frame.is_peeled(),
+            Pass::Share => is_first && frame.is_shared == 1,
             Pass::Detail => frame.details == 1,
             Pass::Occlusion => shadows == ShadowKind::Bits,
             Pass::Transmittance => shadows == ShadowKind::Transmittance,

@@ -27,7 +27,7 @@ pub struct Block {
     /// Its pixels.
     pub tile: Vec<u32>,
     /// A plane a light, where shadows are not bits.
-    transmittance: Vec<u32>,
+    pub transmittance: Vec<u32>,
     /// In frames with penumbras, the hits of the last layer, and the records of rays.
     hits: Vec<u32>,
     colors: Vec<[f32; 4]>,
@@ -75,7 +75,11 @@ pub struct PenumbraFilter<'a> {
 
 /// Whether packets run it one after another.
 fn is_of_packet(step: &Step) -> bool {
-    matches!(step.unit(), Unit::Ray | Unit::RayAndLight) && step.pass != Pass::FilterPenumbra
+    match step.pass {
+        Pass::Share => true,
+        Pass::FilterPenumbra => false,
+        _ => matches!(step.unit(), Unit::Ray | Unit::RayAndLight),
+    }
 }
 
 impl LaneTask for RunBlock<'_, '_> {
@@ -90,14 +94,16 @@ impl LaneTask for RunBlock<'_, '_> {
         let colors = if colors.is_empty() { &mut local[..] } else { colors };
         // Rays ask and shade between the same barriers.
         let mut ambient = [[0.0; 8]; RAYS];
-        let mut rays = Rays { colors, transmittance, hits, cells, ambient: &mut ambient };
+        let mut shaded = [0; RAYS];
+        let mut rays =
+            Rays { colors, transmittance, hits, cells, ambient: &mut ambient, shaded: &mut shaded };
         let was_done = *is_done;
         let (mut clock, mut start) = (Clock::default(), Instant::now());
         for steps in steps.chunk_by(|a, b| is_of_packet(a) && is_of_packet(b)) {
             let step = steps[0];
             match step.pass {
                 Pass::Resolve => {
-                    resolve_block::<L>(token, context.trace.frame, rays.colors, tile);
+                    resolve_block::<L>(token, context.trace.frame, rays.colors, rays.shaded, tile);
                     if let Some(records) = &mut records {
                         records.colors.copy_from_slice(&rays.colors[..RAYS]);
                     }
@@ -183,7 +189,13 @@ static FIRST_RAYS: [[u8; RAYS]; 3] = [first_rays(1), first_rays(2), first_rays(4
 
 /// Makes the pixels of a block of these colors.
 #[inline(always)]
-fn resolve_block<L: Wide>(token: L::Token, frame: &Frame, colors: &[[f32; 4]], tile: &mut [u32]) {
+pub fn resolve_block<L: Wide>(
+    token: L::Token,
+    frame: &Frame,
+    colors: &[[f32; 4]],
+    shaded: &[u8],
+    tile: &mut [u32],
+) {
     // Behind the colors is what goes through colored layers.
     let (colors, throughs) = colors.split_at(RAYS);
     let places = &FIRST_RAYS[frame.side.trailing_zeros() as usize];
@@ -194,7 +206,10 @@ fn resolve_block<L: Wide>(token: L::Token, frame: &Frame, colors: &[[f32; 4]], t
             #[inline(always)]
             |lane| RayIndex(places[(first + lane) % RAYS].into()),
             #[inline(always)]
-            |ray| colors[ray.0 as usize % RAYS],
+            |ray| {
+                let ray = ray.0 as usize % RAYS;
+                colors[if frame.is_shared == 1 { shaded[ray].into() } else { ray }]
+            },
             #[inline(always)]
             |ray| throughs[ray.0 as usize % RAYS],
         );

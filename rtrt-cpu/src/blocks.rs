@@ -8,6 +8,7 @@ use crate::instruction_set::InstructionSet;
 use crate::parallel;
 use crate::planes::Planes;
 use crate::records::Records;
+use crate::shared::{BLOCKS, RunShared};
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicBool, Ordering};
 use rtrt_core::grid::{BlockIndex, Grid};
@@ -78,6 +79,15 @@ impl Blocks {
             level.run(RunBlock { context, steps, index: index as u32, block, records, filter })
         };
         let count = context.trace.frame.grid().blocks() as usize;
+        if steps.iter().any(|step| step.pass == Pass::Share) && records.is_empty() {
+            let run = |part, blocks: &mut [Block]| {
+                if stop.load(Ordering::Relaxed) {
+                    return Clock::default();
+                }
+                level.run(RunShared { context, steps, first: (part * BLOCKS) as u32, blocks })
+            };
+            return parallel::sum_parts(&mut blocks[..count], BLOCKS, run, Clock::plus);
+        }
         parallel::sum(&mut blocks[..count], records, run, Clock::plus)
     }
 

@@ -47,6 +47,7 @@ mod planes;
 mod prepare;
 mod rays;
 mod records;
+mod shared;
 mod wide;
 
 pub use error::Error;

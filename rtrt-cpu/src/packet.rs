@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
 use rtrt_core::kernel::closest_hit::ClosestHit;
 use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
-use rtrt_core::layout::{Frame, NONE};
+use rtrt_core::layout::{Frame, Hit, NONE};
 use rtrt_core::schedule::{Pass, Step};
 use rtrt_core::stage::context::Context;
 use rtrt_core::stage::light::{IncomingLight, ShadowTerms};
@@ -21,10 +21,13 @@ use rtrt_core::stage::peel::{LayerSum, is_covered, peel};
 use rtrt_core::stage::shade::shade;
 use rtrt_core::stage::surface::Surfaces;
 use rtrt_core::stage::visibility::{directions, hit, visibility};
-use rtrt_core::stage::{ambient, detail, light, occlusion, surface};
+use rtrt_core::stage::{ambient, detail, light, occlusion, share, surface};
 
 /// Words of a hit.
 pub const HIT: usize = 5;
+
+/// Words of hits and directions, plane after plane.
+pub type Found = [[u32; RAYS]; 8];
 
 /// What the rays of a block leave for later steps, ray after ray or, of words, plane after plane: the first
 /// word of all rays, then the second.
@@ -39,6 +42,17 @@ pub struct Rays<'a> {
     pub cells: &'a mut [u32],
     /// In frames that ask for light from all around.
     pub ambient: &'a mut [ambient::Record],
+    /// The ray whose color each takes, in frames where [`Frame::is_shared`] is 1.
+    pub shaded: &'a mut [u8],
+}
+
+impl Rays<'_> {
+    /// For steps that leave nothing.
+    pub fn nothing() -> Self {
+        let (colors, ambient) = (&mut [][..], &mut [][..]);
+        let (transmittance, hits, cells) = (&mut [][..], &mut [][..], &mut [][..]);
+        Self { colors, transmittance, hits, cells, ambient, shaded: &mut [] }
+    }
 }
 
 /// A packet, and the results of its last steps.
@@ -55,6 +69,8 @@ pub struct PacketState<'a, L: Wide, const G: usize> {
     /// The first word of the shadow masks, where shadows are bits; and those of scenes with more lights.
     mask: [L::Bits; G],
     more_masks: Vec<[L::Bits; G]>,
+    /// The groups that have rays.
+    groups: usize,
     /// Whether the layers so far cover everything behind them.
     pub is_done: bool,
 }
@@ -64,6 +80,19 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     #[inline(always)]
     pub fn new(token: L::Token, context: &'a FrameContext<'a>, block: u32, first: usize) -> Self {
         let ray = RayIndex(block * BLOCK_RAYS + first as u32);
+        let directions = directions(token, context.trace.frame, context.trace.camera(), ray);
+        Self::at(token, context, ray, first, directions)
+    }
+
+    /// Rays in these directions.
+    #[inline(always)]
+    fn at(
+        token: L::Token,
+        context: &'a FrameContext<'a>,
+        ray: RayIndex,
+        first: usize,
+        directions: [V3<L>; G],
+    ) -> Self {
         let zero = L::splat(token, 0.0);
         let none = zero.broadcast_bits(0);
         let unfound = ClosestHit { t: zero, instance: none, triangle: none, u: zero, v: zero };
@@ -72,14 +101,37 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
             context,
             ray,
             first,
-            directions: directions(token, context.trace.frame, context.trace.camera(), ray),
+            directions,
             closest: [unfound; G],
             surfaces: [no_surface(token); G],
             incoming: [IncomingLight::dark(token); G],
             mask: [none; G],
             more_masks: Vec::new(),
+            groups: G,
             is_done: false,
         }
+    }
+
+    /// A packet of `count` rays of any blocks, which have found what they look for.
+    #[inline(always)]
+    pub fn of(token: L::Token, context: &'a FrameContext<'a>, planes: &Found, count: usize) -> Self {
+        let [ts, instances, triangles, us, vs, xs, ys, zs] = planes;
+        let zero = L::splat(token, 0.0);
+        let mut packet = Self::at(token, context, RayIndex(0), 0, [V3 { x: zero, y: zero, z: zero }; G]);
+        packet.groups = count.div_ceil(L::WIDTH);
+        for g in 0..packet.groups {
+            let at = g * L::WIDTH;
+            let (instance, triangle) = (L::load(token, &instances[at..]), L::load(token, &triangles[at..]));
+            let t = L::from_bits(L::load(token, &ts[at..]));
+            let u = L::from_bits(L::load(token, &us[at..]));
+            let v = L::from_bits(L::load(token, &vs[at..]));
+            let x = L::from_bits(L::load(token, &xs[at..]));
+            let y = L::from_bits(L::load(token, &ys[at..]));
+            let z = L::from_bits(L::load(token, &zs[at..]));
+            packet.closest[g] = ClosestHit { t, instance, triangle, u, v };
+            packet.directions[g] = V3 { x, y, z };
+        }
+        packet
     }
 
     /// Runs steps that follow one another.
@@ -88,7 +140,7 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
         &mut self,
         steps: &[Step],
         rays: &mut Rays<'_>,
-        mut records: Option<&mut Records<'_>>,
+        records: Option<&mut Records<'_>>,
         clock: &mut Clock,
         start: &mut Instant,
     ) {
@@ -101,7 +153,25 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
         // Surfaces are found again: they have far more words than hits.
         let again = [Pass::Surface, Pass::Detail].map(|pass| Step { pass, layer });
         let count = if follows_barrier { 1 + frame.details as usize } else { 0 };
-        for step in again.into_iter().take(count).chain(steps.iter().copied()) {
+        let steps = again.into_iter().take(count).chain(steps.iter().copied());
+        self.run_steps(steps, rays, records, clock, start);
+        if !rays.hits.is_empty() {
+            self.store(rays.hits);
+        }
+    }
+
+    /// Runs steps on what the last ones have left in the packet.
+    #[inline(always)]
+    pub fn run_steps(
+        &mut self,
+        steps: impl Iterator<Item = Step>,
+        rays: &mut Rays<'_>,
+        mut records: Option<&mut Records<'_>>,
+        clock: &mut Clock,
+        start: &mut Instant,
+    ) {
+        let frame = self.context.trace.frame;
+        for step in steps {
             if !self.is_done {
                 self.run(step, &frame.of_layer(step.layer), rays, records.as_deref_mut());
                 clock.lap(step.stage(), start);
@@ -109,9 +179,6 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
                 // Neighbors read what a search finds, though it be nothing.
                 self.clear(rays.cells);
             }
-        }
-        if !rays.hits.is_empty() {
-            self.store(rays.hits);
         }
     }
 
@@ -161,6 +228,7 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
                     || peel::<L, G>(token, &context, ray, last),
                 );
             }
+            Pass::Share => self.share(rays.shaded),
             Pass::EndCovered => self.end_covered(rays.colors),
             Pass::Surface => self.surface(),
             Pass::Detail => self.detail(),
@@ -206,16 +274,64 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
         }
     }
 
+    /// Leaves hits and directions as planes of words.
+    #[inline(always)]
+    pub fn leave(&self, planes: &mut Found) {
+        let [ts, instances, triangles, us, vs, xs, ys, zs] = planes;
+        for g in 0..G {
+            let at = self.first + g * L::WIDTH;
+            let ClosestHit { t, instance, triangle, u, v } = self.closest[g];
+            let V3 { x, y, z } = self.directions[g];
+            L::store(t.to_bits(), &mut ts[at..]);
+            L::store(instance, &mut instances[at..]);
+            L::store(triangle, &mut triangles[at..]);
+            L::store(u.to_bits(), &mut us[at..]);
+            L::store(v.to_bits(), &mut vs[at..]);
+            L::store(x.to_bits(), &mut xs[at..]);
+            L::store(y.to_bits(), &mut ys[at..]);
+            L::store(z.to_bits(), &mut zs[at..]);
+        }
+    }
+
+    /// Lets hits take the colors of others.
+    #[inline(always)]
+    fn share(&mut self, shaded: &mut [u8]) {
+        let frame = self.context.trace.frame;
+        let mut hits = [Hit::MISS; RAYS];
+        for g in 0..G {
+            let rows = self.closest[g].rows();
+            for lane in 0..L::WIDTH {
+                hits[g * L::WIDTH + lane] = rows.hit(lane);
+            }
+        }
+        for ray in 0..(G * L::WIDTH) as u32 {
+            let at = frame.grid().ray(RayIndex(self.ray.0 + ray));
+            if frame.grid().contains(at) && at.iter().all(|at| at % frame.side == 0) {
+                share::share(frame, &mut hits, ray);
+            }
+        }
+        for (ray, hit) in hits[..G * L::WIDTH].iter().enumerate() {
+            shaded[self.first + ray] = share::shaded((self.first + ray) as u32, hit) as u8;
+        }
+        for g in 0..G {
+            self.closest[g] = ClosestHit::from_fn(
+                self.token,
+                #[inline(always)]
+                |lane| hits[g * L::WIDTH + lane],
+            );
+        }
+    }
+
     #[inline(always)]
     fn surface(&mut self) {
         let FrameContext { trace, attributes, .. } = self.context;
         let (camera, geometry) = (trace.camera(), &trace.geometry);
-        let Self { directions, closest, surfaces, .. } = self;
+        let Self { directions, closest, surfaces, groups, .. } = self;
         L::outlined(
             self.token,
             #[inline(always)]
             || {
-                for g in 0..G {
+                for g in 0..*groups {
                     surfaces[g] = surface::surface(camera, geometry, attributes, directions[g], &closest[g]);
                 }
             },
@@ -226,12 +342,12 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     fn detail(&mut self) {
         let FrameContext { trace, attributes, maps } = self.context;
         let (frame, vertices) = (trace.frame, trace.vertices(attributes));
-        let Self { closest, surfaces, .. } = self;
+        let Self { closest, surfaces, groups, .. } = self;
         L::outlined(
             self.token,
             #[inline(always)]
             || {
-                for g in 0..G {
+                for g in 0..*groups {
                     surfaces[g] = detail::detail(frame, maps, &vertices, &closest[g], &surfaces[g]);
                 }
             },
@@ -335,13 +451,13 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     #[inline(always)]
     fn light(&mut self, frame: &Frame, transmittance: &[u32]) {
         let FrameContext { trace, maps, .. } = self.context;
-        let Self { token, ray, first, directions, surfaces, incoming, mask, more_masks, .. } = self;
+        let Self { token, ray, first, directions, surfaces, incoming, mask, more_masks, groups, .. } = self;
         let (token, first) = (*token, *first);
         L::outlined(
             token,
             #[inline(always)]
             || {
-                for g in 0..G {
+                for g in 0..*groups {
                     let terms = ShadowTerms::new(
                         #[inline(always)]
                         |word| if word == 0 { mask[g] } else { more_masks[word as usize - 1][g] },
@@ -386,7 +502,7 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
             *token,
             #[inline(always)]
             || {
-                for g in 0..G {
+                for g in 0..self.groups {
                     let at = |number: u32| number as usize * RAYS + self.first + g * L::WIDTH;
                     let share = ambient::share::<L>(
                         *token,
@@ -432,7 +548,10 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
         for g in 0..G {
             let first = self.first + g * L::WIDTH;
             for lane in 0..L::WIDTH {
-                let (at, found) = (first + lane, hit(&self.closest[g], lane));
+                let (at, mut found) = (first + lane, hit(&self.closest[g], lane));
+                if frame.is_shared == 1 {
+                    found.triangle = self.closest[g].triangle.lane(lane);
+                }
                 if layer > 0 {
                     records.layers[at * frame.layers_behind() as usize + layer as usize - 1] = found;
                     continue;

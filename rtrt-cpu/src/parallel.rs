@@ -20,6 +20,16 @@ pub fn each_part<T: Send>(
     imp::each_part(items, length, least, work);
 }
 
+/// The sum of what `work` gives for each part of so many items, with the part's index.
+pub fn sum_parts<T: Send, S: Default + Send>(
+    items: &mut [T],
+    length: usize,
+    work: impl Fn(usize, &mut [T]) -> S + Sync,
+    plus: impl Fn(S, S) -> S + Send + Sync,
+) -> S {
+    imp::sum_parts(items, length, work, plus)
+}
+
 /// The sum of what `work` gives for each item with its index, and with the item at the same place of `others`, which
 /// has as many or none.
 pub fn sum<T: Send, U: Send, S: Default + Send>(
@@ -76,6 +86,16 @@ mod imp {
     ) {
         let parts = items.par_chunks_mut(length).with_min_len(least).enumerate();
         parts.for_each(|(index, part)| work(index, part));
+    }
+
+    pub fn sum_parts<T: Send, S: Default + Send>(
+        items: &mut [T],
+        length: usize,
+        work: impl Fn(usize, &mut [T]) -> S + Sync,
+        plus: impl Fn(S, S) -> S + Send + Sync,
+    ) -> S {
+        let parts = items.par_chunks_mut(length).enumerate();
+        parts.map(|(index, part)| work(index, part)).reduce(S::default, plus)
     }
 
     pub fn sum<T: Send, U: Send, S: Default + Send>(
@@ -137,6 +157,16 @@ mod imp {
         work: impl Fn(usize, &mut [T]) + Sync,
     ) {
         items.chunks_mut(length).enumerate().for_each(|(index, part)| work(index, part));
+    }
+
+    pub fn sum_parts<T: Send, S: Default + Send>(
+        items: &mut [T],
+        length: usize,
+        work: impl Fn(usize, &mut [T]) -> S + Sync,
+        plus: impl Fn(S, S) -> S + Send + Sync,
+    ) -> S {
+        let parts = items.chunks_mut(length).enumerate();
+        parts.fold(S::default(), |sum, (index, part)| plus(sum, work(index, part)))
     }
 
     pub fn sum<T: Send, U: Send, S: Default + Send>(

@@ -89,6 +89,7 @@ pub(crate) const ENTRIES: &[Entry] = {
         entry(Pass::EndCovered, "end_covered", &[Frame, Colors], &[Hits]),
         // What was drawn is there already.
         entry(Pass::Peel, "peel", TRACE, &[Hits]).zero_if(|frame| frame.is_drawn == 0),
+        entry(Pass::Share, "share", &[Frame], &[Hits]),
         entry(Pass::Surface, "surface", &[Frame, Views, Hits, Instances, Nodes, MeshData, Positions, Attributes], &[Surfaces]),
         entry(Pass::Detail, "detail", &[Frame, Hits, Instances, MeshData, Attributes, Materials, Texels], &[Surfaces]),
         entry(Pass::Occlusion, "occlusion", &[Frame, Views, BlockLists, Instances, Nodes, MeshData, Positions, Surfaces], &[Masks]).zero_if(|_| true),
@@ -106,7 +107,7 @@ pub(crate) const ENTRIES: &[Entry] = {
         entry(Pass::Shade, "shade", SHADE, &[Colors]).serve(|frame| frame.extensions != 0),
         entry(Pass::Shade, "shade_plain", SHADE, &[Colors]).serve(|frame| frame.extensions == 0),
         entry(Pass::Blend, "blend", SHADE, &[Colors]),
-        entry(Pass::Resolve, "resolve", &[Frame, Colors], &[Pixels]),
+        entry(Pass::Resolve, "resolve", &[Frame, Hits, Colors], &[Pixels]),
     ]
 };
 
@@ -253,6 +254,7 @@ mod tests {
                     layers,
                     penumbra_window,
                     is_drawn,
+                    is_shared: is_drawn,
                     extensions: is_drawn,
                     ..frame
                 })

@@ -25,6 +25,7 @@ pub mod query;
 pub mod raster;
 pub mod resolve;
 pub mod shade;
+pub mod share;
 pub mod surface;
 pub mod transmittance;
 pub mod visibility;

@@ -2,7 +2,7 @@
 
 use crate::index;
 use rtrt_core::grid::RayIndex;
-use rtrt_core::layout::Frame;
+use rtrt_core::layout::{Frame, Hit};
 use rtrt_core::stage;
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
@@ -12,15 +12,22 @@ use spirv_std::spirv;
 pub fn resolve(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 0, binding = 0)] frame: &Frame,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] colors: &[[f32; 4]],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] pixels: &mut [u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] hits: &[Hit],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] colors: &[[f32; 4]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] pixels: &mut [u32],
 ) {
     let index = index(id);
     let grid = frame.grid();
     let [first, count] = grid.pixels(RayIndex(frame.first_ray), frame.rays);
     if index < count {
         let first = |_: usize| grid.first_ray(first + index);
-        let color = |ray: RayIndex| colors[(ray.0 - frame.first_ray) as usize];
+        let color = |ray: RayIndex| {
+            let mut ray = ray.0 - frame.first_ray;
+            if frame.is_shared == 1 {
+                ray = stage::share::shaded(ray, &hits[ray as usize]);
+            }
+            colors[ray as usize]
+        };
         let through = |ray: RayIndex| colors[(ray.0 - frame.first_ray + frame.rays) as usize];
         pixels[index as usize] = stage::resolve::resolve::<f32>((), frame, first, color, through).0;
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use rtrt_core::backend::{Deferred, Picture, Request};
-use rtrt_core::grid::Grid;
+use rtrt_core::grid::{Grid, RayIndex};
 use rtrt_core::kernel::ray::Ray;
 use rtrt_core::kernel::texture::Maps;
 use rtrt_core::kernel::transmittance::color;
@@ -13,6 +13,7 @@ use rtrt_core::num::{exp2, srgb_encode};
 use rtrt_core::scene::Scene;
 use rtrt_core::stage::resolve::{average, displayed};
 use rtrt_core::stage::shade::base;
+use rtrt_core::stage::share::shaded;
 use rtrt_core::stage::surface::Surfaces;
 
 /// The most rays that may have deferred buffers: 7 GB at about 110 bytes each. No backend refuses more, if there is memory.
@@ -158,10 +159,15 @@ impl<'a> Pixels<'a> {
         self.grid.index(self.place(number)).0 as usize
     }
 
+    /// The place of the sub-ray that was shaded for a sub-ray.
+    fn shaded(&self, RayIndex(ray): RayIndex) -> usize {
+        shaded(ray, &self.deferred.hits[ray as usize]) as usize
+    }
+
     /// The mean over the sub-rays of a pixel.
     fn mean(&self, number: u32, read: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
         let [x, y, z, _] = average(self.grid.side, self.grid.first_ray(number), &|ray| {
-            let [x, y, z] = read(ray.0 as usize);
+            let [x, y, z] = read(self.shaded(ray));
             [x, y, z, 0.0]
         });
         [x, y, z]
@@ -177,7 +183,7 @@ impl<'a> Pixels<'a> {
 
     /// [`Layers::color`].
     pub fn color(&self, number: u32) -> [f32; 4] {
-        average(self.grid.side, self.grid.first_ray(number), &|ray| self.deferred.colors[ray.0 as usize])
+        average(self.grid.side, self.grid.first_ray(number), &|ray| self.deferred.colors[self.shaded(ray)])
     }
 
     /// [`Layers::depth`].

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rtrt::layers::MOST_RAYS;
 use rtrt::motion::Before as Moment;
-use rtrt_core::backend::{LAYERS, RenderError, Request, Shadows, ToneMap};
+use rtrt_core::backend::{LAYERS, RenderError, Request, Shading, Shadows, ToneMap};
 use std::sync::atomic::AtomicBool;
 
 /// The rays of a call that take so long, some hundredths of a second, that signals do not wait for its end.
@@ -23,6 +23,7 @@ const _: () = assert!(LAYERS == 8);
 /// How well a picture is rendered.
 struct Quality {
     samples: u32,
+    shading: Shading,
     shadows: Shadows,
     layers: u32,
     exposure: f32,
@@ -30,7 +31,14 @@ struct Quality {
 }
 
 impl Quality {
-    fn new(samples: i64, shadows: &str, layers: i64, exposure: f32, tone_map: &str) -> PyResult<Self> {
+    fn new(
+        samples: i64,
+        shading: &str,
+        shadows: &str,
+        layers: i64,
+        exposure: f32,
+        tone_map: &str,
+    ) -> PyResult<Self> {
         let kinds = [
             ("off", Shadows::Off),
             ("hard", Shadows::Hard),
@@ -41,6 +49,7 @@ impl Quality {
         let count = |number: i64| u32::try_from(number).unwrap_or(u32::MAX);
         Ok(Self {
             samples: count(samples),
+            shading: named("shading", shading, &[("sample", Shading::Sample), ("pixel", Shading::Pixel)])?,
             shadows: named("shadows", shadows, &kinds)?,
             layers: count(layers),
             exposure,
@@ -52,6 +61,7 @@ impl Quality {
         Request::new(&view.camera, size)
             .clip(view.clip[0], view.clip[1])
             .samples(self.samples)
+            .shading(self.shading)
             .shadows(self.shadows)
             .layers(self.layers)
             .exposure(self.exposure)
@@ -226,6 +236,8 @@ fn aovs(aov: Option<&Bound<'_, PyAny>>, out: Option<&Bound<'_, PyDict>>) -> PyRe
 ///     out: A dict of arrays that are filled and returned, such as the result of an earlier call. Names that it lacks are
 ///         added.
 ///     samples: 1, 4 or 16 a pixel.
+///     shading: "sample" for a color for each sample, or "pixel" for one for each triangle that a pixel's samples meet: faster, with
+///         smooth edges of objects, but not of shadows. Scenes with transparency or soft shadows have a color for each sample.
 ///     shadows: "off", "hard", "soft" (analytic penumbras) or "area" (sampled penumbras).
 ///     layers: The most transparent surfaces that a ray passes.
 ///     exposure: Stops; see `meter`.
@@ -233,7 +245,7 @@ fn aovs(aov: Option<&Bound<'_, PyAny>>, out: Option<&Bound<'_, PyDict>>) -> PyRe
 ///     before: A Before, for the aov "motion", with as many cameras as `camera`.
 ///     backend: A Backend; one for all calls if not given, on the first GPU that works, else on the processor.
 #[pyfunction]
-#[pyo3(signature = (scene, camera = None, size = None, aov = None, *, out = None, samples = 4, shadows = "soft", layers = 8, exposure = 0.0, tone_map = "neutral", before = None, backend = None))]
+#[pyo3(signature = (scene, camera = None, size = None, aov = None, *, out = None, samples = 4, shading = "sample", shadows = "soft", layers = 8, exposure = 0.0, tone_map = "neutral", before = None, backend = None))]
 #[expect(clippy::too_many_arguments, reason = "they are named arguments of Python")]
 pub fn render<'py>(
     py: Python<'py>,
@@ -243,6 +255,7 @@ pub fn render<'py>(
     aov: Option<&Bound<'py, PyAny>>,
     out: Option<Bound<'py, PyDict>>,
     samples: i64,
+    shading: &str,
     shadows: &str,
     layers: i64,
     exposure: f32,
@@ -250,7 +263,7 @@ pub fn render<'py>(
     before: Option<&Before>,
     backend: Option<&Bound<'py, Backend>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let quality = Quality::new(samples, shadows, layers, exposure, tone_map)?;
+    let quality = Quality::new(samples, shading, shadows, layers, exposure, tone_map)?;
     let (cameras, aovs) = (Cameras::new(camera)?, aovs(aov, out.as_ref())?);
     let size = cameras.size(size)?;
     let scene = &*scene.read()?;
@@ -327,7 +340,7 @@ pub fn meter(
     shadows: &str,
     backend: Option<&Bound<'_, Backend>>,
 ) -> PyResult<f32> {
-    let quality = Quality::new(4, shadows, i64::from(LAYERS), 0.0, "none")?;
+    let quality = Quality::new(4, "sample", shadows, i64::from(LAYERS), 0.0, "none")?;
     let size = camera.map_or(Cameras::Usual, |camera| Cameras::One(camera.clone())).size(size)?;
     let scene = &*scene.read()?;
     let camera = camera.map_or_else(|| scene.usual_camera(size), |camera| camera.at(size));

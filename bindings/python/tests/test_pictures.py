@@ -88,6 +88,21 @@ def test_depth_ids_and_positions_follow_from_arithmetic(square):
     ]
 
 
+def test_samples_of_a_triangle_can_have_one_color(square):
+    def draw(**how):
+        return rtrt.render(square, size=(203, 77), shadows="hard", **how)["rgba"]
+
+    each, one = draw(), draw(shading="pixel")
+    assert not np.array_equal(each, one)
+    assert np.abs(each.astype(int) - one).mean() < 4
+    # With layers too, and where a pixel has one sample anyway.
+    both = rtrt.render(square, size=(203, 77), aov=["rgba", "depth"], shadows="hard", shading="pixel")
+    assert np.array_equal(both["rgba"], one)
+    assert np.array_equal(draw(samples=1), draw(samples=1, shading="pixel"))
+    with pytest.raises(ValueError, match='shading is "quad", and not one of sample, pixel'):
+        draw(shading="quad")
+
+
 def test_project_finds_pixels(square):
     camera = rtrt.Camera((1, 2, 6), (0, 0, 0), fx=70, cx=20, cy=30)
     frame = rtrt.render(square, camera, (64, 48), ["position", "object"], samples=1)

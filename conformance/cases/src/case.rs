@@ -1,7 +1,7 @@
 //! What a case is.
 
 use glam::Vec3;
-use rtrt_core::backend::{LAYERS, Request, Shadows, ToneMap};
+use rtrt_core::backend::{LAYERS, Request, Shading, Shadows, ToneMap};
 use rtrt_core::scene::{Camera, Projection, Scene};
 
 /// How exactly a backend must agree with the reference.
@@ -26,6 +26,8 @@ pub struct Case {
     pub size: [u32; 2],
     /// Sub-rays a pixel.
     pub samples: u32,
+    /// How many colors a pixel has.
+    pub shading: Shading,
     /// Whether lights cast shadows.
     pub shadows: Shadows,
     /// The most layers of surfaces that a ray looks at.
@@ -66,6 +68,7 @@ impl Case {
         camera: look([0.0, 0.0, 4.0], [0.0; 3]),
         size: [37, 21],
         samples: 1,
+        shading: Shading::Sample,
         shadows: Shadows::Soft,
         layers: LAYERS,
         exposure: 0.0,
@@ -81,6 +84,7 @@ impl Case {
     pub fn request(&self) -> Request<'_> {
         Request::new(&self.camera, self.size)
             .samples(self.samples)
+            .shading(self.shading)
             .shadows(self.shadows)
             .layers(self.layers)
             .exposure(self.exposure)

@@ -18,6 +18,7 @@ use rtrt_core::kernel::view::camera_ray;
 use rtrt_core::layout::{AlphaKind, Frame, Hit, NONE, ShadowKind, Surface, ViewKind};
 use rtrt_core::scene::{Scene, Setup, SetupError};
 use rtrt_core::stage::occlusion::{LIGHTS_PER_WORD, limit, to_light};
+use rtrt_core::stage::share::share;
 use rtrt_core::stage::surface::Surfaces;
 
 /// A frame whose rays are traced one by one.
@@ -246,8 +247,15 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
     let mut expected = picture.clone();
     let deferred = expected.deferred.as_mut().expect("deferred buffers");
     let words = deferred.mask_words as usize;
+    let frame = &brute.setup.frame;
+    let step = if frame.is_shared == 1 { 1 } else { step };
     for ray in (0..deferred.hits.len()).step_by(step) {
         deferred.hits[ray] = brute.hit(RayIndex(ray as u32));
+    }
+    for pixel in 0..frame.is_shared * frame.width * frame.height {
+        share(frame, &mut deferred.hits, frame.grid().first_ray(pixel).0);
+    }
+    for ray in (0..deferred.hits.len()).step_by(step) {
         let mask = &mut deferred.masks[ray * words..][..words];
         mask.fill(0);
         let count = deferred.layer_count as usize;

@@ -17,6 +17,7 @@ use rtrt_core::backend::{Picture, Request, Shadows};
 use rtrt_core::grid::{Grid, RayIndex};
 use rtrt_core::layout::{Hit, Instance, Kind, Lit, MaterialRecord, NONE, Surface};
 use rtrt_core::scene::{Light, LightKind, Occluders, Projection, Scene, Setup};
+use rtrt_core::stage::share::shaded;
 use std::f64::consts::PI;
 
 /// How many rays and shadow rays could be judged, of how many. All of them were right.
@@ -149,7 +150,18 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         let hit = &deferred.hits[index as usize];
         let ray =
             camera_ray(request, dvec2(f64::from(at[0]) + 0.5, f64::from(at[1]) + 0.5) / f64::from(side));
-        let Some(nearest) = nearest(&triangles, &ray, request.clip.map(f64::from)) else {
+        let nearest = nearest(&triangles, &ray, request.clip.map(f64::from));
+        let taken = if setup.frame.is_shared == 1 { shaded(index, hit) } else { index };
+        if taken != index {
+            let other = &deferred.hits[taken as usize];
+            if nearest.is_some_and(|nearest| met(nearest.as_ref()) != [other.instance, other.triangle]) {
+                return Err(format!(
+                    "ray {index} at {at:?} has not met what it has its color from: {other:?}"
+                ));
+            }
+            continue;
+        }
+        let Some(nearest) = nearest else {
             if let Some(end) = sealed_until(&triangles, &ray, request.clip.map(f64::from)) {
                 judged.edges += 1;
                 if hit.instance == NONE || f64::from(hit.t) > end {
@@ -433,6 +445,11 @@ fn sealed_until(triangles: &[Triangle], ray: &Ray, [near, far]: [f64; 2]) -> Opt
         Some((one.t + one.doubt).max(other.t + other.doubt) * (1.0 + MARGIN))
     });
     ends.min_by(f64::total_cmp)
+}
+
+/// The instance and the triangle that a ray meets.
+fn met(nearest: Option<&Candidate<'_>>) -> [u32; 2] {
+    nearest.map_or([NONE; 2], |nearest| [nearest.triangle.instance, nearest.triangle.id])
 }
 
 /// Whether a hit is the one that it must be.

@@ -60,6 +60,22 @@ impl<L: Lane> ClosestHit<L> {
         self.triangle = closer.select(triangle, self.triangle);
     }
 
+    /// The hits `f(0)`, `f(1)`, … in lanes 0, 1, ….
+    #[inline(always)]
+    pub fn from_fn(token: L::Token, f: impl Fn(usize) -> Hit) -> Self {
+        let [instance, triangle, _, _] = L::gather_bits(
+            token,
+            #[inline(always)]
+            |lane| [f(lane).instance, f(lane).triangle, 0, 0],
+        );
+        let [t, u, v] = L::gather(
+            token,
+            #[inline(always)]
+            |lane| [f(lane).t, f(lane).u, f(lane).v],
+        );
+        Self { t, instance, triangle, u, v }
+    }
+
     /// The lanes one by one. Take them out once, before a loop over lanes.
     #[inline(always)]
     pub fn rows(&self) -> ClosestHitRows<L> {

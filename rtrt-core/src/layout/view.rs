@@ -269,10 +269,10 @@ pub struct Frame {
     pub ambient_reach: f32,
     /// What the environment's light is multiplied by where it is the background.
     pub backdrop_strength: f32,
+    /// 1 if sub-rays of a pixel that meet the same triangle are shaded as one (see [`share`](crate::stage::share)).
+    pub is_shared: u32,
     /// Unused: a uniform block is a multiple of 16 bytes.
-    pub unused_0: u32,
-    /// Unused.
-    pub unused_1: u32,
+    pub unused: u32,
 }
 const _: () = assert!(size_of::<Frame>() == 176 && offset_of!(Frame, ambient_r) == 48);
 

@@ -4,7 +4,7 @@ use crate::grid::{BLOCK_RAYS, Grid};
 use crate::kernel::geometry::Geometry;
 use crate::layout::{AlphaKind, Backdrop, Frame, Instance, View};
 use crate::num::exp2;
-use crate::request::{Request, Shadows};
+use crate::request::{Request, Shading, Shadows};
 use crate::scene::cut::BvhCut;
 use crate::scene::floor::floored;
 use crate::scene::levels::LodSelection;
@@ -96,6 +96,7 @@ impl Setup {
             camera,
             size: [width, height],
             samples,
+            shading,
             shadows,
             layers,
             exposure,
@@ -184,7 +185,7 @@ impl Setup {
         let background = if scene.backdrop == Backdrop::Nothing { Vec3::ZERO } else { scene.background };
         let ([ambient_r, ambient_g, ambient_b], [background_r, background_g, background_b]) =
             (scene.ambient.map(floored).to_array(), background.map(floored).to_array());
-        self.frame = Frame {
+        let frame = Frame {
             width,
             height,
             side,
@@ -230,6 +231,18 @@ impl Setup {
             ambient_reach: ambient_occlusion,
             ..Frame::zeroed()
         };
+        let has_discs =
+            matches!(shadows, Shadows::Area { .. }) && lights.iter().any(|light| light.radius > 0.0);
+        let is_plain = frame.layers_behind() == 0 && frame.records() == 1 && frame.penumbra_window == 0;
+        let can_share = side > 1 && is_plain && !has_discs && !frame.has_ambient_rays();
+        let is_shared = can_share && shading == Shading::Pixel;
+        if is_shared {
+            // A color stands for a pixel, not for a sub-ray.
+            let camera = &mut self.views[Frame::CAMERA as usize];
+            camera.pixel *= side as f32;
+            camera.pixel_t *= side as f32;
+        }
+        self.frame = Frame { is_shared: u32::from(is_shared), ..frame };
         Ok(())
     }
 }

@@ -21,6 +21,7 @@ pub mod query;
 pub mod raster;
 pub mod resolve;
 pub mod shade;
+pub mod share;
 pub mod surface;
 pub mod visibility;
 

@@ -18,9 +18,9 @@ use rtrt::debug::{DebugImage, DebugView, show};
 use rtrt::demo;
 use rtrt::import::{self, Animation, ImportError, Label, Loaded, NamedCamera, Pose};
 use rtrt::layers::MOST_RAYS;
-use rtrt_core::backend::{Backend, Picture, Request, Shadows, ToneMap};
+use rtrt_core::backend::{Backend, Picture, Request, Shading, Shadows, ToneMap};
 use rtrt_core::layout::Kind;
-use rtrt_core::scene::{Camera, InstanceIndex, LightKind, Projection, Scene};
+use rtrt_core::scene::{Camera, InstanceIndex, LightKind, Projection, Scene, Setup};
 use rtrt_cpu::{Cpu, Parallel};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{Deref, DerefMut};
@@ -189,6 +189,12 @@ impl RenderJob {
         for number in &common.hide {
             job.hide(*number)?;
         }
+        if job.common.shading == Shading::Pixel && job.samples > 1 && !job.shares() {
+            console.warn(
+                3,
+                "--shading pixel is not possible with soft shadows, ambient occlusion or transparency: each sample is shaded",
+            )?;
+        }
         job.load_ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(job)
     }
@@ -303,10 +309,17 @@ impl RenderJob {
         &self.files
     }
 
+    /// Whether sub-rays of a pixel are shaded as one.
+    fn shares(&self) -> bool {
+        let mut setup = Setup::default();
+        setup.prepare(&self.scene, &self.request(false)).is_err() || setup.frame.is_shared == 1
+    }
+
     /// The request for a frame.
     pub fn request(&self, deferred: bool) -> Request<'_> {
         Request::new(&self.camera, self.size)
             .samples(self.samples)
+            .shading(self.common.shading)
             .shadows(self.shadows)
             .layers(self.layers)
             .exposure(self.exposure)

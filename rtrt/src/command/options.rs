@@ -6,7 +6,7 @@ use super::parse::{
     AmbientOcclusion, Background, Environment, EnvironmentSun, Exposure, GivenLight, Stream,
     ambient_occlusion, angle, background, choice, depth, encoding, environment, environment_sun, exposure,
     given_light, height, intensity, json, layers, mip, occluders, one_of, part, picture, point_of_file,
-    radius, rate, seconds, shadows, size, structure, tone, tone_map, turn, vector, view,
+    radius, rate, seconds, shading, shadows, size, structure, tone, tone_map, turn, vector, view,
 };
 use super::repaint::Repaint;
 use clap::Args;
@@ -14,7 +14,7 @@ use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::{DVec3, Vec3};
 use rtrt::choose::{self, Choice};
 use rtrt::debug;
-use rtrt_core::backend::{LAYERS, Shadows, ToneMap};
+use rtrt_core::backend::{LAYERS, Shading, Shadows, ToneMap};
 use rtrt_core::scene::{Mip, Occluders, Setup, Structure};
 use std::path::PathBuf;
 
@@ -177,6 +177,11 @@ pub struct Common {
     /// Sub-rays per pixel; the default is 4 for render and view, and 1 for verify and bench
     #[arg(long, value_parser = one_of(["1", "4", "16"]), allow_negative_numbers = true)]
     pub samples: Option<u32>,
+    /// Colors of a pixel with several sub-rays: one a sub-ray (sample), or one for each triangle that they meet
+    /// (pixel): edges stay smooth, but textures and edges of shadows are as with one sub-ray. Not possible with soft
+    /// shadows, ambient occlusion and transparency
+    #[arg(long, value_name = "HOW", default_value = "sample", value_parser = shading())]
+    pub shading: Shading,
     /// Shadows of lights with a radius: off; hard, from the center of the light; soft, blurred by the
     /// width of the penumbra; area, with another point of the light for each sub-ray; jitter, the same
     /// with other points in each pixel

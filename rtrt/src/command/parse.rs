@@ -5,7 +5,7 @@ use core::f32::consts::PI;
 use glam::{DVec3, Vec3};
 use rtrt::choose::Choice;
 use rtrt::debug;
-use rtrt_core::backend::{Shadows, ToneMap};
+use rtrt_core::backend::{Shading, Shadows, ToneMap};
 use rtrt_core::layout::LIGHT_LIMIT;
 use rtrt_core::num::srgb_decode;
 use rtrt_core::scene::{Light, LightKind, Mip, Occluders, Setup, Structure};
@@ -29,6 +29,16 @@ pub const SHADOWS: [(&str, Shadows); 5] = [
 pub fn shadows() -> impl TypedValueParser<Value = Shadows> {
     PossibleValuesParser::new(SHADOWS.map(|(name, _)| name)).map(|given| {
         SHADOWS.iter().find(|(name, _)| *name == given).map_or(Shadows::default(), |(_, how)| *how)
+    })
+}
+
+/// The names of ways to shade.
+pub const SHADINGS: [(&str, Shading); 2] = [("sample", Shading::Sample), ("pixel", Shading::Pixel)];
+
+/// A way to shade.
+pub fn shading() -> impl TypedValueParser<Value = Shading> {
+    PossibleValuesParser::new(SHADINGS.map(|(name, _)| name)).map(|given| {
+        SHADINGS.iter().find(|(name, _)| *name == given).map_or(Shading::default(), |(_, how)| *how)
     })
 }
 

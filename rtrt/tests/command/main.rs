@@ -20,6 +20,7 @@ mod layers;
 mod names;
 mod pictures;
 mod reports;
+mod shading;
 mod shorthand;
 mod streams;
 mod surroundings;

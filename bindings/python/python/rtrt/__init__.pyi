@@ -13,6 +13,7 @@ _Aov = Literal[
     "rgba", "color", "depth", "normal", "albedo", "object", "material", "triangle", "source", "barycentrics", "uv",
     "position", "shadow", "motion",
 ]
+_Shading = Literal["sample", "pixel"]
 _Shadows = Literal["off", "hard", "soft", "area"]
 _ToneMap = Literal["neutral", "agx", "aces", "none"]
 _Sides = Literal["both", "fronts", "backs", "drawn"]
@@ -317,6 +318,7 @@ def render(
     *,
     out: dict[str, NDArray[Any]] | None = None,
     samples: Literal[1, 4, 16] = 4,
+    shading: _Shading = "sample",
     shadows: _Shadows = "soft",
     layers: int = 8,
     exposure: float = 0.0,

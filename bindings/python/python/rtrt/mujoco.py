@@ -208,6 +208,8 @@ class Renderer:
             [aov],
             out=buffers,
             samples=samples,
+            # As multisampling does.
+            shading="pixel",
             shadows=shadows,
             tone_map="none",
             backend=self._backend,

@@ -10,6 +10,7 @@ mod light;
 mod material;
 mod motion;
 mod shadow;
+mod share;
 mod soft;
 mod sphere;
 mod surface;
@@ -27,6 +28,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         bin::CASES,
         visibility::CASES,
         surface::CASES,
+        share::CASES,
         sphere::CASES,
         texture::CASES,
         material::CASES,

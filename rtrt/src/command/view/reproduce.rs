@@ -11,7 +11,7 @@ use clap::CommandFactory;
 use clap::parser::ValueSource;
 use glam::{DVec3, Vec3};
 use rtrt::debug::DebugView;
-use rtrt_core::backend::{LAYERS, Request, Shadows, ToneMap};
+use rtrt_core::backend::{LAYERS, Request, Shading, Shadows, ToneMap};
 use rtrt_core::scene::{Light, LightKind, Projection, Scene};
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -157,6 +157,9 @@ pub fn command(shot: &Shot<'_>, output: &Path) -> String {
     };
     if request.samples != SAMPLES {
         option(format_args!("--samples {}", request.samples));
+    }
+    if request.shading == Shading::Pixel {
+        option(format_args!("--shading pixel"));
     }
     if request.shadows != Shadows::default() {
         let known = SHADOWS.iter().find(|(_, how)| *how == request.shadows);

@@ -1,0 +1,135 @@
+//! Share: sub-rays of a pixel that meet the same triangle are shaded as one, as with multisampling on GPUs.
+//!
+//! The first of them in number is shaded, and the others take its color. So do sub-rays that meet one side of a
+//! sphere, and, where nothing is shown behind everything, those that meet nothing. A hit that takes another's color
+//! has no instance any more, and its triangle is where that other ray is in the tile of 16 rays.
+
+use crate::grid::number;
+use crate::layout::{Frame, Hit, NONE};
+
+/// Rays of a tile, which has all sub-rays of its pixels.
+const TILE: u32 = 16;
+
+/// The sub-rays of a pixel whose colors its sub-rays take, four bits each: of the first eight, and of the others.
+/// Sub-rays are numbered row by row, and `met` is what one has met: instance and triangle.
+#[inline(always)]
+pub fn leaders(frame: &Frame, met: impl Fn(u32) -> [u32; 2]) -> [u32; 2] {
+    let (mut low, mut high) = (0, 0);
+    let mut ray = 0;
+    while ray < frame.side * frame.side {
+        let own = met(ray);
+        let mut leader = if is_shareable(frame, own[0]) { 0 } else { ray };
+        while leader < ray && !is_same(met(leader), own) {
+            leader += 1;
+        }
+        let four_bits = leader << (ray % 8 * 4);
+        if ray < 8 {
+            low |= four_bits;
+        } else {
+            high |= four_bits;
+        }
+        ray += 1;
+    }
+    [low, high]
+}
+
+/// Arrays that are compared do not compile for GPUs.
+#[inline(always)]
+fn is_same([instance, triangle]: [u32; 2], other: [u32; 2]) -> bool {
+    instance == other[0] && triangle == other[1]
+}
+
+/// Whether rays that meet this instance, or none, can take another's color.
+#[inline(always)]
+pub fn is_shareable(frame: &Frame, instance: u32) -> bool {
+    instance != NONE || !frame.shows_sky()
+}
+
+/// One of [`leaders`].
+#[inline(always)]
+pub fn leader([low, high]: [u32; 2], ray: u32) -> u32 {
+    (if ray < 8 { low } else { high }) >> (ray % 8 * 4) & 15
+}
+
+/// Where a sub-ray of a pixel is, from the pixel's first one.
+#[inline(always)]
+pub fn place(side: u32, ray: u32) -> u32 {
+    // The side is 1, 2 or 4.
+    number([ray & (side - 1), ray >> (side >> 1)])
+}
+
+/// Lets hits of a pixel take another's color. `first` is the place of its first sub-ray among `hits`, which starts
+/// with a tile.
+#[inline(always)]
+pub fn share(frame: &Frame, hits: &mut [Hit], first: u32) {
+    let side = frame.side;
+    let leaders = leaders(
+        frame,
+        #[inline(always)]
+        |ray| {
+            let hit = &hits[(first + place(side, ray)) as usize];
+            [hit.instance, hit.triangle]
+        },
+    );
+    let mut ray = 0;
+    while ray < side * side {
+        let leader = leader(leaders, ray);
+        if leader != ray {
+            let triangle = (first + place(side, leader)) % TILE;
+            hits[(first + place(side, ray)) as usize] = Hit { triangle, ..Hit::MISS };
+        }
+        ray += 1;
+    }
+}
+
+/// Where the ray is whose color a ray takes: its own place, unless its hit in the first layer says otherwise. Places are
+/// counted from the start of a tile.
+#[inline(always)]
+pub fn shaded(ray: u32, hit: &Hit) -> u32 {
+    if hit.instance == NONE && hit.triangle != NONE { ray - ray % TILE + hit.triangle } else { ray }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Backdrop;
+    use bytemuck::Zeroable;
+
+    /// Hits of the second pixel of a tile whose pixels have four sub-rays, which have met these instances and triangles; after
+    /// [`share`]. Its rays are numbered 2, 3, 6 and 7.
+    fn shared(frame: Frame, met: [[u32; 2]; 4]) -> [u32; 4] {
+        let mut hits = [Hit::MISS; 32];
+        for ([instance, triangle], at) in met.into_iter().zip([18, 19, 22, 23]) {
+            hits[at] = Hit { t: 1.0, instance, triangle, u: 0.3, v: 0.3 };
+        }
+        share(&Frame { side: 2, ..frame }, &mut hits, 18);
+        [18, 19, 22, 23].map(|ray| shaded(ray, &hits[ray as usize]))
+    }
+
+    #[test]
+    fn rays_take_the_color_of_the_first_that_met_their_triangle() {
+        let [a, b, c] = [[1, 7], [1, 8], [2, 7]];
+        let frame = Frame::zeroed();
+        assert_eq!(shared(frame, [a; 4]), [18; 4]);
+        assert_eq!(shared(frame, [a, b, c, b]), [18, 19, 22, 19]);
+        assert_eq!(shared(frame, [c, a, a, c]), [18, 19, 19, 18]);
+    }
+
+    #[test]
+    fn what_meets_nothing_is_shaded_where_there_is_something_to_show() {
+        let (miss, hit) = ([NONE; 2], [1, 7]);
+        assert_eq!(shared(Frame::zeroed(), [miss, hit, miss, hit]), [18, 19, 18, 19]);
+        let sky = Frame { sky_first: 1, backdrop: Backdrop::Environment as u32, ..Frame::zeroed() };
+        assert_eq!(shared(sky, [miss, hit, miss, hit]), [18, 19, 22, 19]);
+    }
+
+    #[test]
+    fn sixteen_sub_rays_have_leaders_too() {
+        let frame = Frame { side: 4, ..Frame::zeroed() };
+        let leaders = leaders(&frame, |ray| [0, ray % 5]);
+        assert!((0..16).all(|ray| leader(leaders, ray) == ray % 5));
+        assert!(
+            (0..16).all(|ray| place(4, ray) == ray && place(2, ray % 4) == [0, 1, 4, 5][ray as usize % 4])
+        );
+    }
+}
