@@ -216,10 +216,8 @@ fn run(
         }
         Pass::Resolve => {
             let grid = frame.grid();
-            let color = |RayIndex(ray)| {
-                let is_another = frame.is_shared == 1;
-                colors[if is_another { share::shaded(ray, &hits[ray as usize]) } else { ray } as usize]
-            };
+            let shaded = |ray| share::shaded(ray, &hits[ray as usize]);
+            let color = |RayIndex(ray)| colors[if frame.is_shared == 1 { shaded(ray) } else { ray } as usize];
             let through = |ray: RayIndex| colors[(ray.0 + frame.rays) as usize];
             pixels[at] = resolve::resolve::<f32>((), frame, |_| grid.first_ray(unit), color, through).0;
         }

@@ -147,7 +147,7 @@ impl Shape {
         }
     }
 
-    /// The rays that it is asked: where each meets hundreds of triangles, fewer of many.
+    /// How many rays it is asked: [`rays`], but fewer where one takes long, and then [`RAYS`] at least.
     fn rays(&self) -> u32 {
         let rays = rays();
         rays.min(RAYS.max(rays / self.cost))
@@ -185,7 +185,7 @@ impl Shape {
     }
 }
 
-/// The rays that a shape is asked, under each transform.
+/// How many rays a shape is asked under each transform.
 const RAYS: u32 = 4_000;
 
 /// The same, or what `RTRT_RAYS` says.

@@ -8,7 +8,7 @@ use crate::instruction_set::InstructionSet;
 use crate::parallel;
 use crate::planes::Planes;
 use crate::records::Records;
-use crate::shared::{BLOCKS, RunShared};
+use crate::share::{BLOCKS, RunShared};
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicBool, Ordering};
 use rtrt_core::grid::{BlockIndex, Grid};

@@ -47,7 +47,7 @@ mod planes;
 mod prepare;
 mod rays;
 mod records;
-mod shared;
+mod share;
 mod wide;
 
 pub use error::Error;

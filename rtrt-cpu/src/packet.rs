@@ -26,8 +26,8 @@ use rtrt_core::stage::{ambient, detail, light, occlusion, share, surface};
 /// Words of a hit.
 pub const HIT: usize = 5;
 
-/// Words of hits and directions, plane after plane.
-pub type Found = [[u32; RAYS]; 8];
+/// Planes of what rays have found: [`HIT`] of hits, then three of directions.
+pub type Found = [[u32; RAYS]; HIT + 3];
 
 /// What the rays of a block leave for later steps, ray after ray or, of words, plane after plane: the first
 /// word of all rays, then the second.
@@ -112,25 +112,21 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
         }
     }
 
-    /// A packet of `count` rays of any blocks, which have found what they look for.
+    /// A packet of rays of any blocks, which have found what they look for: the first `count` of these.
     #[inline(always)]
-    pub fn of(token: L::Token, context: &'a FrameContext<'a>, planes: &Found, count: usize) -> Self {
-        let [ts, instances, triangles, us, vs, xs, ys, zs] = planes;
-        let zero = L::splat(token, 0.0);
-        let mut packet = Self::at(token, context, RayIndex(0), 0, [V3 { x: zero, y: zero, z: zero }; G]);
+    pub fn of(token: L::Token, context: &'a FrameContext<'a>, found: &Found, count: usize) -> Self {
+        let [.., xs, ys, zs] = found;
+        let directions = groups(
+            #[inline(always)]
+            |g| V3 {
+                x: L::from_bits(L::load(token, &xs[g * L::WIDTH..])),
+                y: L::from_bits(L::load(token, &ys[g * L::WIDTH..])),
+                z: L::from_bits(L::load(token, &zs[g * L::WIDTH..])),
+            },
+        );
+        let mut packet = Self::at(token, context, RayIndex(0), 0, directions);
         packet.groups = count.div_ceil(L::WIDTH);
-        for g in 0..packet.groups {
-            let at = g * L::WIDTH;
-            let (instance, triangle) = (L::load(token, &instances[at..]), L::load(token, &triangles[at..]));
-            let t = L::from_bits(L::load(token, &ts[at..]));
-            let u = L::from_bits(L::load(token, &us[at..]));
-            let v = L::from_bits(L::load(token, &vs[at..]));
-            let x = L::from_bits(L::load(token, &xs[at..]));
-            let y = L::from_bits(L::load(token, &ys[at..]));
-            let z = L::from_bits(L::load(token, &zs[at..]));
-            packet.closest[g] = ClosestHit { t, instance, triangle, u, v };
-            packet.directions[g] = V3 { x, y, z };
-        }
+        packet.load(found.as_flattened());
         packet
     }
 
@@ -185,13 +181,15 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     /// Takes over the hits of earlier steps.
     #[inline(always)]
     fn load(&mut self, hits: &[u32]) {
+        let plane = |number: usize, g: usize| &hits[number * RAYS + self.first + g * L::WIDTH..];
         for g in 0..G {
-            let [t, instance, triangle, u, v]: [L::Bits; HIT] = groups(
-                #[inline(always)]
-                |plane| L::load(self.token, &hits[plane * RAYS + self.first + g * L::WIDTH..]),
-            );
-            let [t, u, v] = [L::from_bits(t), L::from_bits(u), L::from_bits(v)];
-            self.closest[g] = ClosestHit { t, instance, triangle, u, v };
+            self.closest[g] = ClosestHit {
+                t: L::from_bits(L::load(self.token, plane(0, g))),
+                instance: L::load(self.token, plane(1, g)),
+                triangle: L::load(self.token, plane(2, g)),
+                u: L::from_bits(L::load(self.token, plane(3, g))),
+                v: L::from_bits(L::load(self.token, plane(4, g))),
+            };
         }
     }
 
@@ -200,10 +198,26 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     fn store(&self, hits: &mut [u32]) {
         for g in 0..G {
             let ClosestHit { t, instance, triangle, u, v } = self.closest[g];
-            let words = [t.to_bits(), instance, triangle, u.to_bits(), v.to_bits()];
-            for (plane, word) in words.into_iter().enumerate() {
-                L::store(word, &mut hits[plane * RAYS + self.first + g * L::WIDTH..]);
-            }
+            let at = self.first + g * L::WIDTH;
+            L::store(t.to_bits(), &mut hits[at..]);
+            L::store(instance, &mut hits[RAYS + at..]);
+            L::store(triangle, &mut hits[2 * RAYS + at..]);
+            L::store(u.to_bits(), &mut hits[3 * RAYS + at..]);
+            L::store(v.to_bits(), &mut hits[4 * RAYS + at..]);
+        }
+    }
+
+    /// Leaves hits and directions.
+    #[inline(always)]
+    pub fn leave(&self, found: &mut Found) {
+        self.store(found.as_flattened_mut());
+        let [.., xs, ys, zs] = found;
+        for g in 0..G {
+            let V3 { x, y, z } = self.directions[g];
+            let at = self.first + g * L::WIDTH;
+            L::store(x.to_bits(), &mut xs[at..]);
+            L::store(y.to_bits(), &mut ys[at..]);
+            L::store(z.to_bits(), &mut zs[at..]);
         }
     }
 
@@ -271,25 +285,6 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
             let missing = instance.broadcast(NONE);
             *instance = is_covered(alpha).select(missing, *instance);
             self.is_done &= !(!instance.eq(missing)).any();
-        }
-    }
-
-    /// Leaves hits and directions as planes of words.
-    #[inline(always)]
-    pub fn leave(&self, planes: &mut Found) {
-        let [ts, instances, triangles, us, vs, xs, ys, zs] = planes;
-        for g in 0..G {
-            let at = self.first + g * L::WIDTH;
-            let ClosestHit { t, instance, triangle, u, v } = self.closest[g];
-            let V3 { x, y, z } = self.directions[g];
-            L::store(t.to_bits(), &mut ts[at..]);
-            L::store(instance, &mut instances[at..]);
-            L::store(triangle, &mut triangles[at..]);
-            L::store(u.to_bits(), &mut us[at..]);
-            L::store(v.to_bits(), &mut vs[at..]);
-            L::store(x.to_bits(), &mut xs[at..]);
-            L::store(y.to_bits(), &mut ys[at..]);
-            L::store(z.to_bits(), &mut zs[at..]);
         }
     }
 

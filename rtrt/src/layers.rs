@@ -288,9 +288,9 @@ mod tests {
     use super::*;
     use crate::pose::pixel;
     use glam::{Mat4, Vec3};
-    use rtrt_core::backend::Backend;
+    use rtrt_core::backend::{Backend, Shading};
     use rtrt_core::layout::Attribute;
-    use rtrt_core::scene::{Bvh, Camera, Material, Mesh, Projection, Sequential};
+    use rtrt_core::scene::{Bvh, Camera, Light, Material, Mesh, Projection, Sequential};
     use rtrt_cpu::{Cpu, Options};
 
     /// A triangle in the plane z = 0 whose normals lean outward as those of a ball do, and a ball behind it.
@@ -346,5 +346,30 @@ mod tests {
             assert!(lifted > 0.1 && seen[0] > 50 && seen[1] > 50, "{lifted} {seen:?}");
             assert!((10..200).contains(&shorter), "{shorter}");
         }
+    }
+
+    #[test]
+    fn a_shared_color_counts_for_each_of_its_sub_rays() {
+        let mut scene = scene();
+        scene.add_light(Light::point([2.0, 4.0, 8.0]));
+        let projection = Projection::Perspective { fov_y: 0.8 };
+        let camera = Camera { eye: Vec3::new(3.0, 1.0, 12.0), look_at: Vec3::X, up: Vec3::Y, projection };
+        let request = Request::new(&camera, [40, 30]).samples(4).shading(Shading::Pixel).deferred(true);
+        let mut picture = Picture::default();
+        Cpu::new(Options::default()).unwrap().render(&scene, &request, &mut picture).unwrap();
+        let pixels = Pixels::new(&scene, &request, &picture).unwrap();
+        let mut covered = 0;
+        for (number, &pixel) in (0..).zip(&picture.pixels) {
+            let [r, g, b, alpha] = pixels.color(number);
+            if alpha < 1.0 {
+                continue;
+            }
+            covered += 1;
+            let bytes = [r, g, b].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
+            assert_eq!(bytes[..], pixel.to_le_bytes()[..3], "{number}");
+            let normal = DVec3::from(pixels.normal(number).map(f64::from));
+            assert!(normal.length() > 0.5, "{number}: {normal}");
+        }
+        assert!(covered > 300, "{covered}");
     }
 }

@@ -252,8 +252,10 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
     for ray in (0..deferred.hits.len()).step_by(step) {
         deferred.hits[ray] = brute.hit(RayIndex(ray as u32));
     }
-    for pixel in 0..frame.is_shared * frame.width * frame.height {
-        share(frame, &mut deferred.hits, frame.grid().first_ray(pixel).0);
+    if frame.is_shared == 1 {
+        for pixel in 0..frame.width * frame.height {
+            share(frame, &mut deferred.hits, frame.grid().first_ray(pixel).0);
+        }
     }
     for ray in (0..deferred.hits.len()).step_by(step) {
         let mask = &mut deferred.masks[ray * words..][..words];

@@ -151,7 +151,7 @@ pub fn check(scene: &Scene, request: &Request<'_>, picture: &Picture, step: usiz
         let ray =
             camera_ray(request, dvec2(f64::from(at[0]) + 0.5, f64::from(at[1]) + 0.5) / f64::from(side));
         let nearest = nearest(&triangles, &ray, request.clip.map(f64::from));
-        let taken = if setup.frame.is_shared == 1 { shaded(index, hit) } else { index };
+        let taken = shaded(index, hit);
         if taken != index {
             let other = &deferred.hits[taken as usize];
             if nearest.is_some_and(|nearest| met(nearest.as_ref()) != [other.instance, other.triangle]) {

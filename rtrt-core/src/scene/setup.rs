@@ -181,7 +181,8 @@ impl Setup {
         let centers = self.views.iter().flat_map(|view| view.center.map(|c| c.abs() + view.disc));
         let corners = bounds.low.into_iter().chain(bounds.high);
         let magnitude = centers.chain(corners).fold(0.0_f32, |most, c| most.max(c.abs()));
-        let is_soft = shadows == Shadows::Soft && lights.iter().any(|light| light.radius > 0.0);
+        let has_radius = lights.iter().any(|light| light.radius > 0.0);
+        let is_soft = shadows == Shadows::Soft && has_radius;
         let background = if scene.backdrop == Backdrop::Nothing { Vec3::ZERO } else { scene.background };
         let ([ambient_r, ambient_g, ambient_b], [background_r, background_g, background_b]) =
             (scene.ambient.map(floored).to_array(), background.map(floored).to_array());
@@ -231,10 +232,9 @@ impl Setup {
             ambient_reach: ambient_occlusion,
             ..Frame::zeroed()
         };
-        let has_discs =
-            matches!(shadows, Shadows::Area { .. }) && lights.iter().any(|light| light.radius > 0.0);
-        let is_plain = frame.layers_behind() == 0 && frame.records() == 1 && frame.penumbra_window == 0;
-        let can_share = side > 1 && is_plain && !has_discs && !frame.has_ambient_rays();
+        let is_hard = !has_radius || matches!(shadows, Shadows::Off | Shadows::Hard);
+        let is_one_layer = frame.layers_behind() == 0 && frame.records() == 1;
+        let can_share = side > 1 && is_hard && is_one_layer && !has_ambient_rays;
         let is_shared = can_share && shading == Shading::Pixel;
         if is_shared {
             // A color stands for a pixel, not for a sub-ray.
@@ -288,6 +288,28 @@ mod tests {
         assert_ne!(frame(&scene).sky_first, before.sky_first);
         scene.remove_environment();
         assert_eq!(frame(&scene), before);
+    }
+
+    #[test]
+    fn the_footprint_of_a_shared_color_is_a_pixel() {
+        let camera = Camera {
+            eye: Vec3::Z,
+            look_at: Vec3::ZERO,
+            up: Vec3::Y,
+            projection: Projection::Perspective { fov_y: 1.0 },
+        };
+        let footprint = |samples: u32, shading: Shading| {
+            let mut setup = Setup::default();
+            let request = Request::new(&camera, [32, 16]).samples(samples).shading(shading);
+            setup.prepare(&Scene::new(), &request).unwrap();
+            let View { pixel, pixel_t, .. } = setup.views[Frame::CAMERA as usize];
+            [pixel, pixel_t]
+        };
+        let pixel = footprint(1, Shading::Sample);
+        for (samples, part) in [(1, 1.0), (4, 0.5), (16, 0.25)] {
+            assert_eq!(footprint(samples, Shading::Pixel), pixel);
+            assert_eq!(footprint(samples, Shading::Sample), pixel.map(|c| c * part));
+        }
     }
 
     #[test]

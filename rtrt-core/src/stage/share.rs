@@ -2,18 +2,16 @@
 //!
 //! The first of them in number is shaded, and the others take its color. So do sub-rays that meet one side of a
 //! sphere, and, where nothing is shown behind everything, those that meet nothing. A hit that takes another's color
-//! has no instance any more, and its triangle is where that other ray is in the tile of 16 rays.
+//! has no instance any more, and its triangle is where that other ray is in its tile, which has all sub-rays of a pixel.
 
 use crate::grid::number;
+use crate::kernel::tiles::TILE;
 use crate::layout::{Frame, Hit, NONE};
-
-/// Rays of a tile, which has all sub-rays of its pixels.
-const TILE: u32 = 16;
 
 /// The sub-rays of a pixel whose colors its sub-rays take, four bits each: of the first eight, and of the others.
 /// Sub-rays are numbered row by row, and `met` is what one has met: instance and triangle.
 #[inline(always)]
-pub fn leaders(frame: &Frame, met: impl Fn(u32) -> [u32; 2]) -> [u32; 2] {
+fn leaders(frame: &Frame, met: impl Fn(u32) -> [u32; 2]) -> [u32; 2] {
     let (mut low, mut high) = (0, 0);
     let mut ray = 0;
     while ray < frame.side * frame.side {
@@ -41,19 +39,19 @@ fn is_same([instance, triangle]: [u32; 2], other: [u32; 2]) -> bool {
 
 /// Whether rays that meet this instance, or none, can take another's color.
 #[inline(always)]
-pub fn is_shareable(frame: &Frame, instance: u32) -> bool {
+fn is_shareable(frame: &Frame, instance: u32) -> bool {
     instance != NONE || !frame.shows_sky()
 }
 
 /// One of [`leaders`].
 #[inline(always)]
-pub fn leader([low, high]: [u32; 2], ray: u32) -> u32 {
+fn leader([low, high]: [u32; 2], ray: u32) -> u32 {
     (if ray < 8 { low } else { high }) >> (ray % 8 * 4) & 15
 }
 
 /// Where a sub-ray of a pixel is, from the pixel's first one.
 #[inline(always)]
-pub fn place(side: u32, ray: u32) -> u32 {
+fn place(side: u32, ray: u32) -> u32 {
     // The side is 1, 2 or 4.
     number([ray & (side - 1), ray >> (side >> 1)])
 }
@@ -75,18 +73,44 @@ pub fn share(frame: &Frame, hits: &mut [Hit], first: u32) {
     while ray < side * side {
         let leader = leader(leaders, ray);
         if leader != ray {
-            let triangle = (first + place(side, leader)) % TILE;
+            let triangle = (first + place(side, leader)) % TILE as u32;
             hits[(first + place(side, ray)) as usize] = Hit { triangle, ..Hit::MISS };
         }
         ray += 1;
     }
 }
 
+/// For each ray of a tile, the ray of the tile whose color it takes. `instances` and `triangles` are what they have met.
+#[inline(always)]
+pub fn tile(frame: &Frame, instances: &[u32; TILE], triangles: &[u32; TILE]) -> [u8; TILE] {
+    let side = frame.side;
+    // The bits of a number that say where in its pixel a ray is.
+    let within = number([side - 1, side - 1]) as usize;
+    let mut taken = [0; TILE];
+    // Most tiles are within one triangle, or meet nothing.
+    let differs = |words: &[u32; TILE]| words.iter().fold(0, |differs, word| differs | (word ^ words[0]));
+    if differs(instances) | differs(triangles) == 0 {
+        let kept = if is_shareable(frame, instances[0]) { !within } else { !0 };
+        for (ray, taken) in taken.iter_mut().enumerate() {
+            *taken = (ray & kept) as u8;
+        }
+        return taken;
+    }
+    for first in (0..TILE).filter(|ray| ray & within == 0) {
+        let at = |ray: u32| first + place(side, ray) as usize;
+        let leaders = leaders(frame, |ray| [instances[at(ray)], triangles[at(ray)]]);
+        for ray in 0..side * side {
+            taken[at(ray)] = at(leader(leaders, ray)) as u8;
+        }
+    }
+    taken
+}
+
 /// Where the ray is whose color a ray takes: its own place, unless its hit in the first layer says otherwise. Places are
 /// counted from the start of a tile.
 #[inline(always)]
 pub fn shaded(ray: u32, hit: &Hit) -> u32 {
-    if hit.instance == NONE && hit.triangle != NONE { ray - ray % TILE + hit.triangle } else { ray }
+    if hit.instance == NONE && hit.triangle != NONE { ray - ray % TILE as u32 + hit.triangle } else { ray }
 }
 
 #[cfg(test)]
@@ -121,6 +145,33 @@ mod tests {
         assert_eq!(shared(Frame::zeroed(), [miss, hit, miss, hit]), [18, 19, 18, 19]);
         let sky = Frame { sky_first: 1, backdrop: Backdrop::Environment as u32, ..Frame::zeroed() };
         assert_eq!(shared(sky, [miss, hit, miss, hit]), [18, 19, 22, 19]);
+    }
+
+    #[test]
+    fn a_tile_is_shared_as_its_pixels_are() {
+        let sky = Frame { sky_first: 1, backdrop: Backdrop::Environment as u32, ..Frame::zeroed() };
+        for side in [1, 2, 4] {
+            for frame in [Frame::zeroed(), sky].map(|frame| Frame { side, ..frame }) {
+                // One triangle, nothing, both, and many.
+                for instance in 0..4 {
+                    let of =
+                        |ray: u32| [1, NONE, if ray.is_multiple_of(3) { 1 } else { NONE }, ray % 2][instance];
+                    let instances: [u32; TILE] = core::array::from_fn(|ray| of(ray as u32));
+                    let triangles = instances.map(|instance| if instance == NONE { NONE } else { 5 });
+                    let mut hits = [Hit::MISS; TILE];
+                    for (hit, instance) in hits.iter_mut().zip(instances).filter(|(_, met)| *met != NONE) {
+                        *hit = Hit { t: 1.0, instance, triangle: 5, u: 0.0, v: 0.0 };
+                    }
+                    let within = number([side - 1, side - 1]);
+                    for first in (0..TILE as u32).filter(|ray| ray & within == 0) {
+                        share(&frame, &mut hits, first);
+                    }
+                    for (ray, taken) in (0..).zip(tile(&frame, &instances, &triangles)) {
+                        assert_eq!(shaded(ray, &hits[ray as usize]), taken.into(), "{side} {instance} {ray}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -41,7 +41,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "share/masked",
-        claim: "What is seen through a hole is a surface of its own.",
+        claim: "A sheet and what is seen through its holes have a color each.",
         scene: || {
             let build = Build::default().shape(Shape::floor(4.0, -1.0));
             let sheet = Material::new([0.3, 0.7, 0.4]).mask(0.5);

@@ -361,6 +361,8 @@ mod tests {
             let camera = Camera { eye, look_at: -eye, up: eye + 1.0, projection };
             let request =
                 Request::new(&camera, [123, 45]).samples(16).shadows(Shadows::Off).layers(3).deferred(true);
+            let shading = if place % 3 == 0 { Shading::Pixel } else { Shading::Sample };
+            let request = request.shading(shading);
             let request = if place % 2 == 0 { request.clip(0.1, 1e30) } else { request };
             let debug = Some(DebugView::Heat);
             let shot = Shot {
@@ -397,7 +399,7 @@ mod tests {
             }
             assert_eq!((read.common.size, read.common.samples), ([123, 45], Some(16)));
             assert_eq!((read.common.shadows(), read.common.transparency_depth), (Shadows::Off, 3));
-            assert_eq!(read.hybrid, place % 3 == 0);
+            assert_eq!((read.hybrid, read.common.shading), (place % 3 == 0, shading));
             assert_eq!((read.debug, read.common.time), (debug, Some(0.1 + 0.2)));
             assert_eq!(read.common.lights, common.lights);
             assert_eq!((read.common.hide, read.common.materials), (vec![3, 1], shot.materials));

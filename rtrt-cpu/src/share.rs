@@ -1,4 +1,4 @@
-//! Blocks in which sub-rays that meet one surface are shaded as one. There are too few of those in a block for a packet, so
+//! Blocks of frames in which sub-rays that meet one triangle are shaded as one: few rays of a block are shaded, so those of
 //! several blocks fill packets together.
 
 use crate::block::{Block, resolve_block};
@@ -7,13 +7,13 @@ use crate::clock::Clock;
 use crate::context::FrameContext;
 use crate::instant::Instant;
 use crate::instruction_set::LaneTask;
-use crate::packet::{Found, PacketState, Rays};
+use crate::packet::{Found, HIT, PacketState, Rays};
 use crate::wide::Wide;
 use alloc::vec::Vec;
-use rtrt_core::grid::number;
+use rtrt_core::kernel::tiles::TILE;
 use rtrt_core::layout::{Frame, NONE};
 use rtrt_core::schedule::{Pass, Step};
-use rtrt_core::stage::share::{is_shareable, leader, leaders, place};
+use rtrt_core::stage::share;
 
 /// Blocks that fill packets together.
 pub const BLOCKS: usize = 4;
@@ -49,8 +49,8 @@ impl LaneTask for RunShared<'_> {
         let shading = shading.split(is_last).next().unwrap_or_default();
 
         let mut shaded = [[0; RAYS]; BLOCKS];
-        let mut waiting = Waiting { found: [[0; RAYS]; 8], places: [0; RAYS], count: 0 };
-        let mut found: Found = [[0; RAYS]; 8];
+        let mut waiting = Waiting { found: [[0; RAYS]; HIT + 3], places: [0; RAYS], count: 0 };
+        let mut found: Found = [[0; RAYS]; HIT + 3];
         let mut to = Shading {
             shadows: core::mem::take(&mut blocks[0].transmittance),
             colors: [[0.0; 4]; BLOCKS * RAYS],
@@ -129,37 +129,12 @@ impl Waiting {
     }
 }
 
-/// Rays of a tile, which has all sub-rays of its pixels.
-const TILE: usize = 16;
-
 /// The ray whose color each ray of a block takes.
 #[inline(always)]
 fn share(frame: &Frame, found: &Found, shaded: &mut [u8; RAYS]) {
-    let side = frame.side;
-    let [_, instances, triangles, ..] = found;
-    for tile in (0..RAYS).step_by(TILE) {
-        // Most tiles are within one triangle, or meet nothing.
-        let differs = |words: &[u32; RAYS]| {
-            words[tile..][..TILE].iter().fold(0, |differs, word| differs | (word ^ words[tile]))
-        };
-        if differs(instances) | differs(triangles) == 0 {
-            let kept = if is_shareable(frame, instances[tile]) { !within(side) } else { !0 };
-            for ray in 0..TILE {
-                shaded[tile + ray] = (tile + (ray & kept)) as u8;
-            }
-            continue;
-        }
-        for pixel in (0..TILE).filter(|ray| ray & within(side) == 0) {
-            let at = |ray: u32| tile + pixel + place(side, ray) as usize;
-            let leaders = leaders(frame, |ray| [instances[at(ray)], triangles[at(ray)]]);
-            for ray in 0..side * side {
-                shaded[at(ray)] = at(leader(leaders, ray)) as u8;
-            }
-        }
+    let [_, instances, triangles, ..] = found.each_ref().map(|plane| plane.as_chunks().0);
+    for (tile, shaded) in shaded.as_chunks_mut::<TILE>().0.iter_mut().enumerate() {
+        let first = (tile * TILE) as u8;
+        *shaded = share::tile(frame, &instances[tile], &triangles[tile]).map(|ray| first + ray);
     }
-}
-
-/// The bits of a ray's number in its tile that say where it is in its pixel.
-fn within(side: u32) -> usize {
-    number([side - 1, side - 1]) as usize
 }
