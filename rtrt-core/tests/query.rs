@@ -1,12 +1,16 @@
 //! Rays against random worlds: every answer is that of a search without any tree.
 
+use bytemuck::{Pod, cast_slice};
 use glam::{Mat4, Quat, Vec3};
 use rtrt_core::kernel::geometry::Geometry;
 use rtrt_core::kernel::ray::Ray as KernelRay;
 use rtrt_core::kernel::sphere::Chord;
 use rtrt_core::kernel::triangle::{Triangle, intersect};
 use rtrt_core::lane::V3;
-use rtrt_core::query::{DeviceWorld, Hit, Overlap, Ray, Shapes, Sides, Source, Tree, Volume, World};
+use rtrt_core::layout::{Instance, Node};
+use rtrt_core::query::{
+    Changed, DeviceChanges, DeviceWorld, Hit, Overlap, Ray, Shapes, Sides, Source, Tree, Volume, World,
+};
 use rtrt_core::scene::{
     Attribute, Bvh, InstanceIndex, Material, MaterialIndex, Mesh, MeshError, MeshIndex, Scene, Sequential,
 };
@@ -171,25 +175,68 @@ fn ray(random: &mut Random, size: f32, scene: &Scene, instances: &[InstanceIndex
     ray.sides([Sides::Both, Sides::Fronts, Sides::Backs, Sides::Drawn][random.below(4) as usize])
 }
 
-/// Compares what devices compute with all hits.
-fn compare_on_device(device: &DeviceWorld, scene: &Scene, masks: &[u32], ray: &Ray) {
-    let world = QueryWorld {
-        frame: &device.frame,
-        geometry: Geometry {
-            instances: scene.instances(),
-            nodes: &device.nodes,
-            mesh_data: scene.mesh_data(),
-            positions: scene.positions(),
-            texels: scene.texels(),
-            magnitude: device.frame.magnitude,
-        },
-        masks: &device.masks,
-    };
-    let record = device.record(ray).expect("a ray");
-    let every = every(scene, masks, ray);
-    let closest = device.hit(ray, &query::closest(&world, &record));
-    assert_eq!(closest.as_ref().map(row), every.first().copied(), "{ray:?}");
-    assert_eq!(query::occluded(&world, &record), u32::from(!every.is_empty()), "{ray:?}");
+/// What a device has of a scene: copies of what was found changed.
+#[derive(Default)]
+struct OnDevice {
+    world: DeviceWorld,
+    instances: Vec<Instance>,
+    /// Those of the scene, then those of the tree.
+    nodes: Vec<Node>,
+    mesh_data: Vec<u32>,
+    positions: Vec<[f32; 3]>,
+    texels: Vec<u32>,
+    masks: Vec<u32>,
+}
+
+/// Copies what has changed, from `start` on; `end` elements are there afterwards.
+fn renew<T: Pod>(copy: &mut Vec<T>, [start, end]: [usize; 2], elements: &[T], changed: &Changed) {
+    copy.resize(end, T::zeroed());
+    for range in changed.ranges(elements.len(), 2) {
+        copy[start + range.start..start + range.end].copy_from_slice(&elements[range]);
+    }
+}
+
+impl OnDevice {
+    /// Follows to the scene, and compares with a copy that is made anew.
+    fn update(&mut self, scene: &Scene) {
+        let DeviceChanges { geometry, texels, instances, tree } = self.world.update(scene, &Sequential);
+        let (root, end) = (scene.nodes().len(), scene.nodes().len() + self.world.tree().len());
+        renew(&mut self.instances, [0, scene.instances().len()], scene.instances(), &instances);
+        renew(&mut self.masks, [0, scene.instances().len()], &self.world.masks, &instances);
+        renew(&mut self.nodes, [0, end], scene.nodes(), &geometry);
+        renew(&mut self.nodes, [root, end], self.world.tree(), &tree);
+        renew(&mut self.mesh_data, [0, scene.mesh_data().len()], scene.mesh_data(), &geometry);
+        renew(&mut self.positions, [0, scene.positions().len()], scene.positions(), &geometry);
+        renew(&mut self.texels, [0, scene.texels().len()], scene.texels(), &texels);
+        let bytes = cast_slice::<_, u8>;
+        assert!(bytes(&self.instances) == bytes(scene.instances()));
+        assert_eq!((&self.nodes[..root], &self.nodes[root..]), (scene.nodes(), self.world.tree()));
+        assert_eq!((&self.mesh_data[..], &self.positions[..]), (scene.mesh_data(), scene.positions()));
+        assert_eq!(self.texels, scene.texels());
+        let fresh = DeviceWorld::new(scene, &Sequential);
+        assert_eq!((self.world.frame, &self.masks), (fresh.frame, &fresh.masks));
+    }
+
+    /// Compares what the device computes with all hits.
+    fn compare(&self, scene: &Scene, masks: &[u32], ray: &Ray) {
+        let world = QueryWorld {
+            frame: &self.world.frame,
+            geometry: Geometry {
+                instances: &self.instances,
+                nodes: &self.nodes,
+                mesh_data: &self.mesh_data,
+                positions: &self.positions,
+                texels: &self.texels,
+                magnitude: self.world.frame.magnitude,
+            },
+            masks: &self.masks,
+        };
+        let record = self.world.record(ray).expect("a ray");
+        let every = every(scene, masks, ray);
+        let closest = self.world.hit(ray, &query::closest(&world, &record));
+        assert_eq!(closest.as_ref().map(row), every.first().copied(), "{ray:?}");
+        assert_eq!(query::occluded(&world, &record), u32::from(!every.is_empty()), "{ray:?}");
+    }
 }
 
 /// Compares every kind of query with all hits; returns how many rays hit anything.
@@ -219,9 +266,12 @@ fn compare(world: &World<'_>, scene: &Scene, masks: &[u32], ray: &Ray) -> usize 
 #[test]
 fn answers_are_those_of_a_search_without_a_tree_while_things_move() {
     let mut random = Random(1);
+    // It follows from one scene to the next.
+    let mut device = OnDevice::default();
     for instances in [1, 2, 9, 70, 400] {
         let Made { mut scene, meshes, materials, instances: mut all } = made(&mut random, instances);
         let mut tree = Tree::default();
+        let mut masks = vec![0; instances as usize];
         let mut hit = 0;
         for step in 0..12 {
             // A few move, or most of them; some hide, a mesh bends, and there is one more.
@@ -238,16 +288,27 @@ fn answers_are_those_of_a_search_without_a_tree_while_things_move() {
             }
             if step == 7 {
                 all.push(scene.add_sphere(materials[0], random.place(3.0)).expect("a place"));
+                masks.push(u32::MAX);
             }
-            let masks: Vec<_> = (0..all.len()).map(|_| 1 << random.below(4)).collect();
-            for (instance, mask) in all.iter().zip(&masks) {
-                scene.set_ray_mask(*instance, *mask).expect("it is there");
+            if step == 9 {
+                // Nothing moves.
+                scene.set_material(materials[1], Material::default().mask(0.3)).expect("a look");
+            }
+            if step == 10 {
+                let mesh = heap(&mut random, 20);
+                scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).expect("room");
+            }
+            // Masks of all change, or of one.
+            let chosen = random.below(all.len() as u32) as usize;
+            for number in (0..all.len()).filter(|number| step % 4 == 0 || *number == chosen) {
+                masks[number] = 1 << random.below(4);
+                scene.set_ray_mask(all[number], masks[number]).expect("it is there");
             }
             let world = tree.world(&scene);
-            let device = DeviceWorld::new(&scene, &Sequential);
+            device.update(&scene);
             for _ in 0..25 {
                 let ray = ray(&mut random, 8.0, &scene, &all);
-                compare_on_device(&device, &scene, &masks, &ray);
+                device.compare(&scene, &masks, &ray);
                 hit += compare(&world, &scene, &masks, &ray);
             }
         }

@@ -124,6 +124,12 @@ impl Device {
         unsafe { self.device.create_shader_module_passthrough(descriptor) }
     }
 
+    /// The size of a buffer of at least `bytes`.
+    pub fn buffer_bytes(bytes: u64) -> u64 {
+        // No binding may be smaller than an element, even of nothing.
+        bytes.next_multiple_of(4).max(LARGEST)
+    }
+
     /// A buffer of at least `bytes`, for anything.
     pub fn buffer(
         &self,
@@ -131,8 +137,7 @@ impl Device {
         bytes: u64,
         usage: wgpu::BufferUsages,
     ) -> Result<wgpu::Buffer, Error> {
-        // No binding may be smaller than an element, even of nothing.
-        let needed = bytes.next_multiple_of(4).max(LARGEST);
+        let needed = Self::buffer_bytes(bytes);
         if needed > self.limit {
             return Err(Error::BufferTooLarge { buffer: what, needed, limit: self.limit });
         }

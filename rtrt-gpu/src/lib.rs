@@ -18,6 +18,7 @@
 //! has no others. They are not `Send`: errors of devices are caught on the thread that a future is first polled on.
 
 mod adapter;
+mod array;
 mod band;
 mod barriers;
 mod buffers;

@@ -1,6 +1,7 @@
 //! Rays of other programs, on a device.
 
 use crate::Gpu;
+use crate::array::Array;
 use crate::device::{Device, watched};
 use crate::entry::{QUERY_CLOSEST, QUERY_OCCLUDED, groups};
 use crate::error::Error;
@@ -8,26 +9,30 @@ use crate::pipeline::Pipeline;
 use crate::wait::Waiting;
 use bytemuck::Pod;
 use rtrt_core::layout::{Hit as HitRecord, QueryFrame, RayRecord};
-use rtrt_core::query::{DeviceWorld, Hit, QueryError, Ray};
+use rtrt_core::query::{Changed, DeviceChanges, DeviceWorld, Hit, QueryError, Ray};
 use rtrt_core::scene::{Join, Scene};
+use std::mem::take;
 use wgpu::BufferUsages;
 
 /// Rays that one dispatch of slices asks.
 const BATCH: usize = 1 << 20;
 
-/// A scene on a device, as it was when [`Gpu::world`] was called. It answers rays.
+/// A scene on a device, as it was when [`Gpu::world`] or [`World::update`] was called last. It answers rays.
 ///
 /// Answers have the bits of [`rtrt_core::query::World`]. The whole scene is copied, and a tree over its
-/// instances is built; to follow a scene that moves, make another.
+/// instances is built; an update copies what has changed since.
 ///
 /// ```no_run
 /// use rtrt_core::query::Ray;
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # let scene = rtrt_core::scene::Scene::new();
 /// let gpu = rtrt_gpu::Gpu::new(rtrt_gpu::Options::default())?;
-/// let world = gpu.world(&scene, &rtrt_core::scene::Sequential)?;
+/// let mut world = gpu.world(&scene, &rtrt_core::scene::Sequential)?;
 /// let rays = vec![Ray::new([0.0; 3], [0.0, 0.0, -1.0]); 1000];
 /// let mut hits = vec![Ok(None); 1000];
+/// world.closest(&rays, &mut hits)?;
+/// // Something moves.
+/// world.update(&scene, &rtrt_core::scene::Sequential)?;
 /// world.closest(&rays, &mut hits)?;
 /// # Ok(())
 /// # }
@@ -36,7 +41,7 @@ pub struct World {
     device: Device,
     world: DeviceWorld,
     /// The instances, nodes, mesh data, positions, texels and masks.
-    scene: [wgpu::Buffer; 6],
+    arrays: [Array; 6],
     closest: Pipeline,
     occluded: Pipeline,
 }
@@ -57,25 +62,78 @@ impl Gpu {
     /// As there.
     pub async fn world_async(&self, scene: &Scene, join: &impl Join) -> Result<World, Error> {
         let device = self.renderer.device.clone();
-        watched(&device.device.clone(), async {
-            let world = DeviceWorld::new(scene, join);
-            let scene = [
-                upload(&device, "instances", scene.instances())?,
-                upload(&device, "nodes", &world.nodes)?,
-                upload(&device, "mesh data", scene.mesh_data())?,
-                upload(&device, "positions", scene.positions())?,
-                upload(&device, "texels", scene.texels())?,
-                upload(&device, "masks", &world.masks)?,
+        let mut world = watched(&device.device, async {
+            let arrays = [
+                Array::new(&device, "instances", 0)?,
+                Array::new(&device, "nodes", 0)?,
+                Array::new(&device, "mesh data", 0)?,
+                Array::new(&device, "positions", 0)?,
+                Array::new(&device, "texels", 0)?,
+                Array::new(&device, "masks", 0)?,
             ];
             let pipeline = |(name, accesses): (&str, &[_])| device.pipeline(name, accesses.iter().copied());
             let (closest, occluded) = (pipeline(QUERY_CLOSEST), pipeline(QUERY_OCCLUDED));
-            Ok(World { device: device.clone(), world, scene, closest, occluded })
+            Ok(World { device: device.clone(), world: DeviceWorld::default(), arrays, closest, occluded })
         })
-        .await
+        .await?;
+        world.update_async(scene, join).await?;
+        Ok(world)
     }
 }
 
 impl World {
+    /// Follows to the scene as it is now, which may be another one: answers are then those of a new world of it.
+    ///
+    /// | since the last call | what is computed and copied |
+    /// |---|---|
+    /// | instances were moved, hidden or shown, or got other masks | those, and the boxes of the tree above them |
+    /// | many of them | all instances; the tree is built again, by workers of `join`, if it has become bad |
+    /// | a mesh was added or has another shape | all meshes |
+    /// | an instance was added | all instances and the tree |
+    /// | a material was added or set | all instances |
+    /// | a texture was added | all texels |
+    ///
+    /// It does not wait for the device. Commands of [`World::encode_closest`] and [`World::encode_occluded`] are to be
+    /// submitted before it: those that are submitted later would mix both scenes.
+    ///
+    /// # Errors
+    /// A buffer would be larger than the device allows, or the device failed. The world is then empty, and rays hit
+    /// nothing, until a call succeeds.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn update(&mut self, scene: &Scene, join: &impl Join) -> Result<(), Error> {
+        pollster::block_on(self.update_async(scene, join))
+    }
+
+    /// [`World::update`] without blocking. The world is empty as well if the future is dropped before it is ready.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn update_async(&mut self, scene: &Scene, join: &impl Join) -> Result<(), Error> {
+        // Until all is copied, the world is that of no scene. Its root is the first node of all, which is an empty leaf in
+        // every scene.
+        let mut world = take(&mut self.world);
+        let device = self.device.device.clone();
+        watched(&device, async {
+            let changes = world.update(scene, join);
+            self.renew(scene, &world, &changes)
+        })
+        .await?;
+        self.world = world;
+        Ok(())
+    }
+
+    /// Copies what has changed.
+    fn renew(&mut self, scene: &Scene, world: &DeviceWorld, changes: &DeviceChanges) -> Result<(), Error> {
+        let [instances, nodes, mesh_data, positions, texels, masks] = &mut self.arrays;
+        let DeviceChanges { geometry, texels: texels_changed, instances: moved, tree } = changes;
+        instances.renew(&self.device, &[(scene.instances(), moved)])?;
+        nodes.renew(&self.device, &[(scene.nodes(), geometry), (world.tree(), tree)])?;
+        mesh_data.renew(&self.device, &[(scene.mesh_data(), geometry)])?;
+        positions.renew(&self.device, &[(scene.positions(), geometry)])?;
+        texels.renew(&self.device, &[(scene.texels(), texels_changed)])?;
+        masks.renew(&self.device, &[(&world.masks[..], moved)])
+    }
+
     /// The closest hit of each ray, by [`rtrt_core::query::World::closest`]; a ray that is refused has an error of its
     /// own. What is beyond the shorter slice is left alone.
     ///
@@ -215,7 +273,8 @@ impl World {
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let numbers = self.device.buffer("rays of a batch", size_of::<QueryFrame>() as u64, usage)?;
         self.device.queue.write_buffer(&numbers, 0, bytemuck::bytes_of(&frame));
-        let buffers = [&numbers].into_iter().chain(&self.scene).chain([rays, answers]);
+        let scene = self.arrays.iter().map(|array| &array.buffer);
+        let buffers = [&numbers].into_iter().chain(scene).chain([rays, answers]);
         let group = pipeline.group(&self.device.device, buffers);
         let mut pass = commands.begin_compute_pass(&Default::default());
         pipeline.dispatch(&mut pass, &group, groups([count, 1]));
@@ -243,12 +302,13 @@ impl World {
                 let asked: Vec<_> = rays.iter().map(|ray| self.record(ray)).collect();
                 let records: Vec<_> =
                     asked.iter().map(|record| record.unwrap_or(bytemuck::Zeroable::zeroed())).collect();
-                let given = upload(device, "rays", &records)?;
+                let mut given = Array::new(device, "rays", size_of_val(&records[..]) as u64)?;
+                given.renew(device, &[(&records[..], &Changed::All)])?;
                 let bytes = (count * size_of::<R>()) as u64;
                 let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
                 let taken = device.buffer("answers", bytes, usage)?;
                 let mut commands = device.device.create_command_encoder(&Default::default());
-                encode(&given, &taken, count as u32, &mut commands)?;
+                encode(&given.buffer, &taken, count as u32, &mut commands)?;
                 device.queue.submit([commands.finish()]);
                 let found = bytemuck::pod_collect_to_vec::<u8, R>(&device.fetch(&taken, bytes).await?);
                 for (((ray, asked), found), to) in rays.iter().zip(asked).zip(&found).zip(answers) {
@@ -259,12 +319,4 @@ impl World {
         })
         .await
     }
-}
-
-/// A buffer with these elements.
-fn upload<T: Pod>(device: &Device, what: &'static str, elements: &[T]) -> Result<wgpu::Buffer, Error> {
-    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    let buffer = device.buffer(what, size_of_val(elements) as u64, usage)?;
-    device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(elements));
-    Ok(buffer)
 }

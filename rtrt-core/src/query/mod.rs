@@ -41,6 +41,7 @@
 mod block;
 mod collect;
 mod device;
+mod narrow;
 mod near;
 mod ray;
 mod search;
@@ -49,10 +50,11 @@ mod shapes;
 mod source;
 mod surface;
 mod tree;
+mod wear;
 mod wide;
 mod world;
 
-pub use device::DeviceWorld;
+pub use device::{Changed, DeviceChanges, DeviceWorld};
 pub use near::{Overlap, Volume};
 pub use ray::{QueryError, Ray, Sides};
 pub use shapes::Shapes;

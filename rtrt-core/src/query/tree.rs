@@ -2,6 +2,7 @@
 
 use super::block::Block;
 use super::source::{MeshNodes, Parts, Source};
+use super::wear::Wear;
 use super::wide::{Child, WIDTH, WideTree, widened};
 use super::world::World;
 use crate::layout::NONE;
@@ -10,9 +11,6 @@ use alloc::collections::BinaryHeap;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicBool, Ordering};
-
-/// A tree with so many times the cost that it had when it was built is built again.
-const WORN: f64 = 2.0;
 
 /// Trees over the instances and meshes of a [`Scene`](crate::scene::Scene) or of [`Shapes`](super::Shapes), kept
 /// from one change to the next.
@@ -102,9 +100,7 @@ pub(crate) struct InstanceTree {
     pub entries: Vec<Entry>,
     /// So many moves of the source are in it.
     moves: u64,
-    /// The surfaces of all boxes, summed; and the quotient of that by the surface of the whole, when built.
-    area: f64,
-    built_cost: f64,
+    wear: Wear,
 }
 
 /// What a search needs of an instance.
@@ -149,8 +145,7 @@ impl Default for InstanceTree {
             modelled: None,
             entries: vec![],
             moves: 0,
-            area: 0.0,
-            built_cost: 0.0,
+            wear: Wear::default(),
         }
     }
 }
@@ -244,7 +239,7 @@ impl InstanceTree {
                 }
                 None => self.refit_all(source, meshes),
             }
-            if self.cost() > WORN * self.built_cost {
+            if self.wear.is_worn(&self.tree.nodes[0].all_bounds()) {
                 self.build(source, meshes, join);
             }
         }
@@ -285,13 +280,7 @@ impl InstanceTree {
             }
         }
         self.refit_all(source, meshes);
-        self.built_cost = self.cost();
-    }
-
-    /// How often a ray that hits the whole may be expected to hit a box.
-    fn cost(&self) -> f64 {
-        let whole = f64::from(self.tree.nodes[0].all_bounds().area());
-        if whole > 0.0 { self.area / whole } else { 0.0 }
+        self.wear.set_built(&self.tree.nodes[0].all_bounds());
     }
 
     /// Takes over where all instances are.
@@ -309,10 +298,10 @@ impl InstanceTree {
             self.entries.iter().filter(is_modelled).map(|entry| meshes[entry.mesh as usize].bounds);
         let has_parts = self.parts.len() > self.entries.len();
         self.modelled = has_parts.then(|| modelled.fold(Bounds::EMPTY, |all, bounds| all.union(&bounds)));
-        self.area = 0.0;
+        self.wear.area = 0.0;
         for index in (0..self.tree.nodes.len()).rev() {
             let node = &self.tree.nodes[index];
-            self.area += (0..WIDTH).map(|slot| f64::from(node.bounds(slot).area())).sum::<f64>();
+            self.wear.area += (0..WIDTH).map(|slot| f64::from(node.bounds(slot).area())).sum::<f64>();
             if self.parents[index] != NONE {
                 let (bounds, slack) = (node.all_bounds(), largest(&self.slacks[index]));
                 let (above, slot) = split(self.parents[index]);
@@ -349,7 +338,7 @@ impl InstanceTree {
             }
             node.set_bounds(slot, &bounds);
             self.slacks[index][slot] = slack;
-            self.area += f64::from(bounds.area()) - f64::from(old.area());
+            self.wear.replace(&old, &bounds);
             (bounds, slack) = (node.all_bounds(), largest(&self.slacks[index]));
             place = self.parents[index];
         }

@@ -21,7 +21,7 @@ const SHALLOW: usize = 12;
 /// The count of a child that is a node.
 const INNER: u32 = u32::MAX;
 /// Where children are that are not there: no ray comes so far.
-const NOWHERE: f32 = f32::MAX;
+pub(crate) const NOWHERE: f32 = f32::MAX;
 
 /// A node: the boxes of its children, and what they are.
 #[repr(C, align(64))]

@@ -9,7 +9,7 @@ use super::tree::Tree;
 use crate::lane::Lane;
 use crate::lane::plain::Plain;
 use crate::num::FLOOR;
-use crate::scene::{InstanceIndex, Scene};
+use crate::scene::{InstanceIndex, Places, Scene};
 
 /// Where a ray hits a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +56,13 @@ pub struct World<'a, S: Source = Scene> {
     pub(super) mask: u32,
 }
 
+/// The largest coordinate of all that is not hidden, and at least [`FLOOR`].
+pub(super) fn magnitude(places: &Places) -> f32 {
+    let all = places.all();
+    let corners = all.low.into_iter().chain(all.high).filter(|c| c.is_finite());
+    corners.fold(FLOOR, |most, c| most.max(c.abs()))
+}
+
 impl<S: Source> Clone for World<'_, S> {
     fn clone(&self) -> Self {
         *self
@@ -66,9 +73,7 @@ impl<S: Source> Copy for World<'_, S> {}
 
 impl<'a, S: Source> World<'a, S> {
     pub(super) fn new(tree: &'a Tree, source: &'a S) -> Self {
-        let all = source.places().all();
-        let corners = all.low.into_iter().chain(all.high).filter(|c| c.is_finite());
-        Self { tree, source, magnitude: corners.fold(FLOOR, |most, c| most.max(c.abs())), mask: u32::MAX }
+        Self { tree, source, magnitude: magnitude(source.places()), mask: u32::MAX }
     }
 
     /// The world of those of its instances whose [mask](Scene::set_ray_mask) has a bit in common with `mask`: no
