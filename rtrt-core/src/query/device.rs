@@ -71,8 +71,7 @@ impl Changed {
     /// are between two of them, they are one.
     pub fn ranges(&self, count: usize, gap: usize) -> Vec<Range<usize>> {
         let numbers = match self {
-            Self::All if count == 0 => return vec![],
-            Self::All => return vec![0..count],
+            Self::All => return Vec::from_iter((count > 0).then_some(0..count)),
             Self::These(numbers) => numbers,
         };
         let mut ranges: Vec<Range<usize>> = vec![];
@@ -252,11 +251,15 @@ mod tests {
     fn ranges_hold_all_that_changed_and_small_gaps() {
         let these = Changed::these(vec![9, 3, 4, 20, 3, 6]);
         assert_eq!(these, Changed::These(vec![3, 4, 6, 9, 20]));
-        assert_eq!(these.ranges(30, 0), [3..5, 6..7, 9..10, 20..21]);
-        assert_eq!(these.ranges(30, 1), [3..7, 9..10, 20..21]);
-        assert_eq!(these.ranges(30, 2), [3..10, 20..21]);
-        assert_eq!(these.ranges(30, 10), [3..21]);
-        assert_eq!((Changed::All.ranges(5, 0), Changed::All.ranges(0, 9)), (vec![0..5], vec![]));
-        assert_eq!(Changed::all_if(false).ranges(5, 9), vec![]);
+        let ranges = |changed: &Changed, count: usize, gap: usize| {
+            let pair = |range: Range<usize>| (range.start, range.end);
+            changed.ranges(count, gap).into_iter().map(pair).collect::<Vec<_>>()
+        };
+        assert_eq!(ranges(&these, 30, 0), [(3, 5), (6, 7), (9, 10), (20, 21)]);
+        assert_eq!(ranges(&these, 30, 1), [(3, 7), (9, 10), (20, 21)]);
+        assert_eq!(ranges(&these, 30, 2), [(3, 10), (20, 21)]);
+        assert_eq!(ranges(&these, 30, 10), [(3, 21)]);
+        assert_eq!((ranges(&Changed::All, 5, 0), ranges(&Changed::All, 0, 9)), (vec![(0, 5)], vec![]));
+        assert_eq!(ranges(&Changed::all_if(false), 5, 9), []);
     }
 }
