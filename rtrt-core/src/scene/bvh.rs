@@ -5,6 +5,9 @@
 //! which orders them well; then splits that cost more visits than they save tests are merged again,
 //! from the leaves up.
 
+mod build;
+
+use self::build::Padded;
 use crate::kernel::traverse::STACK;
 use crate::layout::Node;
 use crate::scene::Mesh;
@@ -37,22 +40,8 @@ pub struct Bvh {
     pub triangles: Vec<u32>,
 }
 
-/// Bins along each axis.
-const BINS: usize = 16;
-/// Cost of a visit to a node, in triangle tests, as long as triangles are put in order.
-const SPLIT_COST: f32 = 0.6;
-/// The cost that decides which splits are merged: it includes caches and branches. Measured: 1 to 2 make
-/// visibility of dragon_res2 a tenth faster, 2.5 and more make that of Sponza slower. (It does not change
-/// the order of triangles, whose numbers decide between equal hits.)
-const VISIT_COST: f32 = 1.75;
 /// The largest number of triangles in a leaf.
 const LEAF: usize = 8;
-/// Below this depth nodes are split into halves, which bounds the depth of the tree.
-const DEEP: usize = 36;
-const _: () = assert!(DEEP + 26 < STACK);
-/// Nodes with fewer triangles are built by one worker.
-const PARALLEL: usize = 4096;
-
 impl Bvh {
     /// The BVH of the mesh. It does not depend on `join`: workers build disjoint parts, and every sum
     /// runs in one order.
@@ -67,24 +56,24 @@ impl Bvh {
 
     /// The BVH of triangles, three indices each, all of them valid.
     pub(crate) fn of_triangles(positions: &[[f32; 3]], indices: &[u32], join: &impl Join) -> Self {
-        let boxes: Vec<Bounds> =
-            indices.chunks_exact(3).map(|t| Bounds::of(t.iter().map(|&i| positions[i as usize]))).collect();
-        Self::over(&boxes, LEAF, join)
+        Self::over_padded(build::boxes(positions, indices), LEAF, join)
     }
 
     /// The BVH over boxes, with at most `leaf` of them in a leaf.
     pub(crate) fn over(boxes: &[Bounds], leaf: usize, join: &impl Join) -> Self {
-        let mut references: Vec<u32> = (0..boxes.len() as u32).collect();
+        Self::over_padded(boxes.iter().map(Padded::new).collect(), leaf, join)
+    }
+
+    fn over_padded(mut boxes: Vec<Padded>, leaf: usize, join: &impl Join) -> Self {
+        let mut triangles: Vec<u32> = (0..boxes.len() as u32).collect();
         if boxes.is_empty() {
-            return Self { nodes: vec![Node { kind: 3, ..Node::zeroed() }], triangles: references };
+            return Self { nodes: vec![Node { kind: 3, ..Node::zeroed() }], triangles };
         }
         // A subtree of n triangles has at most 2n − 2 nodes below its root.
         let mut nodes = vec![Node::zeroed(); 2 * boxes.len() - 1];
         let (root, below) = nodes.split_at_mut(1);
-        let build = Build { boxes, leaf, join };
-        let whole = BuildRange { nodes: below, first_node: 1, references: &mut references, first: 0 };
-        (root[0], _) = build.node(whole, 0);
-        Self { nodes: compact(&nodes), triangles: references }
+        root[0] = build::build(&mut boxes, &mut triangles, below, leaf, join);
+        Self { nodes: compact(&nodes), triangles }
     }
 }
 
@@ -252,168 +241,11 @@ impl Bounds {
         let size = |axis: usize| (self.high[axis] - self.low[axis]).max(0.0);
         size(0) * size(1) + size(1) * size(2) + size(2) * size(0)
     }
-    /// Twice the center.
-    #[inline]
-    fn center2(&self, axis: usize) -> f32 {
-        self.low[axis] + self.high[axis]
-    }
-}
-
-/// The data that all nodes of one build share.
-struct Build<'a, J> {
-    boxes: &'a [Bounds],
-    /// The most boxes in a leaf.
-    leaf: usize,
-    join: &'a J,
-}
-
-/// The part of a BVH that one worker builds: the place of its nodes, and its triangles.
-struct BuildRange<'a> {
-    nodes: &'a mut [Node],
-    first_node: usize,
-    references: &'a mut [u32],
-    first: usize,
-}
-
-/// A plane between bins.
-struct Split {
-    axis: usize,
-    cost: f32,
-    bin: usize,
-    scale: Scale,
-}
-
-/// The map from centers along an axis to bins.
-#[derive(Clone, Copy)]
-struct Scale {
-    low: f32,
-    bins_per_unit: f32,
-}
-
-impl Scale {
-    #[inline]
-    fn bin(&self, center: f32) -> usize {
-        (((center - self.low) * self.bins_per_unit) as usize).min(BINS - 1)
-    }
-}
-
-impl<J: Join> Build<'_, J> {
-    fn bounds(&self, reference: u32) -> &Bounds {
-        &self.boxes[reference as usize]
-    }
-
-    /// Builds the part. Returns its root and the cost of a visit to it, in triangle tests.
-    fn node(&self, part: BuildRange<'_>, depth: usize) -> (Node, f32) {
-        let BuildRange { nodes, first_node, references, first } = part;
-        let count = references.len();
-        let mut bounds = Bounds::EMPTY;
-        let mut centers = Bounds::EMPTY;
-        for &reference in references.iter() {
-            let b = self.bounds(reference);
-            let center = core::array::from_fn(|axis| b.center2(axis));
-            bounds = bounds.union(b);
-            centers = centers.union(&Bounds { low: center, high: center });
-        }
-        let leaf =
-            Node { low: bounds.low, high: bounds.high, first: first as u32, kind: 4 * count as u32 + 3 };
-        let tests = count as f32;
-        if count == 1 {
-            return (leaf, tests);
-        }
-        let split = if depth < DEEP { self.split(references, &bounds, &centers) } else { None };
-        let (axis, middle) = match split {
-            Some(split) if split.cost >= tests && count <= self.leaf => return (leaf, tests),
-            Some(split) => (split.axis, self.partition(references, &split)),
-            None if count <= self.leaf => return (leaf, tests),
-            None => (0, count / 2),
-        };
-        let (pair, below) = nodes.split_at_mut(2);
-        let (left_nodes, right_nodes) = below.split_at_mut(2 * middle - 2);
-        let (left_references, right_references) = references.split_at_mut(middle);
-        let left =
-            BuildRange { nodes: left_nodes, first_node: first_node + 2, references: left_references, first };
-        let right = BuildRange {
-            nodes: right_nodes,
-            first_node: first_node + 2 * middle,
-            references: right_references,
-            first: first + middle,
-        };
-        let (left, right) = if count > PARALLEL {
-            self.join.join(|| self.node(left, depth + 1), || self.node(right, depth + 1))
-        } else {
-            (self.node(left, depth + 1), self.node(right, depth + 1))
-        };
-        let share = |node: &Node| Bounds::around(node).area() / bounds.area().max(f32::MIN_POSITIVE);
-        let cost = VISIT_COST + share(&left.0) * left.1 + share(&right.0) * right.1;
-        if cost >= tests && count <= self.leaf {
-            return (leaf, tests);
-        }
-        (pair[0], pair[1]) = (left.0, right.0);
-        (Node { first: first_node as u32, kind: axis as u32, ..leaf }, cost)
-    }
-
-    /// The cheapest split with its cost in triangle tests; `None` if all centers coincide.
-    fn split(&self, references: &[u32], bounds: &Bounds, centers: &Bounds) -> Option<Split> {
-        let scales: [Option<Scale>; 3] = core::array::from_fn(|axis| {
-            let extent = centers.high[axis] - centers.low[axis];
-            let bins_per_unit = BINS as f32 / extent;
-            (extent > 0.0 && bins_per_unit.is_finite())
-                .then_some(Scale { low: centers.low[axis], bins_per_unit })
-        });
-        let mut bins = [[(Bounds::EMPTY, 0_u32); BINS]; 3];
-        for &reference in references {
-            let b = self.bounds(reference);
-            for axis in 0..3 {
-                if let Some(scale) = scales[axis] {
-                    let (bounds, count) = &mut bins[axis][scale.bin(b.center2(axis))];
-                    *bounds = bounds.union(b);
-                    *count += 1;
-                }
-            }
-        }
-        let mut best: Option<Split> = None;
-        for axis in 0..3 {
-            let Some(scale) = scales[axis] else { continue };
-            let mut above = [(0.0, 0_u32); BINS];
-            let mut right = (Bounds::EMPTY, 0);
-            for bin in (1..BINS).rev() {
-                right = (right.0.union(&bins[axis][bin].0), right.1 + bins[axis][bin].1);
-                above[bin] = (right.0.area(), right.1);
-            }
-            let mut left = (Bounds::EMPTY, 0);
-            for bin in 1..BINS {
-                left = (left.0.union(&bins[axis][bin - 1].0), left.1 + bins[axis][bin - 1].1);
-                if left.1 == 0 || above[bin].1 == 0 {
-                    continue;
-                }
-                let tests = left.0.area() * left.1 as f32 + above[bin].0 * above[bin].1 as f32;
-                // A box without area is hit by chance only: any split will do.
-                let cost = SPLIT_COST + tests / bounds.area().max(f32::MIN_POSITIVE);
-                if best.as_ref().is_none_or(|b| cost < b.cost) {
-                    best = Some(Split { axis, cost, bin, scale });
-                }
-            }
-        }
-        best
-    }
-
-    /// Moves the references left of the split to the front. Returns their number, at least 1 and less than
-    /// all.
-    fn partition(&self, references: &mut [u32], split: &Split) -> usize {
-        let is_left = |r: u32| split.scale.bin(self.bounds(r).center2(split.axis)) < split.bin;
-        let mut middle = 0;
-        for i in 0..references.len() {
-            if is_left(references[i]) {
-                references.swap(middle, i);
-                middle += 1;
-            }
-        }
-        middle
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::build::VISIT_COST;
     use super::*;
     use crate::layout::Attribute;
 

@@ -170,17 +170,17 @@ pub(super) fn part(instance: &Instance, matrix: &DMat4, bounds: &Bounds) -> Inst
     }
 }
 
-/// The bounds of a box that is placed in the world.
+/// The bounds of a box that is placed in the world: those of its eight corners, since a rounded sum is at an end where each of
+/// its terms is.
 pub(crate) fn around(m: &DMat4, bounds: &Bounds) -> Bounds {
-    let mut corners = Bounds::EMPTY;
-    for corner in 0..8 {
-        let pick = |axis: usize| {
-            f64::from(if corner >> axis & 1 == 0 { bounds.low[axis] } else { bounds.high[axis] })
-        };
-        let p = single(m.transform_point3(DVec3::new(pick(0), pick(1), pick(2))));
-        corners = corners.union(&Bounds { low: p, high: p });
+    let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
+    for (i, axis) in [m.x_axis, m.y_axis, m.z_axis].into_iter().enumerate() {
+        let axis = axis.truncate();
+        let (a, b) = (axis * f64::from(bounds.low[i]), axis * f64::from(bounds.high[i]));
+        (low, high) = (low + a.min(b), high + a.max(b));
     }
-    corners
+    let moved = m.w_axis.truncate();
+    Bounds { low: single(low + moved), high: single(high + moved) }
 }
 
 /// From the middle of a box to its corners.
