@@ -114,7 +114,9 @@ fn real_scenes_differ_at_edges_only() {
         for samples in [1, 4] {
             let request = request(camera, samples);
             cpu.render(loaded, &request, &mut traced).unwrap();
-            for (name, gpu) in &mut hybrids {
+            // More samples are seen by one route here, and by all in the cases.
+            let routes = if samples == 1 { hybrids.len() } else { hybrids.len().min(1) };
+            for (name, gpu) in &mut hybrids[..routes] {
                 gpu.render(loaded, &request, &mut drawn).unwrap();
                 let found = Differences::of(&request, &traced, &drawn).unwrap();
                 println!("{scene}, {samples} samples, {name}: {}", told(&found));

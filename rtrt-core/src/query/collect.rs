@@ -1,9 +1,9 @@
 //! What becomes of the hits that a search meets.
 
 use super::search::{Collect, Found};
+use super::source::Parts;
 use super::world::Hit;
 use crate::layout::NONE;
-use crate::scene::InstanceIndex;
 
 /// Keeps the closest.
 pub(super) struct Closest {
@@ -73,17 +73,17 @@ impl<C: Collect, F: FnMut(&Found) -> bool> Collect for Filtered<C, F> {
 }
 
 /// Keeps the nearest, in order.
-pub(super) struct Sorted<'a> {
+pub(super) struct Sorted<'a, S> {
     hits: &'a mut [Hit],
     pub count: usize,
     limit: f32,
-    scene: u32,
+    source: &'a S,
 }
 
-impl<'a> Sorted<'a> {
-    pub fn new(hits: &'a mut [Hit], limit: f32, scene: u32) -> Self {
+impl<'a, S> Sorted<'a, S> {
+    pub fn new(hits: &'a mut [Hit], limit: f32, source: &'a S) -> Self {
         let limit = if hits.is_empty() { -1.0 } else { limit };
-        Self { hits, count: 0, limit, scene }
+        Self { hits, count: 0, limit, source }
     }
 }
 
@@ -93,7 +93,7 @@ fn found(hit: &Hit) -> Found {
     Found { t, instance: instance.number(), triangle, u, v }
 }
 
-impl Collect for Sorted<'_> {
+impl<S: Parts> Collect for Sorted<'_, S> {
     fn limit(&self) -> f32 {
         self.limit
     }
@@ -105,8 +105,7 @@ impl Collect for Sorted<'_> {
         self.count = self.hits.len().min(self.count + 1);
         self.hits[place..self.count].rotate_right(1);
         let Found { t, instance, triangle, u, v } = new;
-        let instance = InstanceIndex { number: instance, scene: self.scene };
-        self.hits[place] = Hit { t, instance, triangle, u, v };
+        self.hits[place] = Hit { t, instance: self.source.numbered(instance), triangle, u, v };
         if self.count == self.hits.len() {
             self.limit = self.hits[self.count - 1].t;
         }

@@ -5,7 +5,7 @@ use super::ray::{QueryError, Ray, Sides};
 use super::source::Parts;
 use super::world::{Hit, magnitude};
 use crate::layout::{Hit as HitRecord, NONE, Node, QueryFrame, RayRecord};
-use crate::scene::{Join, Scene, Versions};
+use crate::scene::{InstanceIndex, Join, Scene, Versions};
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
@@ -20,7 +20,7 @@ pub struct DeviceWorld {
     /// The groups of each instance; 0 if it is hidden.
     pub masks: Vec<u32>,
     tree: NarrowTree,
-    scene: u32,
+    indices: Vec<InstanceIndex>,
     known: Option<Known>,
 }
 
@@ -88,7 +88,7 @@ impl Changed {
 impl Default for DeviceWorld {
     fn default() -> Self {
         let (tree, masks) = (NarrowTree::default(), vec![]);
-        Self { frame: QueryFrame::zeroed(), masks, tree, scene: 0, known: None }
+        Self { frame: QueryFrame::zeroed(), masks, tree, indices: vec![], known: None }
     }
 }
 
@@ -110,15 +110,14 @@ impl DeviceWorld {
         let is_other =
             |part: fn(&Versions) -> u32| known.is_none_or(|known| part(&known.versions) != part(&versions));
         let [mut instances, mut tree] = self.follow(scene, known.map(|known| known.moves), join);
-        if is_other(|v| v.materials) {
-            // Instances have some of their materials.
+        if is_other(|v| v.materials) || is_other(|v| v.geometry) {
+            // Instances have some of their materials, and name places in the arrays of meshes.
             instances = Changed::All;
         }
         let root = scene.nodes().len() as u32;
         if root != self.frame.root {
             tree = Changed::All;
         }
-        self.scene = scene.family();
         let (magnitude, slack) = (magnitude(Parts::places(scene)), self.tree.slack());
         self.frame = QueryFrame { rays: 0, root, magnitude, slack };
         DeviceChanges {
@@ -139,12 +138,15 @@ impl DeviceWorld {
             let mut nodes = vec![];
             for instance in moved.iter().map(|&instance| instance as usize) {
                 self.masks[instance] = mask(scene, instance);
+                self.indices[instance] = scene.numbered(instance as u32);
                 self.tree.refit(scene, instance, &mut nodes);
             }
             changes = [Changed::these(moved.to_vec()), Changed::these(nodes)];
         } else {
             self.masks.clear();
             self.masks.extend((0..count).map(|instance| mask(scene, instance)));
+            self.indices.clear();
+            self.indices.extend((0..count as u32).map(|number| scene.numbered(number)));
             if moves.is_some() {
                 self.tree.refit_all(scene);
             }
@@ -173,6 +175,7 @@ impl DeviceWorld {
             Sides::Backs => RayRecord::BACKS,
             Sides::Drawn => RayRecord::DRAWN,
         };
+        let is_here = |skip: &InstanceIndex| self.indices.get(skip.number as usize) == Some(skip);
         let holes = if ray.through_holes { RayRecord::THROUGH_HOLES } else { 0 };
         Ok(RayRecord {
             origin: ray.origin,
@@ -180,7 +183,7 @@ impl DeviceWorld {
             direction: scaled.ray.direction.lane(0),
             to: scaled.to,
             mask: ray.mask,
-            skip: ray.skip.filter(|skip| skip.scene == self.scene).map_or(NONE, |skip| skip.number),
+            skip: ray.skip.filter(is_here).map_or(NONE, |skip| skip.number),
             options: sides | holes,
             unused: 0,
         })
@@ -190,9 +193,8 @@ impl DeviceWorld {
     pub fn hit(&self, ray: &Ray, found: &HitRecord) -> Option<Hit> {
         let scaled = ray.scaled().ok()?;
         let &HitRecord { t, instance, triangle, u, v } = found;
-        let is_there = (instance as usize) < self.masks.len();
-        let number = crate::scene::InstanceIndex { number: instance, scene: self.scene };
-        is_there.then(|| Hit { t: scaled.t(t), instance: number, triangle, u, v })
+        let instance = *self.indices.get(instance as usize)?;
+        Some(Hit { t: scaled.t(t), instance, triangle, u, v })
     }
 }
 
@@ -204,7 +206,7 @@ fn mask(scene: &Scene, instance: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{InstanceIndex, Material, Sequential};
+    use crate::scene::{Material, Sequential};
     use glam::{Mat4, Vec3};
 
     fn place(number: usize) -> Mat4 {

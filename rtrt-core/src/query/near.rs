@@ -109,7 +109,7 @@ impl<S: Source> World<'_, S> {
             |part, _| {
                 let Part { instance: number, node } = self.tree.instances.parts[part as usize];
                 let index = number as usize;
-                let numbered = InstanceIndex { number, scene: self.source.family() };
+                let numbered = self.source.numbered(number);
                 if !self.sees(index) || !accept(numbered) {
                     return reach(&best);
                 }
@@ -140,7 +140,7 @@ impl<S: Source> World<'_, S> {
         );
         Ok(best.found.map(|(number, triangle, [u, v])| Hit {
             t: libm::sqrt(best.squared) as f32,
-            instance: InstanceIndex { number, scene: self.source.family() },
+            instance: self.source.numbered(number),
             triangle,
             u,
             v,
@@ -213,7 +213,7 @@ impl<S: Source> World<'_, S> {
         walk(&self.tree.instances.tree, 0, Some(&self.tree.instances.slacks), reach, padded, |part, _| {
             let Part { instance: number, node } = self.tree.instances.parts[part as usize];
             let index = number as usize;
-            let instance = InstanceIndex { number, scene: self.source.family() };
+            let instance = self.source.numbered(number);
             if !self.sees(index) {
                 return reach;
             }

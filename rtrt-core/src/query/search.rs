@@ -59,7 +59,7 @@ pub(crate) fn search<L: Lane, S: Parts>(
     limits: Limits,
     collect: &mut impl Collect,
 ) {
-    let skip = asked.skip.filter(|skip| skip.scene == source.family()).map(|skip| skip.number);
+    let skip = asked.skip.filter(|skip| source.place_of(*skip).is_some()).map(|skip| skip.number);
     let Limits { magnitude, mask } = limits;
     let top = &tree.instances;
     let modelled = top.modelled.map(|bounds| Local::new(token, scaled.ray, &bounds));

@@ -1,11 +1,11 @@
 //! Meshes that stay where the caller has them.
 
-use super::source::{MeshNodes, Parts};
+use super::source::{MeshNodes, MeshVersion, Parts};
 use crate::kernel::triangle::Intersection;
 use crate::layout::{Attribute, Instance};
 use crate::scene::{
     Bounds, Bvh, COORDINATE_LIMIT, Identity, InstanceIndex, InstanceMaterial, Join, MaterialIndex, Mesh,
-    MeshError, MeshIndex, Places, SceneError, Stored, Tag, place,
+    MeshError, MeshIndex, Places, SceneError, Sequential, Stored, Tag, place,
 };
 use alloc::vec::Vec;
 use glam::Mat4;
@@ -40,6 +40,9 @@ pub struct Shapes<'a> {
     mesh_numbers: Vec<u32>,
     places: Places,
     tags: Vec<Tag>,
+    /// The numbers of meshes and of instances that were removed; the next one gets the last.
+    free_meshes: Vec<u32>,
+    free_instances: Vec<u32>,
 }
 
 /// One mesh.
@@ -67,6 +70,8 @@ impl<'a> Shapes<'a> {
             mesh_numbers: Vec::new(),
             places: Places::default(),
             tags: Vec::new(),
+            free_meshes: Vec::new(),
+            free_instances: Vec::new(),
         }
     }
 
@@ -103,17 +108,33 @@ impl<'a> Shapes<'a> {
 
     /// The BVH of a mesh; `None` if there is no such mesh.
     pub fn bvh(&self, mesh: MeshIndex) -> Option<&Bvh> {
-        self.meshes
-            .get(mesh.number as usize)
-            .filter(|_| mesh.scene == self.identity.family)
-            .map(|shape| &shape.tree)
+        self.shape(mesh).ok().map(|shape| &shape.tree)
+    }
+
+    fn shape(&self, mesh: MeshIndex) -> Result<&Shape<'a>, SceneError> {
+        let (family, missing) =
+            (self.identity.family, SceneError::Index { what: "mesh", index: mesh.number });
+        let is_here = |shape: &&Shape<'_>| (mesh.scene, mesh.generation) == (family, shape.stored.generation);
+        self.meshes.get(mesh.number as usize).filter(is_here).ok_or(missing)
     }
 
     fn push(&mut self, positions: &'a [[f32; 3]], indices: &'a [u32], tree: Bvh) -> MeshIndex {
-        let number = self.meshes.len() as u32;
-        let stored = Stored::of_shape(number, &tree, positions);
-        self.meshes.push(Shape { positions, indices, tree, stored });
-        MeshIndex { number, scene: self.identity.family }
+        let number = self.free_meshes.pop().unwrap_or(self.meshes.len() as u32);
+        self.put(number, positions, indices, tree);
+        let generation = self.meshes[number as usize].stored.generation;
+        MeshIndex { number, generation, scene: self.identity.family }
+    }
+
+    /// Puts a mesh where there is none, or in place of one.
+    fn put(&mut self, number: u32, positions: &'a [[f32; 3]], indices: &'a [u32], tree: Bvh) {
+        let mut stored = Stored::of_shape(number, &tree, positions);
+        match self.meshes.get_mut(number as usize) {
+            Some(old) => {
+                stored.generation = old.stored.generation.wrapping_add(1);
+                *old = Shape { positions, indices, tree, stored };
+            }
+            None => self.meshes.push(Shape { positions, indices, tree, stored }),
+        }
     }
 
     /// Places a mesh in the world. `to_world` takes object to world space.
@@ -121,13 +142,15 @@ impl<'a> Shapes<'a> {
     /// # Errors
     /// As for [`Scene::add_instance`](crate::scene::Scene::add_instance).
     pub fn add_instance(&mut self, mesh: MeshIndex, to_world: Mat4) -> Result<InstanceIndex, SceneError> {
-        let missing = SceneError::Index { what: "mesh", index: mesh.number };
-        let shape = self
-            .meshes
-            .get(mesh.number as usize)
-            .filter(|_| mesh.scene == self.identity.family)
-            .ok_or(missing)?;
-        let instance = place(&shape.stored, InstanceMaterial::NONE, to_world)?;
+        let instance = place(&self.shape(mesh)?.stored, InstanceMaterial::NONE, to_world)?;
+        if let Some(number) = self.free_instances.pop() {
+            let index = number as usize;
+            (self.instances[index], self.mesh_numbers[index]) = (instance, mesh.number);
+            self.tags[index] = self.tags[index].next();
+            self.places.set(index, &Bounds { low: instance.low, high: instance.high });
+            self.places.update();
+            return Ok(self.numbered(number));
+        }
         let number = u32::try_from(self.instances.len())
             .ok()
             .filter(|&number| number < u32::MAX / 4)
@@ -136,7 +159,36 @@ impl<'a> Shapes<'a> {
         self.instances.push(instance);
         self.mesh_numbers.push(mesh.number);
         self.tags.push(Tag::default());
-        Ok(InstanceIndex { number, scene: self.identity.family })
+        Ok(self.numbered(number))
+    }
+
+    /// See [`Scene::remove_instance`](crate::scene::Scene::remove_instance).
+    ///
+    /// # Errors
+    /// There is no such instance.
+    pub fn remove_instance(&mut self, instance: InstanceIndex) -> Result<(), SceneError> {
+        let index = self.index(instance)?;
+        self.tags[index] = self.tags[index].next();
+        self.places.set(index, &Bounds::EMPTY);
+        self.places.update();
+        self.free_instances.push(instance.number);
+        Ok(())
+    }
+
+    /// Removes a mesh, and lets go of its slices. Its index names nothing from now on.
+    ///
+    /// # Errors
+    /// There is no such mesh, or an instance has it.
+    pub fn remove_mesh(&mut self, mesh: MeshIndex) -> Result<(), SceneError> {
+        self.shape(mesh)?;
+        let own = self.mesh_numbers.iter().zip(&self.tags);
+        let instances = own.filter(|(number, tag)| **number == mesh.number && tag.is_live()).count();
+        if instances > 0 {
+            return Err(SceneError::InUse { index: mesh.number, instances });
+        }
+        self.put(mesh.number, &[], &[], Bvh::of_triangles(&[], &[], &Sequential));
+        self.free_meshes.push(mesh.number);
+        Ok(())
     }
 
     /// Moves an instance.
@@ -193,19 +245,12 @@ impl<'a> Shapes<'a> {
 
     /// The instance with a number; `None` where there is none.
     pub fn instance_index(&self, number: u32) -> Option<InstanceIndex> {
-        let index = InstanceIndex { number, scene: self.identity.family };
-        self.index(index).ok().map(|_| index)
+        self.tags.get(number as usize).filter(|tag| tag.is_live()).map(|_| self.numbered(number))
     }
 
     /// The place of an instance in the arrays.
     fn index(&self, instance: InstanceIndex) -> Result<usize, SceneError> {
-        let index = instance.number as usize;
-        let missing = SceneError::Index { what: "instance", index: instance.number };
-        if instance.scene == self.identity.family && index < self.instances.len() {
-            Ok(index)
-        } else {
-            Err(missing)
-        }
+        self.place_of(instance).ok_or(SceneError::Index { what: "instance", index: instance.number })
     }
 }
 
@@ -241,7 +286,9 @@ impl Parts for Shapes<'_> {
         self.meshes.len()
     }
     fn nodes(&self, mesh: usize) -> MeshNodes<'_> {
-        MeshNodes { nodes: &self.meshes[mesh].tree.nodes, version: 0 }
+        let shape = &self.meshes[mesh];
+        let version = MeshVersion { generation: shape.stored.generation, shape: 0 };
+        MeshNodes { nodes: &shape.tree.nodes, version }
     }
     #[inline(always)]
     fn instances(&self) -> &[Instance] {

@@ -4,18 +4,25 @@ use crate::kernel::geometry::Geometry;
 use crate::kernel::transparency::{alpha_mode, passes_mask, tint_and_alpha};
 use crate::kernel::triangle::Intersection;
 use crate::layout::{AlphaKind, Attribute, Instance, Node};
-use crate::scene::{MaterialIndex, Places, Scene, Tag};
+use crate::scene::{InstanceIndex, MaterialIndex, Places, Scene, Tag};
 
 /// What a [`Tree`](super::Tree) can be made of: a [`Scene`], or [`Shapes`](super::Shapes).
 pub trait Source: Parts {}
 
 impl<S: Parts> Source for S {}
 
-/// The nodes of a mesh, and a number that changes with them.
+/// What has had the number of a mesh so far, and how many shapes that had.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeshVersion {
+    pub generation: u32,
+    pub shape: u32,
+}
+
+/// The nodes of a mesh, and what changes with them.
 #[derive(Debug, Clone, Copy)]
 pub struct MeshNodes<'a> {
     pub nodes: &'a [Node],
-    pub version: u32,
+    pub version: MeshVersion,
 }
 
 /// What queries read.
@@ -50,6 +57,19 @@ pub trait Parts {
     fn material(&self, instance: &Instance) -> Option<MaterialIndex>;
     /// The number that the triangle had when its mesh was added.
     fn source_triangle(&self, instance: usize, triangle: u32) -> u32;
+    /// The index of the instance with a number.
+    #[inline(always)]
+    fn numbered(&self, number: u32) -> InstanceIndex {
+        InstanceIndex { number, generation: self.tags()[number as usize].generation, scene: self.family() }
+    }
+    /// The place of an instance in the arrays, if it is one of this source.
+    #[inline(always)]
+    fn place_of(&self, instance: InstanceIndex) -> Option<usize> {
+        let index = instance.number as usize;
+        let tag = self.tags().get(index)?;
+        let is_here = tag.is_live() && self.numbered(instance.number) == instance;
+        is_here.then_some(index)
+    }
 }
 
 impl Parts for Scene {
@@ -65,7 +85,8 @@ impl Parts for Scene {
     fn nodes(&self, mesh: usize) -> MeshNodes<'_> {
         let mesh = &self.stored_meshes()[mesh];
         let nodes = &self.nodes()[mesh.root as usize..][..mesh.nodes as usize];
-        MeshNodes { nodes, version: mesh.shape_version }
+        let version = MeshVersion { generation: mesh.generation, shape: mesh.shape_version };
+        MeshNodes { nodes, version }
     }
     #[inline(always)]
     fn instances(&self) -> &[Instance] {

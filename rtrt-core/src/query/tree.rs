@@ -1,7 +1,7 @@
 //! Trees for rays: one over the instances, and one for each mesh.
 
 use super::block::Block;
-use super::source::{MeshNodes, Parts, Source};
+use super::source::{MeshNodes, MeshVersion, Parts, Source};
 use super::wear::Wear;
 use super::wide::{Child, WIDTH, WideTree, widened};
 use super::world::World;
@@ -29,7 +29,7 @@ pub struct Tree {
 /// The tree of one mesh.
 #[derive(Debug)]
 pub(crate) struct MeshTree {
-    version: u32,
+    version: MeshVersion,
     /// Its leaves hold blocks.
     pub tree: WideTree,
     pub blocks: Vec<Block>,
@@ -230,7 +230,7 @@ impl InstanceTree {
 
     fn update(&mut self, source: &impl Parts, meshes: &[MeshTree], join: &impl Join) {
         let moves = source.places().moves();
-        if self.entries.len() != source.instances().len() {
+        if self.entries.len() != source.instances().len() || self.is_replaced(source, moves) {
             self.build(source, meshes, join);
         } else if moves != self.moves {
             match source.places().moved_since(self.moves) {
@@ -244,6 +244,19 @@ impl InstanceTree {
             }
         }
         self.moves = moves;
+    }
+
+    /// Whether the number of an instance with several parts has gone to one of another mesh.
+    fn is_replaced(&self, source: &impl Parts, moves: u64) -> bool {
+        let is_other = |instance: usize| {
+            let parts = self.firsts[instance + 1] - self.firsts[instance];
+            parts > 1 && self.entries[instance].mesh != source.mesh_of(instance) as u32
+        };
+        match source.places().moved_since(self.moves) {
+            _ if moves == self.moves => false,
+            Some(moved) => moved.iter().any(|&instance| is_other(instance as usize)),
+            None => (0..self.entries.len()).any(is_other),
+        }
     }
 
     /// Builds the tree of all instances.
@@ -374,7 +387,7 @@ fn opened(source: &impl Parts, meshes: &[MeshTree]) -> Vec<Part> {
     let can_open = |instance: usize| {
         let placed = &instances[instance];
         let is_modelled = placed.is_identity == 1 && !placed.is_sphere();
-        is_modelled && meshes[source.mesh_of(instance)].version == 0
+        is_modelled && meshes[source.mesh_of(instance)].version.shape == 0
     };
     if instances.len() < 2 {
         return parts;

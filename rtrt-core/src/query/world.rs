@@ -32,7 +32,7 @@ impl Hit {
     /// A hit that is no hit: what slices can be filled with before [`World::all`].
     pub const NONE: Self = Self {
         t: f32::MAX,
-        instance: InstanceIndex { number: u32::MAX, scene: u32::MAX },
+        instance: InstanceIndex { number: u32::MAX, generation: u32::MAX, scene: u32::MAX },
         triangle: u32::MAX,
         u: 0.0,
         v: 0.0,
@@ -170,7 +170,7 @@ impl<'a, S: Source> World<'a, S> {
         accept: impl FnMut(&Hit) -> bool,
     ) -> Result<usize, QueryError> {
         let scaled = ray.scaled()?;
-        let sorted = Sorted::new(hits, scaled.to, self.source.family());
+        let sorted = Sorted::new(hits, scaled.to, self.source);
         let mut sorted = self.filtered(&scaled, sorted, accept);
         self.search::<Plain<4>>((), ray, &scaled, &mut sorted);
         let count = sorted.inner.count;
@@ -204,8 +204,7 @@ impl<'a, S: Source> World<'a, S> {
 
     /// The place of an instance in the arrays.
     pub(super) fn index(&self, instance: InstanceIndex) -> Option<usize> {
-        let index = instance.number as usize;
-        (instance.scene == self.source.family() && index < self.source.instances().len()).then_some(index)
+        self.source.place_of(instance)
     }
 
     #[inline(always)]
@@ -225,8 +224,7 @@ impl<'a, S: Source> World<'a, S> {
     #[inline(always)]
     fn hit(&self, scaled: &ScaledRay, found: &Found) -> Hit {
         let &Found { t, instance, triangle, u, v } = found;
-        let instance = InstanceIndex { number: instance, scene: self.source.family() };
-        Hit { t: scaled.t(t), instance, triangle, u, v }
+        Hit { t: scaled.t(t), instance: self.source.numbered(instance), triangle, u, v }
     }
 
     fn filtered<'f, C: Collect>(

@@ -123,6 +123,12 @@ impl Mesh {
         }
     }
 
+    /// No triangles.
+    pub(super) fn nothing() -> Self {
+        let (positions, attributes, indices) = (Vec::new(), Vec::new(), Vec::new());
+        Self { positions, attributes, indices, tangents: Vec::new(), second_uv: Vec::new() }
+    }
+
     /// What stands for the sphere of radius 1 among meshes: two triangles without area, whose
     /// bounds are the sphere's. They can be asked for corners and colors like others.
     pub(super) fn around_sphere() -> Self {

@@ -25,6 +25,8 @@ pub(crate) struct Stored {
     pub triangles: u32,
     /// Counts the shapes that the mesh has got.
     pub shape_version: u32,
+    /// Counts what has had this number.
+    pub generation: u32,
     pub bounds: Bounds,
     pub center: DVec3,
     pub radius: f64,
@@ -48,6 +50,7 @@ impl Stored {
             transparencies: [0; 2],
             triangles: tree.triangles.len() as u32,
             shape_version: 0,
+            generation: 0,
             bounds,
             center,
             radius,

@@ -11,11 +11,24 @@ pub struct Tag {
     pub mask: u32,
     /// The caller's number.
     pub user: u32,
+    /// Counts what has been at this place, two for each: odd while nothing is there.
+    pub generation: u32,
+}
+
+impl Tag {
+    /// That of the place once its instance is removed, or once there is a new one.
+    pub(crate) fn next(self) -> Self {
+        Self { generation: self.generation.wrapping_add(1), ..Self::default() }
+    }
+    /// Whether an instance is at this place.
+    pub(crate) fn is_live(self) -> bool {
+        self.generation.is_multiple_of(2)
+    }
 }
 
 impl Default for Tag {
     fn default() -> Self {
-        Self { mask: u32::MAX, user: 0 }
+        Self { mask: u32::MAX, user: 0, generation: 0 }
     }
 }
 

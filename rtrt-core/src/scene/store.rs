@@ -3,6 +3,7 @@
 mod change;
 mod materials;
 mod meshes;
+mod remove;
 mod textures;
 mod transparency;
 
@@ -28,6 +29,8 @@ use glam::{Mat4, Vec3};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeshIndex {
     pub(crate) number: u32,
+    /// [`Stored::generation`].
+    pub(crate) generation: u32,
     /// [`Identity::family`].
     pub(crate) scene: u32,
 }
@@ -50,13 +53,16 @@ impl MaterialIndex {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct InstanceIndex {
     pub(crate) number: u32,
+    /// [`Tag::generation`].
+    pub(crate) generation: u32,
     /// [`Identity::family`].
     pub(crate) scene: u32,
 }
 
 impl InstanceIndex {
     /// The number of the instance, from 0 in the order in which instances were added: that of
-    /// [`Hit::instance`](crate::layout::Hit::instance).
+    /// [`Hit::instance`](crate::layout::Hit::instance). After [`Scene::remove_instance`] the next one that is added
+    /// has the number of the one that was removed.
     pub fn number(self) -> u32 {
         self.number
     }
@@ -88,6 +94,14 @@ pub enum SceneError {
         what: &'static str,
         /// The index.
         index: u32,
+    },
+    /// A mesh that is to be removed is that of instances, or a level of detail of them.
+    #[error("mesh {index} has {instances} instances: remove them first")]
+    InUse {
+        /// The number of the mesh.
+        index: u32,
+        /// How many instances have it.
+        instances: usize,
     },
     /// A distance from which on an instance has another mesh is not a number above 0.
     #[error("{value} is not a distance from which on an instance may have another mesh")]
@@ -190,6 +204,11 @@ pub struct Scene {
     instances: Vec<Instance>,
     object_meshes: Vec<u32>,
     meshes: Vec<Stored>,
+    /// The numbers of meshes and of instances that were removed; the next one gets the last.
+    free_meshes: Vec<u32>,
+    free_instances: Vec<u32>,
+    /// A mesh without triangles, once a mesh was removed: what numbers stand for that are free.
+    nothing: Option<u32>,
     /// The mesh of all spheres, once there is one.
     sphere: Option<MeshIndex>,
     /// The places of transparency records in `mesh_data`, by mesh and material.
@@ -269,6 +288,9 @@ impl Scene {
             instances: vec![],
             object_meshes: vec![],
             meshes: vec![],
+            free_meshes: vec![],
+            free_instances: vec![],
+            nothing: None,
             sphere: None,
             transparencies: BTreeMap::new(),
             shown: BTreeMap::new(),
@@ -305,12 +327,24 @@ impl Scene {
     ) -> Result<InstanceIndex, SceneError> {
         let mut instance = place(self.indexed_mesh(mesh)?, self.instance_material(material)?, to_world)?;
         instance.transparency = self.transparency(mesh.number, material.number)?;
-        self.places.push(&Bounds { low: instance.low, high: instance.high });
-        self.versions.instances += 1;
-        self.instances.push(instance);
-        self.object_meshes.push(mesh.number);
-        self.tags.push(Tag::default());
-        Ok(InstanceIndex { number: self.instances.len() as u32 - 1, scene: self.family() })
+        let number = match self.free_instances.pop() {
+            Some(number) => {
+                let index = number as usize;
+                (self.instances[index], self.object_meshes[index]) = (instance, mesh.number);
+                self.tags[index] = self.tags[index].next();
+                self.moved([index]);
+                number
+            }
+            None => {
+                self.places.push(&Bounds { low: instance.low, high: instance.high });
+                self.versions.instances += 1;
+                self.instances.push(instance);
+                self.object_meshes.push(mesh.number);
+                self.tags.push(Tag::default());
+                self.instances.len() as u32 - 1
+            }
+        };
+        Ok(self.numbered(number))
     }
 
     /// Adds a sphere: that of radius 1 around the origin, placed in the world by a matrix, which
@@ -359,7 +393,7 @@ impl Scene {
     /// There is no such light, or it is out of range.
     pub fn show_light(&mut self, light: usize) -> Result<Option<InstanceIndex>, SceneError> {
         let number = light as u32;
-        let shown = self.shown.get(&number).map(|&number| InstanceIndex { number, scene: self.family() });
+        let shown = self.shown.get(&number).map(|&number| self.numbered(number));
         let missing = SceneError::Index { what: "light", index: number };
         let Light { kind, position, color, radius, .. } = *self.lights.get(light).ok_or(missing)?;
         if kind == LightKind::Sun || radius <= 0.0 {
@@ -383,15 +417,20 @@ impl Scene {
     /// The instance with a number, such as [`Hit::instance`](crate::layout::Hit::instance); `None`
     /// where there is none.
     pub fn instance_index(&self, number: u32) -> Option<InstanceIndex> {
-        ((number as usize) < self.instances.len()).then_some(InstanceIndex { number, scene: self.family() })
+        self.tags.get(number as usize).filter(|tag| tag.is_live()).map(|_| self.numbered(number))
+    }
+
+    /// The index of what is at a place.
+    pub(crate) fn numbered(&self, number: u32) -> InstanceIndex {
+        InstanceIndex { number, generation: self.tags[number as usize].generation, scene: self.family() }
     }
 
     /// The index of an instance in the arrays, and its transform.
     pub(super) fn instance(&self, instance: InstanceIndex) -> Result<(usize, Instance), SceneError> {
         let index = instance.number as usize;
-        let found = self.instances.get(index).map(|instance| (index, *instance));
         let missing = SceneError::Index { what: "instance", index: instance.number };
-        found.filter(|_| instance.scene == self.family()).ok_or(missing)
+        let is_here = self.instance_index(instance.number) == Some(instance);
+        if is_here { Ok((index, self.instances[index])) } else { Err(missing) }
     }
 
     /// Sets the groups that an instance belongs to, one a bit: a [`Ray`](crate::query::Ray) meets it if their
@@ -426,7 +465,8 @@ impl Scene {
     /// The mesh with this index.
     pub(super) fn indexed_mesh(&self, mesh: MeshIndex) -> Result<&Stored, SceneError> {
         let missing = SceneError::Index { what: "mesh", index: mesh.number };
-        self.mesh(mesh.number).ok().filter(|_| mesh.scene == self.family()).ok_or(missing)
+        let is_here = |stored: &&Stored| (mesh.scene, mesh.generation) == (self.family(), stored.generation);
+        self.mesh(mesh.number).ok().filter(is_here).ok_or(missing)
     }
 
     /// Takes the places of these instances over.
@@ -578,7 +618,8 @@ impl Scene {
     }
     /// Triangles of all instances: those of a mesh count once for each instance.
     pub fn drawn_triangles(&self) -> u64 {
-        self.object_meshes.iter().map(|&m| u64::from(self.meshes[m as usize].triangles)).sum()
+        let live = self.object_meshes.iter().zip(&self.tags).filter(|(_, tag)| tag.is_live());
+        live.map(|(&mesh, _)| u64::from(self.meshes[mesh as usize].triangles)).sum()
     }
     /// Bytes of all arrays.
     pub fn bytes(&self) -> usize {

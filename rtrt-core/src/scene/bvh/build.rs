@@ -266,3 +266,51 @@ fn partition(boxes: &mut [Padded], numbers: &mut [u32], split: &Split) -> usize 
     }
     middle
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_plane_between_bins_is_cheaper_than_the_one_that_is_taken() {
+        let mut seed = 3_u32;
+        let mut random = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as f32 / (1 << 24) as f32
+        };
+        for count in (2..60).chain([1000]) {
+            // Few places on the third axis: most of its bins are empty.
+            let mut items: Vec<Padded> = (0..count)
+                .map(|_| {
+                    let low = [random(), random() * 9.0, (random() * 3.0).floor()];
+                    let high = low.map(|c| c + 0.3 * random());
+                    Padded::new(&Bounds { low, high: [high[0], high[1], low[2]] })
+                })
+                .collect();
+            let around = |items: &[Padded]| items.iter().fold(Bounds::EMPTY, |all, b| all.union(&b.bounds()));
+            let mut centers = Padded::EMPTY;
+            items.iter().for_each(|item| centers.add(&item.center2(), &item.center2()));
+            let (bounds, scale) = (around(&items), Scale::new(&centers));
+            let cost = |axis: usize, plane: usize| {
+                let (left, right): (Vec<_>, Vec<_>) =
+                    items.iter().partition(|item| scale.bin(&item.center2(), axis) < plane);
+                let tests =
+                    around(&left).area() * left.len() as f32 + around(&right).area() * right.len() as f32;
+                let is_split = !left.is_empty() && !right.is_empty();
+                if is_split { SPLIT_COST + tests / bounds.area() } else { f32::INFINITY }
+            };
+            let least = (0..3)
+                .flat_map(|axis| (1..BINS).map(move |plane| (axis, plane)))
+                .fold(f32::INFINITY, |least, (axis, plane)| least.min(cost(axis, plane)));
+            let split = cheapest(&items, &bounds, &centers).unwrap();
+            assert_eq!((split.cost, cost(split.axis, split.bin)), (least, least));
+            let mut numbers: Vec<u32> = (0..count).collect();
+            let copies = items.clone();
+            let middle = partition(&mut items, &mut numbers, &split);
+            for (place, (item, number)) in items.iter().zip(numbers).enumerate() {
+                assert_eq!(item.low, copies[number as usize].low);
+                assert_eq!(scale.bin(&item.center2(), split.axis) < split.bin, place < middle);
+            }
+        }
+    }
+}

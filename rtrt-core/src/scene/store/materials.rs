@@ -77,7 +77,7 @@ impl Scene {
     fn repaint(&mut self, MaterialIndex { number: material, .. }: MaterialIndex) -> Result<(), SceneError> {
         let double_sided = self.material_records[material as usize].double_sided;
         for number in 0..self.instances.len() {
-            if self.instances[number].material == material {
+            if self.instances[number].material == material && self.tags[number].is_live() {
                 let transparency = self.transparency(self.object_meshes[number], material)?;
                 let instance = &mut self.instances[number];
                 (instance.double_sided, instance.transparency) = (double_sided, transparency);

@@ -52,6 +52,7 @@ impl Scene {
             vertices: order.vertices.len() as u32,
             transparencies: [0; 2],
             shape_version: 0,
+            generation: 0,
             triangles: mesh.triangles() as u32,
             bounds,
             center,
@@ -71,8 +72,15 @@ impl Scene {
         self.attributes.extend(vertices().map(|vertex| mesh.attributes()[vertex]));
         self.sources.extend_from_slice(&tree.triangles);
         self.versions.geometry += 1;
-        self.meshes.push(stored);
-        Ok(MeshIndex { number: self.meshes.len() as u32 - 1, scene: self.family() })
+        let (number, generation) = match self.free_meshes.pop() {
+            Some(number) => (number, self.meshes[number as usize].generation + 1),
+            None => {
+                self.meshes.push(stored);
+                (self.meshes.len() as u32 - 1, 0)
+            }
+        };
+        self.meshes[number as usize] = Stored { generation, ..stored };
+        Ok(MeshIndex { number, generation, scene: self.family() })
     }
 }
 
