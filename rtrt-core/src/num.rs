@@ -51,22 +51,23 @@ pub fn flush3<L: Lane>(v: V3<L>) -> V3<L> {
 /// `x` clamped to `low ..= high`; NaN gives `high`.
 #[inline(always)]
 pub fn clamp<L: Lane>(x: L, low: f32, high: f32) -> L {
-    let (low, high) = (x.broadcast(low), x.broadcast(high));
-    let capped = x.lt(high).select(x, high);
-    capped.lt(low).select(low, capped)
+    x.broadcast(low).max(x.min(x.broadcast(high)))
 }
 
 /// `1 / x`. Three Newton steps, `y ← y (2 − x y)`, from a seed within 13 % (the exponent
 /// negated by an integer subtraction).
 #[inline(always)]
 pub fn recip<L: Lane>(x: L) -> L {
-    let sign = x.sign_bit();
-    let a = clamp(x.abs(), TINY, HUGE);
+    recip_within(clamp(x.abs(), TINY, HUGE)).flip_sign(x.sign_bit())
+}
+
+/// [`recip`] of a number within [`TINY`] ..= [`HUGE`].
+#[inline(always)]
+fn recip_within<L: Lane>(a: L) -> L {
     let mut y = L::from_bits(a.broadcast_bits(0x7ef3_11c7) - a.to_bits());
     y = y * (y.broadcast(2.0) - a * y);
     y = y * (y.broadcast(2.0) - a * y);
-    y = y * (y.broadcast(2.0) - a * y);
-    y.flip_sign(sign)
+    y * (y.broadcast(2.0) - a * y)
 }
 
 /// `1 / √x`. Three Newton steps, `y ← y (3/2 − x/2 y²)`, from a seed within 4 % (the
@@ -99,7 +100,7 @@ pub fn round<L: Lane>(x: L) -> L {
 #[inline(always)]
 pub fn floor<L: Lane>(x: L) -> L {
     let nearest = round(x);
-    x.lt(nearest).select(nearest - 1.0, nearest)
+    nearest - x.lt(nearest).select(x.broadcast(1.0), x.broadcast(0.0))
 }
 
 /// The integer that `x` is, as two's complement bits. For an integer `|x| < 2²²`.
@@ -118,9 +119,13 @@ pub fn from_integer<L: Lane>(bits: L::Bits) -> L {
 /// Taylor polynomial of degree 7, whose remainder is below 2⁻²⁷.
 #[inline(always)]
 pub fn exp2<L: Lane>(x: L) -> L {
-    // NaN fails the comparison and becomes the lower end.
-    let x = x.gt(x.broadcast(-126.0)).select(x, x.broadcast(-126.0));
-    let x = x.lt(x.broadcast(127.0)).select(x, x.broadcast(127.0));
+    // NaN becomes the lower end.
+    exp2_within(x.max(x.broadcast(-126.0)).min(x.broadcast(127.0)))
+}
+
+/// [`exp2`] of a number within −126 ..= 127.
+#[inline(always)]
+fn exp2_within<L: Lane>(x: L) -> L {
     let whole = round(x);
     let f = x - whole;
     // (ln 2)ⁿ / n!
@@ -156,12 +161,18 @@ pub fn sine_and_cosine<L: Lane>(x: L) -> [L; 2] {
 /// `2/ln 2 · artanh(s)`, `s = (m − 1)/(m + 1)`, as a series up to `s⁹`.
 #[inline(always)]
 pub fn log2<L: Lane>(x: L) -> L {
-    let bits = clamp(x, TINY, HUGE).to_bits();
+    log2_within(clamp(x, TINY, HUGE))
+}
+
+/// [`log2`] of a number within [`TINY`] ..= [`HUGE`].
+#[inline(always)]
+fn log2_within<L: Lane>(x: L) -> L {
+    let bits = x.to_bits();
     // Counted from √½, so that m straddles 1.
     let offset = bits - bits.broadcast(0x3f35_04f3);
     let exponent = (offset >> 23).xor(bits.broadcast(0x100)) - bits.broadcast(0x100);
     let m = L::from_bits(bits - (exponent << 23));
-    let s = (m - 1.0) * recip(m + 1.0);
+    let s = (m - 1.0) * recip_within(m + 1.0);
     let s2 = s * s;
     // 2 / (n ln 2)
     let mut p = s2 * 0.320_598_9 + 0.412_198_6;
@@ -218,9 +229,9 @@ const DECODE_SLOPE: f32 = 1.0 / 12.92;
 pub fn srgb_encode<L: Lane>(linear: L) -> L {
     // NaN would be white through `clamp`; it is black.
     let c = linear.gt(linear.broadcast(FLOOR)).select(linear, linear.broadcast(0.0));
-    let c = clamp(c, 0.0, 1.0);
-    let curve = pow(c, c.broadcast(ENCODE_POWER)) * 1.055 - 0.055;
-    clamp(c.le(c.broadcast(0.003_130_8)).select(c * 12.92, curve), 0.0, 1.0)
+    let (c, least) = (c.min(c.broadcast(1.0)), c.broadcast(0.003_130_8));
+    let curve = exp2_within(log2_within(c.max(least)) * ENCODE_POWER) * 1.055 - 0.055;
+    c.le(least).select(c * 12.92, curve).min(c.broadcast(1.0))
 }
 
 /// The linear light that `encoded` stands for in sRGB (IEC 61966-2-1).
@@ -232,9 +243,9 @@ pub fn srgb_encode<L: Lane>(linear: L) -> L {
 #[inline(always)]
 pub fn srgb_decode<L: Lane>(encoded: L) -> L {
     let c = encoded.gt(encoded.broadcast(FLOOR)).select(encoded, encoded.broadcast(0.0));
-    let c = clamp(c, 0.0, 1.0);
-    let curve = pow((c + 0.055) * DECODE_SCALE, c.broadcast(2.4));
-    clamp(c.le(c.broadcast(0.040_45)).select(c * DECODE_SLOPE, curve), 0.0, 1.0)
+    let c = c.min(c.broadcast(1.0));
+    let curve = exp2_within(log2_within((c + 0.055) * DECODE_SCALE) * 2.4);
+    c.le(c.broadcast(0.040_45)).select(c * DECODE_SLOPE, curve).min(c.broadcast(1.0))
 }
 
 /// `v` at length 1; a vector shorter than 2⁻⁴⁵ keeps its direction but not that length.

@@ -1,6 +1,6 @@
 //! Tone mapping: from light of any strength to what a display can show.
 
-use crate::lane::{Lane, Select, V3};
+use crate::lane::{Lane, Mask, Select, V3};
 use crate::layout::ToneMap;
 use crate::num::{clamp, exp2, flush, log2, pow, recip, sqrt};
 
@@ -29,8 +29,7 @@ pub fn tone_map<L: Lane>(operator: u32, light: V3<L>) -> V3<L> {
 /// A channel within 0 ..= 2³².
 #[inline(always)]
 fn usable<L: Lane>(channel: L) -> L {
-    let zero = channel.broadcast(0.0);
-    flush(channel.gt(zero).select(clamp(channel, 0.0, BRIGHTEST), zero))
+    flush(channel.max(channel.broadcast(0.0)).min(channel.broadcast(BRIGHTEST)))
 }
 
 /// What a surface of an index of refraction of 1.5 reflects head-on, and what this operator takes
@@ -63,11 +62,14 @@ fn neutral<L: Lane>(light: V3<L>) -> V3<L> {
     let offset = least.le(one.broadcast(2.0 * F90)).select(toe, one.broadcast(F90));
     let light = V3 { x: light.x - offset, y: light.y - offset, z: light.z - offset };
     let peak = light.x.max(light.y).max(light.z);
+    let is_plain = peak.le(one.broadcast(KS));
+    if !(!is_plain).any() {
+        return light;
+    }
     let compressed = one - recip(peak + (1.0 - 2.0 * KS)) * ((1.0 - KS) * (1.0 - KS));
     let kept = recip((peak - compressed) * KD + 1.0);
     let scale = compressed * recip(peak) * kept;
     let white = compressed * (one - kept);
-    let is_plain = peak.le(one.broadcast(KS));
     let shown = light.scale(scale);
     V3::select(is_plain, light, V3 { x: shown.x + white, y: shown.y + white, z: shown.z + white })
 }

@@ -75,6 +75,9 @@ pub fn displayed<L: Lane>(exposure: f32, operator: u32, light: V3<L>) -> V3<L> {
 /// The average color of the pixel with this first ray, linear RGB and alpha, of `side` × `side` sub-rays.
 #[inline(always)]
 pub fn average(side: u32, first: RayIndex, color: &impl Fn(RayIndex) -> [f32; 4]) -> [f32; 4] {
+    if side == 1 {
+        return color(first);
+    }
     let mut sum = [0.0_f32; 4];
     let mut b = 0;
     while b < side {
@@ -86,14 +89,8 @@ pub fn average(side: u32, first: RayIndex, color: &impl Fn(RayIndex) -> [f32; 4]
         }
         b += 1;
     }
-    // One, four or sixteen: a power of two, so the weight is exact.
-    let weight = if side == 1 {
-        1.0
-    } else if side == 2 {
-        0.25
-    } else {
-        0.0625
-    };
+    // A power of two, so the weight is exact.
+    let weight = if side == 2 { 0.25 } else { 0.0625 };
     [sum[0] * weight, sum[1] * weight, sum[2] * weight, sum[3] * weight]
 }
 
