@@ -255,3 +255,46 @@ fn a_scene_of_hidden_objects_is_an_empty_one() {
     build.scene.set_transform(instance, Mat4::IDENTITY).unwrap();
     assert_eq!(build.scene.extent(), Some((Vec3::splat(-1.0), Vec3::ONE)));
 }
+
+#[test]
+fn a_scene_without_what_was_removed_is_one_that_never_had_it() {
+    let glass = rtrt_core::scene::Material::new([0.9, 0.5, 0.4]).blend(0.5);
+    // Balls, a pane of glass behind them in the arrays, a floor; or boxes in the numbers of the balls.
+    let build = |has_balls: bool, has_boxes: bool| {
+        let mut build = Build::default();
+        let balls = build.mesh(if has_balls { Shape::ball(4) } else { Shape::cube() });
+        let at = |i: i32| Mat4::from_translation(Vec3::new((2 * i) as f32, 1.0, -1.0));
+        let placed = [-1, 0, 1].map(|i| build.instance(balls, at(i)));
+        if !has_balls && !has_boxes {
+            placed.map(|instance| build.scene.hide(instance).unwrap());
+        }
+        let build = build.shape_of(Shape::floor(2.0, 0.0), glass).shape(Shape::floor(9.0, -3.0));
+        let sun = Light::sun(Vec3::new(0.3, -1.0, -0.4)).color(Vec3::splat(1.9));
+        (build.light(sun).scene, balls, placed, at)
+    };
+    let request = Request::new(&CAMERA, [97, 55]).samples(4).layers(3).deferred(true);
+    let mut variants = present(all(), requires_gpu());
+    assert_eq!(variants.failed, 0);
+    let mut same = |scene: &Scene, fresh: &Scene, step: &str| {
+        let picture = agreed(&mut variants, scene, &request, step);
+        let mut expected = Picture::default();
+        reference().render(fresh, &request, &mut expected).unwrap();
+        compare(&request, &expected, &picture).unwrap_or_else(|difference| panic!("{step}: {difference}"));
+        picture.pixels
+    };
+    let (mut scene, balls, placed, at) = build(true, false);
+    let with = same(&scene, &build(true, false).0, "balls");
+    // The last that is removed has the number of the next.
+    placed.into_iter().rev().for_each(|instance| scene.remove_instance(instance).unwrap());
+    let without = same(&scene, &build(false, false).0, "no instance");
+    scene.remove_mesh(balls).unwrap();
+    assert_eq!(same(&scene, &build(false, false).0, "no mesh"), without);
+    let cube = Shape::cube().mesh();
+    let cubes = scene.add_mesh(&cube, &Bvh::build(&cube, &Sequential)).unwrap();
+    let gray = scene.material_of(scene.instance_index(4).unwrap()).unwrap();
+    for i in [-1, 0, 1] {
+        scene.add_instance(cubes, gray, at(i)).unwrap();
+    }
+    let boxes = same(&scene, &build(false, true).0, "boxes");
+    assert!(with != without && boxes != without && boxes != with);
+}

@@ -4,7 +4,7 @@ use crate::layers::Layers;
 use crate::pose::pixel;
 use glam::DVec3;
 use rtrt_core::layout::Instance;
-use rtrt_core::scene::{Camera, Scene};
+use rtrt_core::scene::{Camera, InstanceIndex, Scene};
 use std::sync::Arc;
 
 /// A scene and its camera as they were.
@@ -19,7 +19,7 @@ pub struct Before {
 struct Moment {
     /// [`Scene::id`].
     scene: u32,
-    instances: Vec<Instance>,
+    instances: Vec<(Instance, Option<InstanceIndex>)>,
     positions: Vec<[f32; 3]>,
     /// Counts changes of `positions`.
     geometry: u32,
@@ -28,9 +28,10 @@ struct Moment {
 impl Before {
     /// What the next frame has to know of this one.
     pub fn new(scene: &Scene, camera: &Camera) -> Self {
+        let numbered = (0..).zip(scene.instances());
         let moment = Moment {
             scene: scene.id(),
-            instances: scene.instances().to_vec(),
+            instances: numbered.map(|(number, own)| (*own, scene.instance_index(number))).collect(),
             positions: scene.positions().to_vec(),
             geometry: scene.versions().geometry,
         };
@@ -83,11 +84,11 @@ impl<'a> Motion<'a> {
     pub fn of(&self, point: &Point) -> [f32; 2] {
         let Self { scene, camera, before, size, is_bent } = *self;
         let (object, then) = (point.object as usize, &before.moment.instances);
-        let (Some(now), Some(then)) = (scene.instances().get(object), then.get(object)) else {
+        let (Some(now), Some((then, index))) = (scene.instances().get(object), then.get(object)) else {
             return [0.0; 2];
         };
-        // One that was hidden was nowhere.
-        if then.triangles == 0 {
+        // One that was hidden was nowhere, nor was one that has the number of another.
+        if then.triangles == 0 || scene.instance_index(point.object) != *index {
             return [0.0; 2];
         }
         let here = DVec3::from(point.position.map(f64::from));
@@ -95,7 +96,9 @@ impl<'a> Motion<'a> {
             let [u, v] = point.barycentrics.map(f64::from);
             let corners = now.corners(scene.mesh_data(), point.triangle);
             let positions = &before.moment.positions;
-            let [a, b, c] = corners.map(|vertex| DVec3::from(positions[vertex as usize].map(f64::from)));
+            // Meshes that were removed have moved the others in the arrays.
+            let then = |vertex: u32| (vertex - now.first_vertex + then.first_vertex) as usize;
+            let [a, b, c] = corners.map(|vertex| DVec3::from(positions[then(vertex)].map(f64::from)));
             a * (1.0 - u - v) + b * u + c * v
         } else {
             let place = DVec3::from(now.to_object.map(|row| f64::from(row[3])));
@@ -136,7 +139,7 @@ mod tests {
     use glam::{Mat4, Vec3};
     use rtrt_core::backend::{Backend, Picture, Request};
     use rtrt_core::layout::Attribute;
-    use rtrt_core::scene::{Bvh, InstanceIndex, Material, Mesh, MeshIndex, Projection, Sequential};
+    use rtrt_core::scene::{Bvh, Material, Mesh, MeshIndex, Projection, Sequential};
 
     /// What moves from one frame to the next.
     #[derive(Clone, Copy)]
@@ -206,6 +209,36 @@ mod tests {
         let point = Point { object: 0, triangle: 0, barycentrics: [0.5; 2], position: [0.3, 0.2, 2.0] };
         assert_eq!(Motion::new(&scene, &camera, [64, 64], &before).of(&point), [0.0; 2]);
         assert!(before.is_of(&scene) && !before.is_of(&Scene::new()));
+    }
+
+    #[test]
+    fn what_is_removed_changes_the_motion_of_nothing_else_and_what_has_its_number_was_not_there() {
+        let mut scene = Scene::new();
+        let paint = scene.add_material(Material::new([0.8; 3])).unwrap();
+        // One mesh in front of the triangle's in the arrays, with an instance.
+        let [other, mesh] = [Vec3::X * 50.0, Vec3::ZERO].map(|by| {
+            let shape = triangle(by);
+            scene.add_mesh(&shape, &Bvh::build(&shape, &Sequential)).unwrap()
+        });
+        let gone = scene.add_instance(other, paint, Mat4::IDENTITY).unwrap();
+        let object = scene.add_instance(mesh, paint, Mat4::IDENTITY).unwrap();
+        let projection = Projection::Orthographic { height: 6.4 };
+        let camera = Camera { eye: Vec3::Z * 9.0, look_at: Vec3::ZERO, up: Vec3::Y, projection };
+        let before = Before::new(&scene, &camera);
+        scene.remove_instance(gone).unwrap();
+        scene.remove_mesh(other).unwrap();
+        scene.set_transform(object, Mat4::from_translation(STEP)).unwrap();
+        let new = scene.add_instance(mesh, paint, Mat4::from_translation(STEP)).unwrap();
+        assert_eq!(new.number(), gone.number());
+        let motion = Motion::new(&scene, &camera, [64, 64], &before);
+        // Of its triangle, the point with the weights ½, ¼, ¼.
+        let position = [-1.0 + STEP.x, -1.25 + STEP.y, 0.0];
+        let of = |object: InstanceIndex| {
+            motion.of(&Point { object: object.number(), triangle: 0, barycentrics: [0.25; 2], position })
+        };
+        assert_eq!(of(new), [0.0; 2]);
+        let found = of(object);
+        assert!((0..2).all(|i: usize| (found[i] - [3.0, -2.0][i]).abs() < 1e-3), "{found:?}");
     }
 
     #[test]

@@ -109,9 +109,6 @@ pub(crate) struct Asked<L> {
     /// The origin, moved by as much as boxes are wider: what lower planes are measured from, and upper ones.
     origins: [[L; 3]; 2],
     inverse: [L; 3],
-    /// For each axis, the planes where the ray enters and leaves.
-    entry: [usize; 3],
-    exit: [usize; 3],
     /// How much wider boxes are than in the nodes, per unit of their slack.
     magnitude: L,
 }
@@ -129,12 +126,9 @@ impl<L: Lane> Asked<L> {
     pub fn new(token: L::Token, ray: &Ray<f32>, magnitude: f32, passing: f32) -> Self {
         let each = |v: [f32; 3]| v.map(|c| L::splat(token, c));
         let (origin, inverse) = (ray.origin.lane(0), ray.inverse.lane(0));
-        let is_up = inverse.map(|c| c > 0.0);
         Self {
             origins: [each(origin.map(|c| c + passing)), each(origin.map(|c| c - passing))],
             inverse: each(inverse),
-            entry: [0, 1, 2].map(|axis| if is_up[axis] { axis } else { 3 + axis }),
-            exit: [0, 1, 2].map(|axis| if is_up[axis] { 3 + axis } else { axis }),
             magnitude: L::splat(token, magnitude),
         }
     }
@@ -142,7 +136,7 @@ impl<L: Lane> Asked<L> {
     /// The children that the ray may hit within its range.
     ///
     /// Along each axis the plane at which the ray enters has the smaller `t`: products with a number of
-    /// one sign are ordered as their other factors.
+    /// one sign are ordered as their other factors, or the other way round.
     #[inline(always)]
     fn enter(&self, node: &WideNode, slack: Option<&[f32; WIDTH]>, range: Range) -> Entered {
         let like = self.magnitude;
@@ -150,12 +144,17 @@ impl<L: Lane> Asked<L> {
         let mut entered = Entered { mask: 0, near: [0.0; WIDTH] };
         let mut first = 0;
         while first < WIDTH {
-            let near = self.cross(node, slack, first, self.entry[0], 0);
-            let near = near.max(self.cross(node, slack, first, self.entry[1], 1));
-            let near = near.max(self.cross(node, slack, first, self.entry[2], 2)).max(from);
-            let far = self.cross(node, slack, first, self.exit[0], 0);
-            let far = far.min(self.cross(node, slack, first, self.exit[1], 1));
-            let far = far.min(self.cross(node, slack, first, self.exit[2], 2)) * STRETCH;
+            let pad = slack.map(
+                #[inline(always)]
+                |slack| self.load(slack, first) * self.magnitude,
+            );
+            let [x, y, z] = [
+                self.cross(node, pad, first, 0),
+                self.cross(node, pad, first, 1),
+                self.cross(node, pad, first, 2),
+            ];
+            let near = x[0].min(x[1]).max(y[0].min(y[1])).max(z[0].min(z[1])).max(from);
+            let far = x[0].max(x[1]).min(y[0].max(y[1])).min(z[0].max(z[1])) * STRETCH;
             entered.mask |= near.le(far.min(limit)).bits() << first;
             let row = near.row();
             let mut lane = 0;
@@ -168,23 +167,16 @@ impl<L: Lane> Asked<L> {
         entered
     }
 
-    /// Where the ray crosses a plane of the children from `first` on.
+    /// Where the ray crosses the lower planes of the children from `first` on along an axis, and the upper ones.
     #[inline(always)]
-    fn cross(
-        &self,
-        node: &WideNode,
-        slack: Option<&[f32; WIDTH]>,
-        first: usize,
-        plane: usize,
-        axis: usize,
-    ) -> L {
-        let mut bound = self.load(&node.planes[plane], first);
-        if let Some(slack) = slack {
-            let pad = self.load(slack, first) * self.magnitude;
-            bound = if plane < 3 { bound - pad } else { bound + pad };
+    fn cross(&self, node: &WideNode, pad: Option<L>, first: usize, axis: usize) -> [L; 2] {
+        let (mut low, mut high) =
+            (self.load(&node.planes[axis], first), self.load(&node.planes[3 + axis], first));
+        if let Some(pad) = pad {
+            (low, high) = (low - pad, high + pad);
         }
-        let origin = if plane < 3 { self.origins[0][axis] } else { self.origins[1][axis] };
-        (bound - origin) * self.inverse[axis]
+        let inverse = self.inverse[axis];
+        [(low - self.origins[0][axis]) * inverse, (high - self.origins[1][axis]) * inverse]
     }
 
     /// The numbers of the children from `first` on.
