@@ -292,23 +292,21 @@ mod tests {
 
     #[test]
     fn the_footprint_of_a_shared_color_is_a_pixel() {
-        let camera = Camera {
-            eye: Vec3::Z,
-            look_at: Vec3::ZERO,
-            up: Vec3::Y,
-            projection: Projection::Perspective { fov_y: 1.0 },
-        };
-        let footprint = |samples: u32, shading: Shading| {
-            let mut setup = Setup::default();
-            let request = Request::new(&camera, [32, 16]).samples(samples).shading(shading);
-            setup.prepare(&Scene::new(), &request).unwrap();
-            let View { pixel, pixel_t, .. } = setup.views[Frame::CAMERA as usize];
-            [pixel, pixel_t]
-        };
-        let pixel = footprint(1, Shading::Sample);
-        for (samples, part) in [(1, 1.0), (4, 0.5), (16, 0.25)] {
-            assert_eq!(footprint(samples, Shading::Pixel), pixel);
-            assert_eq!(footprint(samples, Shading::Sample), pixel.map(|c| c * part));
+        for projection in [Projection::Perspective { fov_y: 1.0 }, Projection::Orthographic { height: 3.0 }] {
+            let camera = Camera { eye: Vec3::Z, look_at: Vec3::ZERO, up: Vec3::Y, projection };
+            let footprint = |samples: u32, shading: Shading| {
+                let mut setup = Setup::default();
+                let request = Request::new(&camera, [32, 16]).samples(samples).shading(shading);
+                setup.prepare(&Scene::new(), &request).unwrap();
+                let View { pixel, pixel_t, .. } = setup.views[Frame::CAMERA as usize];
+                [pixel, pixel_t]
+            };
+            let pixel = footprint(1, Shading::Sample);
+            assert!(pixel != [0.0; 2]);
+            for (samples, part) in [(1, 1.0), (4, 0.5), (16, 0.25)] {
+                assert_eq!(footprint(samples, Shading::Pixel), pixel);
+                assert_eq!(footprint(samples, Shading::Sample), pixel.map(|c| c * part));
+            }
         }
     }
 
