@@ -39,6 +39,8 @@ fn place(random: &mut Random, number: usize) -> Mat4 {
 struct Made {
     scene: Scene,
     mesh: MeshIndex,
+    /// A mesh that nothing has.
+    spare: Option<MeshIndex>,
     materials: [MaterialIndex; 3],
     instances: Vec<InstanceIndex>,
 }
@@ -64,7 +66,7 @@ fn world(random: &mut Random) -> Made {
         scene.set_ray_mask(instances[number], 1 << (number % 4)).expect("it is there");
     }
     scene.hide(instances[59]).expect("it is there");
-    Made { scene, mesh, materials, instances }
+    Made { scene, mesh, spare: None, materials, instances }
 }
 
 /// Rays of every kind, some of which are refused.
@@ -175,7 +177,7 @@ fn answers_are_those_of_the_world_to_the_bit() {
 type Step = fn(&mut Made, &mut Random);
 
 /// What a world has to follow.
-const STEPS: [(&str, Step); 16] = [
+const STEPS: [(&str, Step); 20] = [
     ("nothing happens", |_, _| {}),
     ("one moves", |made, random| {
         made.scene.set_transform(made.instances[7], place(random, 7)).expect("a place");
@@ -225,6 +227,25 @@ const STEPS: [(&str, Step); 16] = [
         let more = made.scene.add_instance(made.mesh, made.materials[2], place(random, 61));
         made.instances.push(more.expect("a place"));
         made.scene.set_transform(made.instances[2], place(random, 2)).expect("a place");
+    }),
+    ("one is removed", |made, _| made.scene.remove_instance(made.instances[30]).expect("it is there")),
+    ("a sphere has its number", |made, random| {
+        let more = made.scene.add_sphere(made.materials[0], place(random, 30)).expect("a place");
+        assert_eq!(more.number(), made.instances[30].number());
+        made.instances[30] = more;
+    }),
+    ("there are two more meshes, one of them seen", |made, random| {
+        let [spare, mesh] = [(); 2].map(|()| {
+            let mesh = heap(random);
+            made.scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).expect("a mesh")
+        });
+        (made.spare, made.mesh) = (Some(spare), mesh);
+        let more = made.scene.add_instance(mesh, made.materials[2], place(random, 62));
+        made.instances.push(more.expect("a place"));
+    }),
+    ("the other is removed, and what follows it lies elsewhere", |made, _| {
+        let spare = made.spare.expect("a mesh");
+        made.scene.remove_mesh(spare).expect("it has no instances");
     }),
     ("it is a clone", |made, _| made.scene = made.scene.clone()),
     ("two move in the clone", |made, random| {

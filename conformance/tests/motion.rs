@@ -266,7 +266,7 @@ fn a_scene_without_what_was_removed_is_one_that_never_had_it() {
         let at = |i: i32| Mat4::from_translation(Vec3::new((2 * i) as f32, 1.0, -1.0));
         let placed = [-1, 0, 1].map(|i| build.instance(balls, at(i)));
         if !has_balls && !has_boxes {
-            placed.map(|instance| build.scene.hide(instance).unwrap());
+            placed.into_iter().for_each(|instance| build.scene.hide(instance).unwrap());
         }
         let build = build.shape_of(Shape::floor(2.0, 0.0), glass).shape(Shape::floor(9.0, -3.0));
         let sun = Light::sun(Vec3::new(0.3, -1.0, -0.4)).color(Vec3::splat(1.9));
