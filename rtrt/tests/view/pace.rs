@@ -278,10 +278,12 @@ fn an_animation_goes_on_while_a_screenshot_is_made() {
     let line = "view demo:moving --size 800x600 --samples 16 --backend cpu -o shot.png";
     let mut window = Window::open(&display, &folder, line);
     window.until("there is a picture", || sharpness(&display.pixels(SCREEN)) > 0.5);
+    let (start, lanes) = (display.pixels(SCREEN), [0.1, 0.1, 0.9, 0.8]);
     assert!(key("key", "space"));
+    // Not at its start, which a command need not name.
+    window.until("it moves", || changed(&start, &display.pixels(SCREEN), lanes) > 2000);
     let shot = folder.join("shot.png");
     assert!(key("key", "F12"));
-    let lanes = [0.1, 0.1, 0.9, 0.8];
     let mut moves = 0;
     while !shot.exists() {
         let before = display.pixels(SCREEN);

@@ -85,15 +85,12 @@ struct Scale {
 
 impl Scale {
     fn new(centers: &Padded) -> Self {
-        let mut bins_per_unit = [0.0; 4];
-        for axis in 0..3 {
+        let along = |axis: usize| {
             let extent = centers.high[axis] - centers.low[axis];
             let bins = BINS as f32 / extent;
-            if extent > 0.0 && bins.is_finite() {
-                bins_per_unit[axis] = bins;
-            }
-        }
-        Self { low: centers.low, bins_per_unit }
+            if extent > 0.0 && bins.is_finite() { bins } else { 0.0 }
+        };
+        Self { low: centers.low, bins_per_unit: [along(0), along(1), along(2), 0.0] }
     }
 
     /// The bin of a center along an axis.
@@ -215,6 +212,13 @@ impl Bins {
 /// The cheapest split with its cost in triangle tests; `None` if all centers coincide.
 fn cheapest(boxes: &[Padded], bounds: &Bounds, centers: &Padded) -> Option<Split> {
     let scale = Scale::new(centers);
+    let area = bounds.area().max(f32::MIN_POSITIVE);
+    if let [a, b] = boxes {
+        // Each axis parts them, into the first bin and the last, at the same cost.
+        let axis = scale.bins_per_unit.iter().position(|bins| *bins > 0.0)?;
+        let cost = SPLIT_COST + (a.bounds().area() + b.bounds().area()) / area;
+        return Some(Split { axis, cost, bin: 1, scale });
+    }
     let mut all = [Bins::EMPTY; 3];
     for item in boxes {
         let center = item.center2();
@@ -222,7 +226,6 @@ fn cheapest(boxes: &[Padded], bounds: &Bounds, centers: &Padded) -> Option<Split
             bins.add(scale.bin(&center, axis), item);
         }
     }
-    let area = bounds.area().max(f32::MIN_POSITIVE);
     let mut best: Option<Split> = None;
     for (axis, bins) in all.iter().enumerate() {
         // A plane behind an empty bin is no other than the one before it.

@@ -4,7 +4,6 @@ use super::{InstanceIndex, MeshIndex, Scene, SceneError};
 use crate::layout::{Instance, Transparency, TransparencyVertex};
 use crate::scene::place::Stored;
 use crate::scene::{Bvh, Mesh, Sequential};
-use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::cast_slice_mut;
 use core::mem::take;
@@ -73,7 +72,8 @@ impl Scene {
     fn words(&self, mesh: MeshIndex, stored: &Stored) -> Holes {
         let optional = |first: u32, count: u32| if first == 0 { 0 } else { count * stored.vertices };
         let more = optional(stored.first_tangent, 1) + optional(stored.first_second_uv, 2);
-        let mut holes = vec![stored.first_index..stored.first_index + 3 * stored.triangles + more];
+        let own = stored.first_index..stored.first_index + 3 * stored.triangles + more;
+        let mut holes = Vec::from_iter([own]);
         let vertices = TransparencyVertex::WORDS * stored.vertices;
         holes.extend(stored.transparencies.into_iter().filter(|at| *at > 0).map(|at| at..at + vertices));
         let records = self.transparencies.iter().filter(|((of, _), _)| *of == mesh.number);
@@ -84,7 +84,7 @@ impl Scene {
 
     /// Cuts a mesh out of all arrays, and moves the ranges of those behind it.
     fn cut_out(&mut self, gone: &Stored, words: &Holes) {
-        let pairs = (1 + gone.nodes) / 2;
+        let pairs = gone.nodes.div_ceil(2);
         let pair = (gone.root - 1) / 2;
         self.nodes.drain(pair as usize..(pair + pairs) as usize);
         let vertices = gone.first_vertex as usize..(gone.first_vertex + gone.vertices) as usize;
@@ -146,6 +146,7 @@ mod tests {
     use super::*;
     use crate::layout::Attribute;
     use crate::scene::{Image, Material, Wrap};
+    use alloc::vec;
     use bytemuck::cast_slice;
     use glam::Mat4;
 
@@ -163,8 +164,11 @@ mod tests {
         mesh.with_tangents(&vec![[1.0, 0.0, 0.0, 1.0]; corners().len()]).unwrap()
     }
 
-    /// What rays and pictures read of the instances that are there.
-    fn seen(scene: &Scene) -> Vec<(Vec<[f32; 3]>, Vec<u32>, [f32; 3], u32)> {
+    /// What rays and pictures read of an instance: corners, words, the corner of its box, what its root is.
+    type Seen = (Vec<[f32; 3]>, Vec<u32>, [f32; 3], u32);
+
+    /// Those of the instances that are there.
+    fn seen(scene: &Scene) -> Vec<Seen> {
         let live = |number: u32| scene.instance_index(number).is_some();
         let numbers = (0..scene.instances().len() as u32).filter(|&number| live(number));
         numbers
