@@ -3,7 +3,9 @@
 use conformance::oracle::brute;
 use conformance::variants::{all, present, requires_gpu};
 use conformance::{compare, reference};
+use rtrt::import::Loaded;
 use rtrt_core::backend::{Backend, Picture, Request};
+use rtrt_core::scene::Camera;
 use std::path::Path;
 
 const SCENES: [&str; 15] = [
@@ -27,32 +29,50 @@ const SCENES: [&str; 15] = [
 /// The oracle tests one ray in this many against every triangle.
 const STEP: usize = 37;
 
+/// The scenes that are there, by name.
+fn scenes() -> impl Iterator<Item = (&'static str, Loaded)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
+    SCENES.into_iter().filter_map(move |name| {
+        let path = folder.join(name);
+        if !path.exists() {
+            println!("SKIPPED: {} is not there", path.display());
+            return None;
+        }
+        let mut loaded =
+            rtrt::import::load(&path, &rtrt_cpu::Parallel).unwrap_or_else(|why| panic!("{name}: {why}"));
+        rtrt::import::light_by_default(&mut loaded.scene).unwrap_or_else(|why| panic!("{name}: {why}"));
+        Some((name, loaded))
+    })
+}
+
+fn request(camera: &Camera, samples: u32) -> Request<'_> {
+    Request::new(camera, [97, 55]).samples(samples).deferred(true)
+}
+
+#[test]
+fn the_reference_is_what_the_oracle_says_on_real_scenes() {
+    let (mut reference, mut expected) = (reference(), Picture::default());
+    for (name, loaded) in scenes() {
+        let request = request(&loaded.camera, 1);
+        reference.render(&loaded.scene, &request, &mut expected).unwrap();
+        let checked = brute::check(&loaded.scene, &request, &expected, STEP);
+        checked.unwrap_or_else(|why| panic!("{name}: {why}"));
+    }
+}
+
 #[test]
 fn every_variant_agrees_on_real_scenes() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
     let mut reference = reference();
     let mut variants = present(all(), requires_gpu());
     assert_eq!(variants.failed, 0);
     let (mut expected, mut actual) = (Picture::default(), Picture::default());
     let mut differences = 0;
-    for name in SCENES {
-        let path = folder.join(name);
-        if !path.exists() {
-            println!("SKIPPED: {} is not there", path.display());
-            continue;
-        }
-        let mut loaded =
-            rtrt::import::load(&path, &rtrt_cpu::Parallel).unwrap_or_else(|why| panic!("{name}: {why}"));
-        rtrt::import::light_by_default(&mut loaded.scene).unwrap_or_else(|why| panic!("{name}: {why}"));
+    for (name, loaded) in scenes() {
         for samples in [1, 4] {
-            let request = Request::new(&loaded.camera, [97, 55]).samples(samples).deferred(true);
+            let request = request(&loaded.camera, samples);
             reference.render(&loaded.scene, &request, &mut expected).unwrap();
             let is_blank = expected.pixels.iter().all(|&pixel| pixel == expected.pixels[0]);
             assert!(!is_blank, "{name} shows nothing");
-            if samples == 1 {
-                let checked = brute::check(&loaded.scene, &request, &expected, STEP);
-                checked.unwrap_or_else(|why| panic!("{name}: {why}"));
-            }
             for (variant, backend) in &mut variants.backends {
                 backend.render(&loaded.scene, &request, &mut actual).unwrap();
                 if let Err(why) = compare(&request, &expected, &actual) {

@@ -147,7 +147,7 @@ impl Shape {
         }
     }
 
-    /// How many rays it is asked: [`rays`], but fewer where one takes long, and then [`RAYS`] at least.
+    /// The number of rays for this shape: [`rays`]. A shape whose rays take long gets fewer, but at least [`RAYS`].
     fn rays(&self) -> u32 {
         let rays = rays();
         rays.min(RAYS.max(rays / self.cost))
@@ -185,7 +185,7 @@ impl Shape {
     }
 }
 
-/// How many rays a shape is asked under each transform.
+/// The number of rays for a shape under each transform.
 const RAYS: u32 = 4_000;
 
 /// The same, or what `RTRT_RAYS` says.

@@ -86,9 +86,9 @@ impl World {
     ///
     /// | since the last call | what is computed and copied |
     /// |---|---|
-    /// | instances were moved, hidden or shown, or got other masks | those, and the boxes of the tree above them |
+    /// | instances were moved, hidden, shown or removed, or got other masks | those, and the boxes of the tree above them |
     /// | many of them | all instances; the tree is built again, by workers of `join`, if it has become bad |
-    /// | a mesh was added or has another shape | all meshes |
+    /// | a mesh was added, removed, or has another shape | all meshes and all instances |
     /// | an instance was added | all instances and the tree |
     /// | a material was added or set | all instances |
     /// | a texture was added | all texels |

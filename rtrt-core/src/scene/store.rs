@@ -96,7 +96,7 @@ pub enum SceneError {
         index: u32,
     },
     /// A mesh that is to be removed is that of instances, or a level of detail of them.
-    #[error("mesh {index} has {instances} instances: remove them first")]
+    #[error("mesh {index} cannot be removed: it is in use, number of instances: {instances}")]
     InUse {
         /// The number of the mesh.
         index: u32,

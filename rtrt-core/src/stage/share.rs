@@ -152,22 +152,26 @@ mod tests {
         let sky = Frame { sky_first: 1, backdrop: Backdrop::Environment as u32, ..Frame::zeroed() };
         for side in [1, 2, 4] {
             for frame in [Frame::zeroed(), sky].map(|frame| Frame { side, ..frame }) {
-                // One triangle, nothing, both, and many.
-                for instance in 0..4 {
-                    let of =
-                        |ray: u32| [1, NONE, if ray.is_multiple_of(3) { 1 } else { NONE }, ray % 2][instance];
-                    let instances: [u32; TILE] = core::array::from_fn(|ray| of(ray as u32));
-                    let triangles = instances.map(|instance| if instance == NONE { NONE } else { 5 });
+                // One triangle, nothing, both, several instances, and several triangles of one.
+                for case in 0..5 {
+                    let of = |ray: u32| {
+                        let both = if ray.is_multiple_of(3) { [1, 5] } else { [NONE; 2] };
+                        [[1, 5], [NONE; 2], both, [ray % 2, 5], [1, ray % 3]][case]
+                    };
+                    let instances: [u32; TILE] = core::array::from_fn(|ray| of(ray as u32)[0]);
+                    let triangles: [u32; TILE] = core::array::from_fn(|ray| of(ray as u32)[1]);
                     let mut hits = [Hit::MISS; TILE];
-                    for (hit, instance) in hits.iter_mut().zip(instances).filter(|(_, met)| *met != NONE) {
-                        *hit = Hit { t: 1.0, instance, triangle: 5, u: 0.0, v: 0.0 };
+                    for ((hit, instance), triangle) in hits.iter_mut().zip(instances).zip(triangles) {
+                        if instance != NONE {
+                            *hit = Hit { t: 1.0, instance, triangle, u: 0.0, v: 0.0 };
+                        }
                     }
                     let within = number([side - 1, side - 1]);
                     for first in (0..TILE as u32).filter(|ray| ray & within == 0) {
                         share(&frame, &mut hits, first);
                     }
                     for (ray, taken) in (0..).zip(tile(&frame, &instances, &triangles)) {
-                        assert_eq!(shaded(ray, &hits[ray as usize]), taken.into(), "{side} {instance} {ray}");
+                        assert_eq!(shaded(ray, &hits[ray as usize]), taken.into(), "{side} {case} {ray}");
                     }
                 }
             }

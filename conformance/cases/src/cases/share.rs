@@ -41,7 +41,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "share/masked",
-        claim: "A sheet and what is seen through its holes have a color each.",
+        claim: "A sheet is shaded, and so is the floor behind its holes, in one pixel.",
         scene: || {
             let build = Build::default().shape(Shape::floor(4.0, -1.0));
             let sheet = Material::new([0.3, 0.7, 0.4]).mask(0.5);

@@ -53,17 +53,12 @@ impl Padded {
     }
 }
 
-/// Boxes and their numbers, in the order of the leaves so far.
-struct Items<'a> {
-    boxes: &'a mut [Padded],
-    numbers: &'a mut [u32],
-}
-
-/// The part of a BVH that one worker builds: the place of its nodes, and its boxes.
+/// The part of a BVH that one worker builds: the place of its nodes, and its boxes with their numbers.
 struct Part<'a> {
     nodes: &'a mut [Node],
     first_node: usize,
-    items: Items<'a>,
+    boxes: &'a mut [Padded],
+    numbers: &'a mut [u32],
     first: usize,
 }
 
@@ -110,7 +105,7 @@ pub(super) fn build(
     leaf: usize,
     join: &impl Join,
 ) -> Node {
-    let part = Part { nodes, first_node: 1, items: Items { boxes, numbers }, first: 0 };
+    let part = Part { nodes, first_node: 1, boxes, numbers, first: 0 };
     Build { leaf, join }.node(part, 0).0
 }
 
@@ -129,10 +124,10 @@ struct Build<'a, J> {
 impl<J: Join> Build<'_, J> {
     /// Builds the part. Returns its root and the cost of a visit to it, in triangle tests.
     fn node(&self, part: Part<'_>, depth: usize) -> (Node, f32) {
-        let Part { nodes, first_node, items, first } = part;
-        let count = items.boxes.len();
+        let Part { nodes, first_node, boxes, numbers, first } = part;
+        let count = boxes.len();
         let (mut bounds, mut centers) = (Padded::EMPTY, Padded::EMPTY);
-        for item in items.boxes.iter() {
+        for item in boxes.iter() {
             let center = item.center2();
             bounds.add(&item.low, &item.high);
             centers.add(&center, &center);
@@ -144,27 +139,29 @@ impl<J: Join> Build<'_, J> {
         if count == 1 {
             return (leaf, tests);
         }
-        let split = if depth < DEEP { cheapest(items.boxes, &bounds, &centers) } else { None };
+        let split = if depth < DEEP { cheapest(boxes, &bounds, &centers) } else { None };
         let (axis, middle) = match split {
             Some(split) if split.cost >= tests && count <= self.leaf => return (leaf, tests),
-            Some(split) => (split.axis, partition(items.boxes, items.numbers, &split)),
+            Some(split) => (split.axis, partition(boxes, numbers, &split)),
             None if count <= self.leaf => return (leaf, tests),
             None => (0, count / 2),
         };
         let (pair, below) = nodes.split_at_mut(2);
         let (left_nodes, right_nodes) = below.split_at_mut(2 * middle - 2);
-        let (left_boxes, right_boxes) = items.boxes.split_at_mut(middle);
-        let (left_numbers, right_numbers) = items.numbers.split_at_mut(middle);
+        let (left_boxes, right_boxes) = boxes.split_at_mut(middle);
+        let (left_numbers, right_numbers) = numbers.split_at_mut(middle);
         let left = Part {
             nodes: left_nodes,
             first_node: first_node + 2,
-            items: Items { boxes: left_boxes, numbers: left_numbers },
+            boxes: left_boxes,
+            numbers: left_numbers,
             first,
         };
         let right = Part {
             nodes: right_nodes,
             first_node: first_node + 2 * middle,
-            items: Items { boxes: right_boxes, numbers: right_numbers },
+            boxes: right_boxes,
+            numbers: right_numbers,
             first: first + middle,
         };
         let (left, right) = if count > PARALLEL {
@@ -228,7 +225,7 @@ fn cheapest(boxes: &[Padded], bounds: &Bounds, centers: &Padded) -> Option<Split
     }
     let mut best: Option<Split> = None;
     for (axis, bins) in all.iter().enumerate() {
-        // A plane behind an empty bin is no other than the one before it.
+        // A plane behind an empty bin parts the boxes as the one in front of it does.
         let mut above = [(0.0, 0); BINS];
         let mut right = (Padded::EMPTY, 0);
         let mut held = bins.held;
@@ -256,7 +253,7 @@ fn cheapest(boxes: &[Padded], bounds: &Bounds, centers: &Padded) -> Option<Split
     best
 }
 
-/// Moves what is left of the split to the front. Returns how many that is, at least 1 and less than all.
+/// Moves the boxes on the lower side of the split to the front. Returns their number: at least 1, and less than all.
 fn partition(boxes: &mut [Padded], numbers: &mut [u32], split: &Split) -> usize {
     let mut middle = 0;
     for i in 0..boxes.len() {

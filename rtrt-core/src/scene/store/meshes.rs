@@ -73,7 +73,7 @@ impl Scene {
         self.sources.extend_from_slice(&tree.triangles);
         self.versions.geometry += 1;
         let (number, generation) = match self.free_meshes.pop() {
-            Some(number) => (number, self.meshes[number as usize].generation + 1),
+            Some(number) => (number, self.meshes[number as usize].generation.wrapping_add(1)),
             None => {
                 self.meshes.push(stored);
                 (self.meshes.len() as u32 - 1, 0)
