@@ -3,7 +3,7 @@
 use conformance::shape::Random;
 use conformance::variants::requires_gpu;
 use glam::{Mat4, Vec3};
-use rtrt_core::layout::Hit as HitRecord;
+use rtrt_core::layout::{Hit as HitRecord, Instance};
 use rtrt_core::query::{Hit, Ray, Sides, Tree, World};
 use rtrt_core::scene::{
     Attribute, Bvh, Image, InstanceIndex, Material, MaterialIndex, Mesh, MeshIndex, Scene, Sequential, Wrap,
@@ -298,23 +298,32 @@ fn a_world_that_cannot_follow_is_empty_until_it_can() {
     let (device, queue) = pollster::block_on(adapter.request_device(&wanted)).expect("a device");
     let gpu = Gpu::with_device(device, queue, Route::Auto).expect("a GPU");
     let mut random = Random(9);
-    let mut made = world(&mut random);
+    let made = world(&mut random);
     let mut tree = Tree::default();
     let mut on_device = gpu.world(&made.scene, &Sequential).expect("a world");
     let questions = rays(&mut random, &made.instances);
     check(&on_device, &tree.world(&made.scene), &questions);
-    // The nodes fit, and the mesh data does not.
-    let small = made.scene.clone();
     let positions = vec![[0.0, 1.0, 2.0]; 3];
     let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
     let large = Mesh::new(positions, vec![attribute; 3], [0, 1, 2].repeat(263_000)).expect("a mesh");
-    made.scene.add_mesh(&large, &Bvh::build(&large, &Sequential)).expect("room");
-    let refused = on_device.update(&made.scene, &Sequential);
-    assert!(matches!(refused, Err(Error::BufferTooLarge { .. })), "{refused:?}");
-    let (mut hits, mut met) = ([Ok(None); 77], [Ok(true); 77]);
-    on_device.closest(&questions, &mut hits).expect("answers");
-    on_device.occluded(&questions, &mut met).expect("answers");
-    assert_eq!((hits, met), ([Ok(None); 77], [Ok(false); 77]));
-    on_device.update(&small, &Sequential).expect("an update");
-    check(&on_device, &tree.world(&small), &questions);
+    // The nodes fit, and the mesh data does not; and not even the instances do, so that nothing is copied.
+    for too_large in ["mesh data", "instances"] {
+        let mut scene = made.scene.clone();
+        if too_large == "mesh data" {
+            scene.add_mesh(&large, &Bvh::build(&large, &Sequential)).expect("room");
+        } else {
+            for _ in 0..(3 << 20) / size_of::<Instance>() {
+                scene.add_instance(made.mesh, made.materials[0], Mat4::IDENTITY).expect("room");
+            }
+        }
+        let refused = on_device.update(&scene, &Sequential);
+        let is_so = matches!(refused, Err(Error::BufferTooLarge { buffer, .. }) if buffer == too_large);
+        assert!(is_so, "{refused:?}");
+        let (mut hits, mut met) = ([Ok(None); 77], [Ok(true); 77]);
+        on_device.closest(&questions, &mut hits).expect("answers");
+        on_device.occluded(&questions, &mut met).expect("answers");
+        assert_eq!((hits, met), ([Ok(None); 77], [Ok(false); 77]), "{too_large}");
+        on_device.update(&made.scene, &Sequential).expect("an update");
+        check(&on_device, &tree.world(&made.scene), &questions);
+    }
 }
