@@ -1,13 +1,13 @@
 //! What a frame can give of each pixel.
 
 use crate::arrays::{borrowed, output};
+use crate::parts::Parts;
 use numpy::{PyArrayDyn, PyReadwriteArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rtrt::layers::Pixels;
 use rtrt::motion::{Before, Motion, Point};
 use rtrt_core::backend::{Picture, Request};
-use rtrt_core::scene::Scene;
 
 /// What a frame gives of each pixel.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +28,8 @@ enum Read {
     Motion,
     /// A number of a thing, −1 for none.
     Id(fn(&Pixels<'_>, u32) -> u32),
+    /// The number of an object, −1 for none.
+    Object,
 }
 
 const ALL: [Aov; 14] = [
@@ -36,7 +38,7 @@ const ALL: [Aov; 14] = [
     Aov { name: "depth", read: Read::Number(|pixels, n| pixels.depth(n)) },
     Aov { name: "normal", read: Read::Three(|pixels, n| pixels.normal(n)) },
     Aov { name: "albedo", read: Read::Three(|pixels, n| pixels.albedo(n)) },
-    Aov { name: "object", read: Read::Id(|pixels, n| pixels.object(n)) },
+    Aov { name: "object", read: Read::Object },
     Aov { name: "material", read: Read::Id(|pixels, n| pixels.material(n)) },
     Aov { name: "triangle", read: Read::Id(|pixels, n| pixels.triangle(n)) },
     Aov { name: "source", read: Read::Id(|pixels, n| pixels.source(n)) },
@@ -74,7 +76,7 @@ impl Aov {
     /// Numbers a pixel.
     fn components(self) -> usize {
         match self.read {
-            Read::Number(_) | Read::Id(_) => 1,
+            Read::Number(_) | Read::Id(_) | Read::Object => 1,
             Read::Two(_) | Read::Motion => 2,
             Read::Three(_) => 3,
             Read::Four(_) | Read::Picture => 4,
@@ -97,7 +99,7 @@ impl Aov {
     ) -> PyResult<Bound<'py, PyAny>> {
         let dtype = match self.read {
             Read::Picture => numpy::dtype::<u8>(py),
-            Read::Id(_) => numpy::dtype::<i32>(py),
+            Read::Id(_) | Read::Object => numpy::dtype::<i32>(py),
             _ => numpy::dtype::<f32>(py),
         };
         // By NumPy itself, which raises MemoryError.
@@ -114,7 +116,7 @@ impl Aov {
         let (name, shape) = (self.name, &self.shape(before, size));
         Ok(match self.read {
             Read::Picture => Memory::Bytes(output(name, array, shape)?),
-            Read::Id(_) => Memory::Ids(self, output(name, array, shape)?),
+            Read::Id(_) | Read::Object => Memory::Ids(self, output(name, array, shape)?),
             _ => Memory::Floats(self, output(name, array, shape)?),
         })
     }
@@ -154,13 +156,13 @@ impl Memory<'_> {
 
 impl Part<'_> {
     /// Fills it with what the picture gives. What of motion there is, is that since `before`.
-    pub fn fill(&mut self, scene: &Scene, request: &Request<'_>, picture: &Picture, before: Option<&Before>) {
+    pub fn fill(&mut self, parts: &Parts, request: &Request<'_>, picture: &Picture, before: Option<&Before>) {
         if let Part::Bytes(part) = self {
             part.copy_from_slice(&picture.bytes());
             return;
         }
         // What needs them has asked for the deferred buffers.
-        let Some(pixels) = Pixels::new(scene, request, picture) else { return };
+        let Some(pixels) = Pixels::new(&parts.scene, request, picture) else { return };
         match self {
             Part::Bytes(_) => {}
             Part::Floats(aov, part) => match aov.read {
@@ -172,7 +174,7 @@ impl Part<'_> {
                 Read::Four(read) => each(part, &pixels, read),
                 Read::Motion => {
                     let Some(before) = before else { return };
-                    let motion = Motion::new(scene, request.camera, request.size, before);
+                    let motion = Motion::new(&parts.scene, request.camera, request.size, before);
                     each(part, &pixels, |pixels, n| {
                         motion.of(&Point {
                             object: pixels.object(n),
@@ -182,11 +184,15 @@ impl Part<'_> {
                         })
                     });
                 }
-                Read::Picture | Read::Id(_) => {}
+                Read::Picture | Read::Id(_) | Read::Object => {}
             },
             Part::Ids(aov, part) => {
-                if let Read::Id(read) = aov.read {
-                    (0..).zip(part.iter_mut()).for_each(|(n, id)| *id = read(&pixels, n).cast_signed());
+                let objects = &parts.objects;
+                for (n, id) in (0..).zip(part.iter_mut()) {
+                    *id = match aov.read {
+                        Read::Id(read) => read(&pixels, n).cast_signed(),
+                        _ => objects.at(pixels.object(n)),
+                    };
                 }
             }
         }

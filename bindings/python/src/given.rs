@@ -1,7 +1,9 @@
 //! Meshes, pictures and places, from arrays of Python.
 
-use crate::arrays::{Array, are_finite, bytes, floats, indices, matrices, refused, rows, wrong_shape};
-use glam::Mat4;
+use crate::arrays::{
+    Array, are_finite, bytes, finite_vector, floats, indices, matrices, refused, rows, wrong_shape,
+};
+use glam::{Mat4, Quat, Vec3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rtrt_core::layout::Attribute;
@@ -14,6 +16,29 @@ pub fn place(transform: Option<&Bound<'_, PyAny>>) -> PyResult<Mat4> {
     match values[..] {
         [matrix] if shape.is_empty() => Ok(matrix),
         _ => Err(PyValueError::new_err("transform is not one matrix of 4 x 4 or 3 x 4")),
+    }
+}
+
+/// The matrix of a sphere that has a center and a radius, or a matrix.
+pub fn ball(
+    center: Option<&Bound<'_, PyAny>>,
+    radius: Option<f32>,
+    transform: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Mat4> {
+    if transform.is_some() && (center.is_some() || radius.is_some()) {
+        return Err(PyValueError::new_err("a sphere has a center and a radius, or a transform"));
+    }
+    match transform {
+        Some(_) => place(transform),
+        None => {
+            let center = center.map_or(Ok([0.0; 3]), |center| finite_vector("center", center))?;
+            let radius = radius.unwrap_or(1.0);
+            if !(radius > 0.0 && radius.is_finite()) {
+                return Err(PyValueError::new_err(format!("radius is {radius}, and not a number above 0")));
+            }
+            let (size, center) = (Vec3::splat(radius), center.into());
+            Ok(Mat4::from_scale_rotation_translation(size, Quat::IDENTITY, center))
+        }
     }
 }
 

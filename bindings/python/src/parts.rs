@@ -1,30 +1,39 @@
 //! What a scene is made of.
 
-use crate::arrays::there_are;
+use crate::arrays::refused;
 use crate::camera::{Camera, View};
 use crate::forked::PerProcess;
+use crate::numbers::Numbers;
+use crate::objects::Objects;
 use glam::DVec3;
-use pyo3::exceptions::PyIndexError;
+use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use rtrt::import::{Animation, Label, Loaded, NamedCamera, framing};
 use rtrt_core::query::Tree;
-use rtrt_core::scene::{InstanceIndex, MaterialIndex, MeshIndex, Scene, Texture};
+use rtrt_core::scene::{Bvh, InstanceIndex, MaterialIndex, Mesh, MeshIndex, Scene, SceneError, Texture};
+use rtrt_cpu::Parallel;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Mutex;
+
+/// A mesh that was added: where the scene has it, and what it is called.
+#[derive(Clone)]
+pub struct NamedMesh {
+    pub index: MeshIndex,
+    pub name: String,
+}
 
 /// What a scene is made of.
 pub struct Parts {
     pub scene: Scene,
     pub tree: PerProcess<Mutex<Tree>>,
-    pub meshes: Vec<MeshIndex>,
+    pub objects: Objects,
+    pub meshes: Numbers<NamedMesh>,
     pub materials: BTreeMap<u32, MaterialIndex>,
     pub textures: Vec<Texture>,
-    pub mesh_names: Vec<String>,
     pub material_names: BTreeMap<u32, String>,
     /// What coordinates are relative to, in those of the file.
     pub origin: DVec3,
-    pub labels: Vec<Label>,
     pub cameras: Vec<NamedCamera>,
     pub animation: Option<Animation>,
     /// Whether the lights are those of the file, which its animation moves.
@@ -43,31 +52,31 @@ impl Parts {
                 "the scene is far away, so coordinates are relative to {x}, {y}, {z} of the file"
             ));
         }
-        let mut found = Self { own_lights: !scene.lights().is_empty(), ..Self::around(scene) };
+        let own_lights = !scene.lights().is_empty();
+        let mut found = Self { own_lights, ..Self::around(scene, labels) };
         for (number, instance) in found.scene.instances().iter().enumerate() {
             let index = found.scene.instance_index(number as u32);
             if let Some(material) = index.and_then(|index| found.scene.material_of(index)) {
                 found.materials.insert(instance.material, material);
             }
         }
-        (found.labels, found.cameras, found.animation) = (labels, cameras, animation);
+        (found.cameras, found.animation) = (cameras, animation);
         found.origin = origin;
         (found.warnings, found.files) = (warnings, files);
         found
     }
 
-    /// Those of a scene of which nothing else is known.
-    pub fn around(scene: Scene) -> Self {
+    /// Those of a scene of which nothing else is known than the labels of its instances.
+    pub fn around(scene: Scene, labels: Vec<Label>) -> Self {
         Self {
+            objects: Objects::new(&scene, labels),
             scene,
             tree: PerProcess::new(),
-            meshes: vec![],
+            meshes: Numbers::new("mesh", ", as added by add_mesh"),
             materials: BTreeMap::new(),
             textures: vec![],
-            mesh_names: vec![],
             material_names: BTreeMap::new(),
             origin: DVec3::ZERO,
-            labels: vec![],
             cameras: vec![],
             animation: None,
             own_lights: false,
@@ -90,14 +99,6 @@ impl Parts {
         self.cameras.first().cloned().map(Camera::of)
     }
 
-    /// The object with a number.
-    pub fn object(&self, number: i64) -> PyResult<InstanceIndex> {
-        u32::try_from(number).ok().and_then(|number| self.scene.instance_index(number)).ok_or_else(|| {
-            let known = there_are(self.scene.instances().len(), "object");
-            PyIndexError::new_err(format!("there is no object {number}: {known}"))
-        })
-    }
-
     /// The material with a number.
     pub fn material_index(&self, number: i64) -> PyResult<MaterialIndex> {
         u32::try_from(number).ok().and_then(|number| self.materials.get(&number)).copied().ok_or_else(|| {
@@ -107,30 +108,50 @@ impl Parts {
         })
     }
 
-    /// The mesh with a number.
-    pub fn mesh_index(&self, number: i64) -> PyResult<MeshIndex> {
-        usize::try_from(number).ok().and_then(|number| self.meshes.get(number)).copied().ok_or_else(|| {
-            let known = there_are(self.meshes.len(), "mesh");
-            PyIndexError::new_err(format!("there is no mesh {number}: {known}, as added by add_mesh"))
-        })
-    }
-
-    /// Remembers what an object that was just added is called. What has no name has its number.
-    pub fn label(
+    /// Adds an object as `add` adds it to the scene, and returns its number. Without a name it is called by that.
+    pub fn add_object(
         &mut self,
-        object: InstanceIndex,
-        node: Option<String>,
+        name: Option<String>,
         mesh: String,
         material: MaterialIndex,
-    ) -> u32 {
-        let number = object.number();
+        add: impl FnOnce(&mut Scene) -> Result<InstanceIndex, SceneError>,
+    ) -> PyResult<i32> {
+        let number = self.objects.next()?;
+        let index = add(&mut self.scene).map_err(refused)?;
         let material = match self.material_names.get(&material.number()) {
             Some(name) => name.clone(),
             None => format!("material {}", material.number()),
         };
-        self.labels.resize_with(number as usize + 1, Label::default);
-        let node = node.unwrap_or_else(|| format!("object {number}"));
-        self.labels[number as usize] = Label { node, mesh, material, path: String::new() };
-        number
+        let node = name.unwrap_or_else(|| format!("object {number}"));
+        Ok(self.objects.add(index, Label { node, mesh, material, path: String::new() }))
+    }
+
+    /// Removes the object with a number.
+    pub fn remove_object(&mut self, number: i64) -> PyResult<()> {
+        let index = self.objects.index(&self.scene, number)?;
+        self.scene.remove_instance(index).map_err(refused)?;
+        self.objects.remove(number);
+        Ok(())
+    }
+
+    /// Adds a mesh, and returns its number. Without a name it is called by that.
+    pub fn add_mesh(&mut self, mesh: &Mesh, name: Option<String>) -> PyResult<i32> {
+        let number = self.meshes.next()?;
+        let index = self.scene.add_mesh(mesh, &Bvh::build(mesh, &Parallel)).map_err(refused)?;
+        let name = name.unwrap_or_else(|| format!("mesh {number}"));
+        Ok(self.meshes.add(NamedMesh { index, name }))
+    }
+
+    /// Removes the mesh with a number.
+    pub fn remove_mesh(&mut self, number: i64) -> PyResult<()> {
+        let index = self.meshes.get(number)?.index;
+        self.scene.remove_mesh(index).map_err(|error| match error {
+            SceneError::InUse { instances, .. } => PyValueError::new_err(format!(
+                "mesh {number} is in use, number of its objects: {instances}; remove those first"
+            )),
+            error => refused(error),
+        })?;
+        self.meshes.remove(number);
+        Ok(())
     }
 }

@@ -122,7 +122,7 @@ impl Columns {
         let id = |number: Option<u32>| number.unwrap_or(NONE).cast_signed();
         for hit in hits {
             all.t.push(hit.map_or(f32::INFINITY, |hit| hit.t));
-            all.object.push(id(hit.map(|hit| hit.instance.number())));
+            all.object.push(hit.map_or(-1, |hit| scene.objects.at(hit.instance.number())));
             all.triangle.push(id(hit.and_then(|hit| world.source_triangle(&hit))));
             all.barycentrics.extend(hit.map_or([0.0; 2], |hit| [hit.u, hit.v]));
             if surfaces {

@@ -309,11 +309,10 @@ pub fn render<'py>(
             parts.push(part);
         }
     }
-    let core = &scene.scene;
     let is_long = rays.saturating_mul(views.len() as u64) > LONG;
     let result = machine.with(py, is_long.then_some(&stop), |batch| {
-        batch.render(core, &mut jobs, |request, picture, (parts, before)| {
-            parts.iter_mut().for_each(|part| part.fill(core, request, picture, *before));
+        batch.render(&scene.scene, &mut jobs, |request, picture, (parts, before)| {
+            parts.iter_mut().for_each(|part| part.fill(scene, request, picture, *before));
         })
     })?;
     result.map_err(|error| {

@@ -1,58 +1,38 @@
 //! Scenes.
 
-use crate::aov::objects;
-use crate::arrays::{Array, finite_vector, indices, matrices, named, refused, rows};
+use crate::arrays::{finite_vector, named, refused, rows};
 use crate::backend::threads;
 use crate::camera::{self, Camera, View};
+use crate::file::{self, import_error};
 use crate::forked::PerProcess;
-use crate::given::{image, mesh, panorama, place};
+use crate::given::{ball, image, mesh, place};
 use crate::in_use::InUse;
 use crate::light::Light;
 use crate::material::changed;
-use crate::parts::Parts;
+use crate::parts::{NamedMesh, Parts};
 use crate::rays::{self, Question};
-use glam::{Mat4, Quat, Vec3};
-use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyRuntimeError, PyUserWarning, PyValueError};
+use crate::{environment, objects};
+use pyo3::exceptions::{PyFileNotFoundError, PyRuntimeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use rtrt::demo;
-use rtrt::import::{self, Animation, ImportError, Loaded, framing, framing_from, light_by_default};
-use rtrt::layers::Layers;
-use rtrt::objects::{Seen, seen};
+use rtrt::import::{Animation, framing, framing_from, light_by_default};
 use rtrt::orbit::orbit;
 use rtrt::poses::{self, Poses};
-use rtrt_core::scene::{Backdrop, Bvh, Content, Material, Scene as CoreScene, Wrap};
-use rtrt_cpu::Parallel;
-use std::cell::Cell;
+use rtrt_core::scene::{Backdrop, Content, Material, Scene as CoreScene, Wrap};
 use std::ffi::CString;
-use std::io::ErrorKind;
 use std::path::PathBuf;
-use std::sync::RwLockReadGuard;
+use std::sync::{RwLockReadGuard, RwLockWriteGuard};
 
 /// A scene: meshes and spheres with their places and materials, lights, surroundings.
 ///
 /// Things are named by numbers: `add_mesh`, `add_material`, `add_texture`, `add_instance` and `add_sphere` return them, from 0
-/// on. Those of objects and materials are the ids in the aovs "object" and "material".
+/// on. Those of objects and materials are the ids in the aovs "object" and "material". The number of what was removed names
+/// nothing; it is not given again.
 ///
 /// `Scene()` is empty: no lights, faint ambient light, a dark background. A scene cannot be changed while another thread
 /// renders it: that raises RuntimeError.
 #[pyclass(frozen, module = "rtrt")]
 pub struct Scene(InUse<Parts>);
-
-/// The most degrees that an environment is turned by: 1024 radians.
-const MOST_TURN: f32 = 58_670.0;
-
-/// The exception for a file: that of the system where there is one.
-fn import_error(error: &ImportError) -> PyErr {
-    let why = error.to_string();
-    match error {
-        ImportError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
-            PyFileNotFoundError::new_err(why)
-        }
-        ImportError::Unreadable { .. } => PyOSError::new_err(why),
-        _ => PyValueError::new_err(why),
-    }
-}
 
 impl Scene {
     /// What it is made of, to be looked at.
@@ -62,13 +42,21 @@ impl Scene {
     pub fn read(&self) -> PyResult<RwLockReadGuard<'_, Parts>> {
         self.0.read()
     }
+
+    /// What it is made of, to be changed.
+    ///
+    /// # Errors
+    /// It is being changed, or looked at.
+    pub fn change(&self) -> PyResult<RwLockWriteGuard<'_, Parts>> {
+        self.0.change()
+    }
 }
 
 #[pymethods]
 impl Scene {
     #[new]
     fn new() -> Self {
-        Self(InUse::new(Parts::around(CoreScene::new())))
+        Self(InUse::new(Parts::around(CoreScene::new(), vec![])))
     }
 
     /// A copy, in which the same numbers name the same things; `copy.copy` and `copy.deepcopy` make it, too. What changes in
@@ -80,12 +68,11 @@ impl Scene {
             scene: parts.scene.clone(),
             // Made when the first ray asks.
             tree: PerProcess::new(),
+            objects: parts.objects.clone(),
             meshes: parts.meshes.clone(),
             materials: parts.materials.clone(),
             textures: parts.textures.clone(),
-            mesh_names: parts.mesh_names.clone(),
             material_names: parts.material_names.clone(),
-            labels: parts.labels.clone(),
             cameras: parts.cameras.clone(),
             animation: parts.animation.clone(),
             warnings: parts.warnings.clone(),
@@ -112,42 +99,12 @@ impl Scene {
     #[staticmethod]
     #[pyo3(signature = (path, *, light = true, point_size = None))]
     fn load(py: Python<'_>, path: PathBuf, light: bool, point_size: Option<f32>) -> PyResult<Self> {
-        if let Some(size) = point_size.filter(|size| !(*size > 0.0 && size.is_finite())) {
-            return Err(PyValueError::new_err(format!("point_size is {size}, and not a number above 0")));
-        }
-        let pool = threads(py)?;
-        py.detach(|| {
-            let options = import::Options { point_size, ..import::Options::default() };
-            let loaded = match path.to_str().and_then(|name| name.strip_prefix("demo:")) {
-                Some(name) => {
-                    type Demo = fn(&Parallel) -> Result<Loaded, ImportError>;
-                    let all: [(&str, Demo); 5] = [
-                        ("matchbox", demo::matchbox),
-                        ("glass", demo::glass),
-                        ("spheres", demo::spheres),
-                        ("levels", demo::levels),
-                        ("moving", demo::moving),
-                    ];
-                    let demo = named("the demo", name, &all)?;
-                    pool.install(|| demo(&Parallel))
-                }
-                None => pool.install(|| import::load_with(&path, &Parallel, &options)),
-            };
-            let mut found = Parts::of(loaded.map_err(|error| import_error(&error))?);
-            if found.scene.drawn_triangles() == 0 {
-                let why = found.warnings.join("; ");
-                return Err(PyValueError::new_err(format!("nothing to draw: {}: {why}", path.display())));
-            }
-            if light {
-                pool.install(|| light_by_default(&mut found.scene)).map_err(refused)?;
-            }
-            Ok(Self(InUse::new(found)))
-        })
+        Ok(Self(InUse::new(file::load(py, &path, light, point_size)?)))
     }
 
     /// Lights a scene without lights as the command `rtrt` does it: in a studio, with its key light.
     fn light_by_default(&self, py: Python<'_>) -> PyResult<()> {
-        let parts = &mut *self.0.change()?;
+        let parts = &mut *self.change()?;
         py.detach(|| light_by_default(&mut parts.scene).map_err(refused))
     }
 
@@ -175,23 +132,18 @@ impl Scene {
         tangents: Option<&Bound<'_, PyAny>>,
         make_tangents: bool,
         name: Option<String>,
-    ) -> PyResult<usize> {
+    ) -> PyResult<i32> {
         let mut mesh = mesh(positions, triangles, normals, uvs, colors)?;
         if let Some(tangents) = tangents {
             mesh = mesh.with_tangents(&rows::<4>("tangents", tangents)?).map_err(refused)?;
         }
-        let (pool, parts) = (threads(py)?, &mut *self.0.change()?);
-        let index = py.detach(|| {
+        let (pool, parts) = (threads(py)?, &mut *self.change()?);
+        py.detach(|| {
             if make_tangents {
                 mesh = mesh.with_made_tangents(false);
             }
-            let tree = pool.install(|| Bvh::build(&mesh, &Parallel));
-            parts.scene.add_mesh(&mesh, &tree).map_err(refused)
-        })?;
-        let number = parts.meshes.len();
-        parts.mesh_names.push(name.unwrap_or_else(|| format!("mesh {number}")));
-        parts.meshes.push(index);
-        Ok(number)
+            pool.install(|| parts.add_mesh(&mesh, name))
+        })
     }
 
     /// Gives a mesh that was added another shape: the same triangles with their corners elsewhere.
@@ -208,9 +160,20 @@ impl Scene {
         normals: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let shape = self::mesh(positions, triangles, normals, None, None)?;
-        let parts = &mut *self.0.change()?;
-        let index = parts.mesh_index(mesh)?;
+        let parts = &mut *self.change()?;
+        let index = parts.meshes.get(mesh)?.index;
         parts.scene.reshape(index, &shape).map_err(refused)
+    }
+
+    /// Removes a mesh that was added, so that the next ones have its memory. Its number names nothing from now on, and no other
+    /// mesh gets it. Materials and textures stay.
+    ///
+    /// Raises:
+    ///     IndexError: There is no such mesh, or it was removed.
+    ///     ValueError: Objects show it, seen or hidden; remove those first.
+    fn remove_mesh(&self, py: Python<'_>, mesh: i64) -> PyResult<()> {
+        let parts = &mut *self.change()?;
+        py.detach(|| parts.remove_mesh(mesh))
     }
 
     /// Adds a texture, and returns its number.
@@ -231,7 +194,7 @@ impl Scene {
         let wraps = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp), ("mirror", Wrap::Mirror)];
         let wrap = named("wrap", wrap, &wraps)?;
         let image = image(pixels)?;
-        let parts = &mut *self.0.change()?;
+        let parts = &mut *self.change()?;
         let texture = parts.scene.add_map(&image, [wrap; 2], content).map_err(refused)?;
         parts.textures.push(texture);
         Ok(parts.textures.len() - 1)
@@ -244,7 +207,7 @@ impl Scene {
     fn add_material(&self, name: Option<String>, properties: Option<&Bound<'_, PyDict>>) -> PyResult<u32> {
         let textures = self.read()?.textures.clone();
         let material = changed(Material::default(), properties, &textures)?;
-        let parts = &mut *self.0.change()?;
+        let parts = &mut *self.change()?;
         let index = parts.scene.add_material(material).map_err(refused)?;
         parts.materials.insert(index.number(), index);
         if let Some(name) = name {
@@ -263,7 +226,7 @@ impl Scene {
             (index, parts.scene.material(index).copied().unwrap_or_default(), parts.textures.clone())
         };
         let new = changed(old, properties, &textures)?;
-        self.0.change()?.scene.set_material(index, new).map_err(refused)
+        self.change()?.scene.set_material(index, new).map_err(refused)
     }
 
     /// Places a mesh in the world, and returns the number of the object.
@@ -279,13 +242,12 @@ impl Scene {
         material: i64,
         transform: Option<&Bound<'_, PyAny>>,
         name: Option<String>,
-    ) -> PyResult<u32> {
+    ) -> PyResult<i32> {
         let to_world = place(transform)?;
-        let parts = &mut *self.0.change()?;
-        let (index, material) = (parts.mesh_index(mesh)?, parts.material_index(material)?);
-        let object = parts.scene.add_instance(index, material, to_world).map_err(refused)?;
-        let mesh = parts.mesh_names[mesh as usize].clone();
-        Ok(parts.label(object, name, mesh, material))
+        let parts = &mut *self.change()?;
+        let NamedMesh { index, name: mesh } = parts.meshes.get(mesh)?.clone();
+        let material = parts.material_index(material)?;
+        parts.add_object(name, mesh, material, |scene| scene.add_instance(index, material, to_world))
     }
 
     /// Adds a sphere, round however close one looks, and returns the number of the object.
@@ -303,86 +265,50 @@ impl Scene {
         radius: Option<f32>,
         transform: Option<&Bound<'_, PyAny>>,
         name: Option<String>,
-    ) -> PyResult<u32> {
-        if transform.is_some() && (center.is_some() || radius.is_some()) {
-            return Err(PyValueError::new_err("a sphere has a center and a radius, or a transform"));
-        }
-        let to_world = match transform {
-            Some(_) => place(transform)?,
-            None => {
-                let center = center.map_or(Ok([0.0; 3]), |center| finite_vector("center", center))?;
-                let radius = radius.unwrap_or(1.0);
-                if !(radius > 0.0 && radius.is_finite()) {
-                    return Err(PyValueError::new_err(format!(
-                        "radius is {radius}, and not a number above 0"
-                    )));
-                }
-                Mat4::from_scale_rotation_translation(Vec3::splat(radius), Quat::IDENTITY, center.into())
-            }
-        };
-        let parts = &mut *self.0.change()?;
+    ) -> PyResult<i32> {
+        let to_world = ball(center, radius, transform)?;
+        let parts = &mut *self.change()?;
         let material = parts.material_index(material)?;
-        let object = parts.scene.add_sphere(material, to_world).map_err(refused)?;
-        Ok(parts.label(object, name, "sphere".into(), material))
+        parts.add_object(name, "sphere".into(), material, |scene| scene.add_sphere(material, to_world))
     }
 
     /// Moves an object; one that was hidden is seen again.
     fn set_transform(&self, object: i64, transform: &Bound<'_, PyAny>) -> PyResult<()> {
         let to_world = place(Some(transform))?;
-        let parts = &mut *self.0.change()?;
-        let object = parts.object(object)?;
+        let parts = &mut *self.change()?;
+        let object = parts.objects.index(&parts.scene, object)?;
         parts.scene.set_transform(object, to_world).map_err(refused)
     }
 
-    /// Moves many objects. What does not move costs nothing.
+    /// Moves many objects. What does not move costs nothing. None is moved if a number names nothing.
     ///
     /// Args:
     ///     objects: Their numbers, (n,).
     ///     transforms: (n, 4, 4) or (n, 3, 4).
     fn set_transforms(&self, objects: &Bound<'_, PyAny>, transforms: &Bound<'_, PyAny>) -> PyResult<()> {
-        // Objects are never removed.
-        let count = self.read()?.scene.instances().len();
-        let Array { shape, values } = indices("objects", objects, count, "object")?;
-        let Array { shape: many, values: transforms } = matrices("transforms", transforms)?;
-        if shape.len() != 1 || many.len() != 1 || many != shape {
-            let expected = "n numbers of objects and n matrices";
-            let why = format!(
-                "objects and transforms are not {expected}, but have the shapes {shape:?} and {many:?}"
-            );
-            return Err(PyValueError::new_err(why));
-        }
-        let scene = &mut self.0.change()?.scene;
-        let place = Cell::new(0);
-        let indexed = values.iter().zip(transforms).enumerate();
-        let moved: Vec<_> = indexed
-            .filter_map(|(at, (&number, matrix))| Some((at, scene.instance_index(number)?, matrix)))
-            .collect();
-        let moves = moved.into_iter().map(|(at, object, matrix)| {
-            place.set(at);
-            (object, matrix)
-        });
-        scene.set_transforms(moves).map_err(|error| {
-            let at = place.get();
-            PyValueError::new_err(format!("transforms[{at}], of object {}: {error}", values[at]))
-        })
+        objects::set_transforms(self, objects, transforms)
+    }
+
+    /// Removes an object: pictures and rays are as if it had never been. Its number names nothing from now on, and no other
+    /// object gets it. Its mesh and material stay.
+    ///
+    /// Raises:
+    ///     IndexError: There is no such object, or it was removed.
+    fn remove_object(&self, object: i64) -> PyResult<()> {
+        self.change()?.remove_object(object)
     }
 
     /// Hides an object until it gets a transform again.
     fn hide(&self, object: i64) -> PyResult<()> {
-        let parts = &mut *self.0.change()?;
-        let object = parts.object(object)?;
+        let parts = &mut *self.change()?;
+        let object = parts.objects.index(&parts.scene, object)?;
         parts.scene.hide(object).map_err(refused)
     }
 
-    /// The matrices of all objects to world space, float32, (n, 4, 4).
+    /// The matrices of all objects to world space, float32, (n, 4, 4), in the order of `labels`.
     #[getter]
     fn transforms<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        use numpy::{PyArray1, PyArrayMethods};
-        let parts = self.read()?;
-        let instances = parts.scene.instances();
-        let last = [0.0, 0.0, 0.0, 1.0];
-        let numbers = instances.iter().flat_map(|i| i.to_world.into_iter().chain([last]).flatten()).collect();
-        Ok(PyArray1::<f32>::from_vec(py, numbers).reshape([instances.len(), 4, 4])?.into_any())
+        objects::transforms(py, &*self.read()?)
     }
 
     /// The lights. What is assigned replaces all of them.
@@ -393,7 +319,7 @@ impl Scene {
 
     #[setter]
     fn set_lights(&self, lights: Vec<Light>) -> PyResult<()> {
-        let parts = &mut *self.0.change()?;
+        let parts = &mut *self.change()?;
         parts.own_lights = false;
         *parts.scene.lights_mut() = lights.into_iter().map(|light| light.light).collect();
         Ok(())
@@ -401,7 +327,7 @@ impl Scene {
 
     /// Adds a light.
     fn add_light(&self, light: &Light) -> PyResult<()> {
-        self.0.change()?.scene.add_light(light.light);
+        self.change()?.scene.add_light(light.light);
         Ok(())
     }
 
@@ -414,7 +340,7 @@ impl Scene {
     #[setter]
     fn set_ambient(&self, color: &Bound<'_, PyAny>) -> PyResult<()> {
         let color = finite_vector("ambient", color)?;
-        self.0.change()?.scene.ambient = color.into();
+        self.change()?.scene.ambient = color.into();
         Ok(())
     }
 
@@ -437,7 +363,7 @@ impl Scene {
             Err(_) if background.is_none() => (Backdrop::Nothing, None),
             Err(_) => (Backdrop::Color, Some(finite_vector("background", background)?)),
         };
-        let scene = &mut self.0.change()?.scene;
+        let scene = &mut self.change()?.scene;
         scene.backdrop = backdrop;
         scene.background = color.map_or(scene.background, Into::into);
         Ok(())
@@ -463,46 +389,8 @@ impl Scene {
         blur: f32,
         sun: bool,
     ) -> PyResult<()> {
-        for (name, value, high) in [
-            ("rotation", rotation.abs(), MOST_TURN),
-            ("intensity", intensity, 4_294_967_296.0),
-            ("blur", blur, 1.0),
-        ] {
-            if !(0.0..=high).contains(&value) {
-                return Err(PyValueError::new_err(format!(
-                    "{name} is {value}, which is not within 0 .. {high}"
-                )));
-            }
-        }
-        let path: Option<PathBuf> = source.extract().ok();
-        if let Some(path) = path.as_ref().filter(|path| path.as_os_str() != "studio" && !path.exists()) {
-            return Err(PyFileNotFoundError::new_err(format!("there is no environment {}", path.display())));
-        }
-        let panorama = if path.is_some() { None } else { Some(panorama(source)?) };
-        let scene = &mut self.0.change()?.scene;
-        py.detach(|| {
-            let surroundings = match (path, panorama) {
-                (Some(path), _) if path.as_os_str() == "studio" => {
-                    import::surround_with_studio(scene).map_err(refused)?
-                }
-                (Some(path), _) => {
-                    import::surround(scene, &path, sun).map_err(|error| import_error(&error))?
-                }
-                (None, Some(mut panorama)) => {
-                    let light = sun.then(|| panorama.take_sun()).flatten();
-                    scene.set_environment(&panorama).map_err(refused)?;
-                    import::Surroundings { files: vec![], sun: light }
-                }
-                (None, None) => return Ok(()),
-            };
-            (scene.environment_rotation, scene.environment_intensity) = (rotation.to_radians(), intensity);
-            scene.environment_blur = blur;
-            if let Some(light) = surroundings.placed_sun(scene).filter(|_| sun) {
-                scene.add_light(light);
-            }
-            scene.backdrop = Backdrop::Environment;
-            Ok(())
-        })
+        let light = environment::Options { rotation, intensity, blur, sun };
+        environment::set(py, self, source, &light)
     }
 
     /// The cameras of the file.
@@ -580,52 +468,29 @@ impl Scene {
         Ok(self.read()?.origin.into())
     }
 
-    /// What is known of each object: a list of dicts with its number `object`, its `node`, `mesh` and `material` as the file
-    /// calls them, the number `material_id`, and `box`, the lower and upper corner of a box around it.
+    /// What is known of each object, in the order of their numbers: a list of dicts with its number `object`, its `node`, `mesh`
+    /// and `material` as the file calls them, the number `material_id`, and `box`, the lower and upper corner of a box around it.
     #[getter]
     fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let (all, parts) = (PyList::empty(py), self.read()?);
-        for (number, instance) in parts.scene.instances().iter().enumerate() {
-            let label = parts.labels.get(number).cloned().unwrap_or_default();
-            let entry = PyDict::new(py);
-            entry.set_item("object", number)?;
-            entry.set_item("node", label.node)?;
-            entry.set_item("mesh", label.mesh)?;
-            entry.set_item("material", label.material)?;
-            entry.set_item("material_id", instance.material)?;
-            entry.set_item("box", (instance.low.to_vec(), instance.high.to_vec()))?;
-            all.append(entry)?;
-        }
-        Ok(all)
+        objects::labels(py, &*self.read()?)
     }
 
     /// What a picture shows of each object: a list of dicts with its number `object`, its visible `pixels`, `box_2d` (left,
     /// top, and the first column and row beyond) and `box_3d` (lower and upper corner around all of it, world space).
     ///
     /// Args:
-    ///     objects: The aov "object" of a picture.
-    fn seen<'py>(&self, py: Python<'py>, objects: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
-        let (width, height, object) = self::objects(objects)?;
-        let (all, parts) = (PyList::empty(py), self.read()?);
-        for Seen { object, pixels, box_2d, box_3d } in
-            seen(&parts.scene, &Layers { width, height, object, ..Layers::default() })
-        {
-            let entry = PyDict::new(py);
-            entry.set_item("object", object)?;
-            entry.set_item("pixels", pixels)?;
-            entry.set_item("box_2d", box_2d.to_vec())?;
-            entry.set_item("box_3d", box_3d.map(|corner| corner.to_vec()).to_vec())?;
-            all.append(entry)?;
-        }
-        Ok(all)
+    ///     objects: The aov "object" of a picture. What was removed since is left out.
+    fn seen<'py>(&self, objects: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
+        objects::seen(&*self.read()?, objects)
     }
 
-    /// Shows the animation of the file at a time, seconds: objects, deformed meshes, cameras and lights.
+    /// Shows the animation of the file at a time, seconds: objects, deformed meshes, cameras and lights. What was removed stays
+    /// away.
     fn play(&self, time: f64) -> PyResult<()> {
         if !(time >= 0.0 && time.is_finite()) {
             return Err(PyValueError::new_err(format!("time is {time}, and not a number of 0 or more")));
         }
-        let parts = &mut *self.0.change()?;
+        let parts = &mut *self.change()?;
         let Some(animation) = &parts.animation else { return Ok(()) };
         let pose = animation.at(time).map_err(|error| import_error(&error))?;
         pose.apply(&mut parts.scene).map_err(|error| import_error(&error))?;
@@ -659,7 +524,7 @@ impl Scene {
     /// Objects.
     #[getter]
     fn objects(&self) -> PyResult<usize> {
-        Ok(self.read()?.scene.instances().len())
+        Ok(self.read()?.objects.len())
     }
 
     /// Triangles of all objects: those of a mesh count once for each object.
@@ -717,7 +582,7 @@ impl Scene {
     fn __repr__(&self) -> String {
         // A debugger may show it while it is changed.
         let Ok(parts) = self.read() else { return "<rtrt.Scene that is being changed>".into() };
-        let (objects, triangles) = (parts.scene.instances().len(), parts.scene.drawn_triangles());
+        let (objects, triangles) = (parts.objects.len(), parts.scene.drawn_triangles());
         format!("<rtrt.Scene of {objects} objects, {triangles} triangles>")
     }
 }

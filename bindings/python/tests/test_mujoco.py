@@ -179,3 +179,33 @@ def test_lights_cast_shadows_as_the_model_says():
                 pictures.append(renderer.render())
         shadowed, off, shadowless = pictures
         assert np.array_equal(off, shadowless) and (shadowed != off).mean() > 0.01
+
+
+def test_looks_that_are_gone_leave_no_objects():
+    geoms = "".join(f'<geom type="{kind}" size="0.2 0.2 0.2" pos="{x} 0 0"/>' for x, kind in enumerate(["box", "sphere", "capsule"]))
+    xml = f"""<mujoco><worldbody><light pos="1 -2 3"/><camera name="eye" pos="1 -4 1" xyaxes="1 0 0 0 0.2 1"/>
+      {geoms}</worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    rng, option, pictures = np.random.default_rng(1), mujoco.MjvOption(), set()
+    with rtrt.mujoco.Renderer(model, *SIZE) as renderer:
+        for step in range(12):
+            model.geom_rgba[:, :3] = rng.uniform(0.1, 0.9, (3, 3))
+            # Nothing is seen for once.
+            option.geomgroup[0] = step != 5
+            renderer.update_scene(data, "eye", option)
+            with rtrt.mujoco.Renderer(model, *SIZE) as new:
+                new.update_scene(data, "eye", option)
+                for each in (renderer, new):
+                    each.disable_segmentation_rendering()
+                color = renderer.render().copy()
+                assert np.array_equal(color, new.render())
+                for each in (renderer, new):
+                    each.enable_segmentation_rendering()
+                ids = renderer.render()
+                assert np.array_equal(ids, new.render()) and set(ids[..., 0].flat) == ({-1} if step == 5 else {-1, 0, 1, 2})
+            pictures.add(color.tobytes())
+            # A capsule is three objects. Not more are hidden than are seen.
+            assert renderer._scene.objects <= 10
+    assert len(pictures) == 12

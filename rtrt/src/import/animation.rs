@@ -237,16 +237,22 @@ impl Animation {
 }
 
 impl Pose {
-    /// Moves the scene's instances. An instance whose transform has no inverse is hidden.
+    /// Moves the scene's instances, and bends its meshes. An instance whose transform has no inverse is hidden. What was
+    /// removed from the scene stays away.
     ///
     /// # Errors
     /// An instance is out of range.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), ImportError> {
         let refused = |source: SceneError| ImportError::Scene { path: self.path.clone(), source };
+        let is_there =
+            |(object, _): &&(InstanceIndex, _)| scene.instance_index(object.number()) == Some(*object);
         let (visible, hidden): (Vec<_>, Vec<_>) =
-            self.objects.iter().partition(|(_, to_world)| has_inverse(to_world));
+            self.objects.iter().filter(is_there).partition(|(_, to_world)| has_inverse(to_world));
         for (mesh, shape) in &self.shapes {
-            scene.reshape(*mesh, shape).map_err(refused)?;
+            match scene.reshape(*mesh, shape) {
+                Err(SceneError::Index { .. }) => {}
+                reshaped => reshaped.map_err(refused)?,
+            }
         }
         scene.set_transforms(visible).map_err(refused)?;
         hidden.into_iter().try_for_each(|(object, _)| scene.hide(object)).map_err(refused)
@@ -285,4 +291,44 @@ pub(super) fn camera(projection: Projection, to_world: &DMat4) -> Option<Camera>
     let across = up.cross(forward.as_vec3());
     let usable = usable && look_at.is_finite() && up.is_finite() && across != Vec3::ZERO;
     usable.then_some(Camera { eye: eye.as_vec3(), look_at, up, projection })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rtrt_core::scene::{Attribute, Bvh, Material, Sequential};
+
+    #[test]
+    fn what_was_removed_stays_away_and_the_rest_moves() {
+        let shape = |x: f32| {
+            let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
+            let corners = vec![[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0]];
+            Mesh::new(corners, vec![attribute; 3], vec![0, 1, 2]).unwrap()
+        };
+        let mut scene = Scene::new();
+        let paint = scene.add_material(Material::new([0.8; 3])).unwrap();
+        let meshes =
+            [0; 2].map(|_| scene.add_mesh(&shape(0.0), &Bvh::build(&shape(0.0), &Sequential)).unwrap());
+        let objects = [0, 0, 1, 1].map(|n| scene.add_instance(meshes[n], paint, Mat4::IDENTITY).unwrap());
+        let away = Mat4::from_translation(Vec3::X * 3.0);
+        let pose = Pose {
+            objects: vec![
+                (objects[0], Mat4::ZERO),
+                (objects[1], away),
+                (objects[2], away),
+                (objects[3], Mat4::ZERO),
+            ],
+            shapes: meshes.map(|mesh| (mesh, shape(5.0))).to_vec(),
+            ..Pose::default()
+        };
+        objects[..2].iter().for_each(|gone| scene.remove_instance(*gone).unwrap());
+        scene.remove_mesh(meshes[0]).unwrap();
+        // It has the number of one that was removed.
+        let new = scene.add_instance(meshes[1], paint, Mat4::IDENTITY).unwrap();
+        assert!(objects[..2].iter().any(|gone| gone.number() == new.number()));
+        pose.apply(&mut scene).unwrap();
+        let low = |object: InstanceIndex| scene.instances()[object.number() as usize].low[0];
+        assert_eq!((low(new), low(objects[2])), (5.0, 8.0));
+        assert_eq!(scene.instances()[objects[3].number() as usize].triangles, 0);
+    }
 }

@@ -85,7 +85,6 @@ class Renderer:
         self._recipes: dict[Any, list[_Part]] = {}
         self._parts = _Parts([])
         self._matrices = np.zeros((0, 4, 4))
-        self._slots = np.full(1, -1)
         self._lights: Any = None
         self._sky = _Sky.of(model)
         self._sky_key: Any = None
@@ -226,8 +225,10 @@ class Renderer:
         geoms = self._mjv.geoms[: self._mjv.ngeom]
         known = [(geom.objid, geom.objtype) if geom.segid != -1 else (-1, -1) for geom in geoms]
         pairs = np.array(known + [(-1, -1)], np.int32).reshape(-1, 2)
+        slots = np.full(self._numbers.max(initial=-1) + 2, -1)
+        slots[self._numbers] = self._parts.geoms
         # The object -1 and the slot -1 are the last ones.
-        return pairs[self._slots[objects]]
+        return pairs[slots[objects]]
 
     def _colors(self) -> np.ndarray:
         self._light()
@@ -351,7 +352,7 @@ class Renderer:
         self._matrices = matrices
 
     def _choose(self, parts: _Parts, matrices: np.ndarray) -> None:
-        """Finds an object for each part, places it, and hides the objects that are left."""
+        """Finds an object for each part, places it, and hides or removes the objects that are left."""
         # What shows something else now can be used for another geom.
         for place, (key, number) in enumerate(self._shown):
             if place >= len(parts.keys) or parts.keys[place] != key:
@@ -366,12 +367,17 @@ class Renderer:
                 number = self._add(key, matrices[place])
             shown.append((key, number))
         numbers = [number for _, number in shown]
-        for number in {number for _, number in self._shown}.difference(numbers):
-            self._scene.hide(number)
+        left = [number for free in self._free.values() for number in free]
+        if len(left) > len(numbers):
+            # Hidden objects take time, too.
+            for number in left:
+                self._scene.remove_object(number)
+            self._free.clear()
+        else:
+            for number in {number for _, number in self._shown}.difference(numbers):
+                self._scene.hide(number)
         self._shown, self._numbers = shown, np.array(numbers, int)
         self._scene.set_transforms(self._numbers, matrices)
-        self._slots = np.full(self._scene.objects + 1, -1)
-        self._slots[numbers] = parts.geoms
 
     def _recipe(self, look: Any, geom: mujoco.MjvGeom) -> list[_Part]:
         """What a geom is made of."""
