@@ -63,14 +63,18 @@ use rtrt_core::kernel::canary::OUTPUTS;
 use rtrt_core::layout::{Frame, PROBES};
 use rtrt_core::scene::{Scene, Setup};
 use rtrt_core::schedule::Stage;
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 use timer::HostClock;
 use wait::Waiting;
+use world::Queries;
 
 /// An opened GPU.
 pub struct Gpu {
     renderer: Renderer,
     setup: Setup,
+    /// What asks rays, once a world has needed it.
+    queries: OnceLock<Queries>,
 }
 
 impl Gpu {
@@ -96,7 +100,11 @@ impl Gpu {
     }
 
     async fn of(device: device::Device, band_bytes: Option<u64>) -> Result<Self, Error> {
-        Ok(Self { renderer: Renderer::new(device, band_bytes).await?, setup: Setup::default() })
+        Ok(Self {
+            renderer: Renderer::new(device, band_bytes).await?,
+            setup: Setup::default(),
+            queries: OnceLock::new(),
+        })
     }
 
     /// Renders on a device that an application has opened for itself, with the same wgpu ([`wgpu`]). It is asked

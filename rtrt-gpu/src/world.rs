@@ -42,8 +42,21 @@ pub struct World {
     world: DeviceWorld,
     /// The instances, nodes, mesh data, positions, texels and masks.
     arrays: [Array; 6],
+    queries: Queries,
+}
+
+/// What asks rays.
+#[derive(Clone)]
+pub(crate) struct Queries {
     closest: Pipeline,
     occluded: Pipeline,
+}
+
+impl Queries {
+    fn new(device: &Device) -> Self {
+        let pipeline = |(name, accesses): (&str, &[_])| device.pipeline(name, accesses.iter().copied());
+        Self { closest: pipeline(QUERY_CLOSEST), occluded: pipeline(QUERY_OCCLUDED) }
+    }
 }
 
 impl Gpu {
@@ -62,6 +75,14 @@ impl Gpu {
     /// As there.
     pub async fn world_async(&self, scene: &Scene, join: &impl Join) -> Result<World, Error> {
         let device = self.renderer.device.clone();
+        let queries = match self.queries.get() {
+            Some(queries) => queries,
+            None => {
+                let compiled = watched(&device.device, async { Ok(Queries::new(&device)) }).await?;
+                self.queries.get_or_init(|| compiled)
+            }
+        };
+        let queries = queries.clone();
         let mut world = watched(&device.device, async {
             let arrays = [
                 Array::new(&device, "instances", 0)?,
@@ -71,9 +92,7 @@ impl Gpu {
                 Array::new(&device, "texels", 0)?,
                 Array::new(&device, "masks", 0)?,
             ];
-            let pipeline = |(name, accesses): (&str, &[_])| device.pipeline(name, accesses.iter().copied());
-            let (closest, occluded) = (pipeline(QUERY_CLOSEST), pipeline(QUERY_OCCLUDED));
-            Ok(World { device: device.clone(), world: DeviceWorld::default(), arrays, closest, occluded })
+            Ok(World { device: device.clone(), world: DeviceWorld::default(), arrays, queries })
         })
         .await?;
         world.update_async(scene, join).await?;
@@ -222,7 +241,7 @@ impl World {
         hits: &wgpu::Buffer,
         count: u32,
     ) -> Result<(), Error> {
-        self.encode(&self.closest, commands, rays, (hits, size_of::<HitRecord>()), count)
+        self.encode(&self.queries.closest, commands, rays, (hits, size_of::<HitRecord>()), count)
     }
 
     /// [`World::encode_closest`] of whether rays hit anything: `words` gets a 1 or a 0 for each.
@@ -236,7 +255,7 @@ impl World {
         words: &wgpu::Buffer,
         count: u32,
     ) -> Result<(), Error> {
-        self.encode(&self.occluded, commands, rays, (words, size_of::<u32>()), count)
+        self.encode(&self.queries.occluded, commands, rays, (words, size_of::<u32>()), count)
     }
 
     /// A ray as buffers hold it.

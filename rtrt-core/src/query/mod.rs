@@ -41,6 +41,7 @@
 mod block;
 mod collect;
 mod device;
+mod merged;
 mod narrow;
 mod near;
 mod ray;

@@ -1,9 +1,11 @@
 //! What is near a point, and what a box or a sphere overlaps.
 
+use super::block::Block;
+use super::merged::MergedLeaf;
 use super::ray::{QueryError, check_point};
 use super::shape::{box_meets_ellipsoid, box_meets_triangle, nearest_on_ellipsoid, nearest_on_triangle};
 use super::source::Source;
-use super::tree::Part;
+use super::tree::MeshTree;
 use super::wide::{Child, WIDTH, WideNode, WideTree};
 use super::world::{Hit, World};
 use crate::kernel::environment::octahedral;
@@ -77,7 +79,7 @@ impl<S: Source> World<'_, S> {
         self.nearest_where(point, within, |_| true)
     }
 
-    /// [`World::nearest`] of what `accept` accepts: it is called with instances, in no particular order, with some perhaps twice.
+    /// [`World::nearest`] of what `accept` accepts: it is called with instances, in no particular order, with some perhaps often.
     ///
     /// # Errors
     /// As for [`World::nearest`].
@@ -100,44 +102,39 @@ impl<S: Source> World<'_, S> {
             libm::sqrt(away.length_squared())
         };
         let padded = |bounds: &Bounds, slack: f32| apart(bounds, self.pad(point, slack));
-        walk(
-            &self.tree.instances.tree,
-            0,
-            Some(&self.tree.instances.slacks),
-            reach(&best),
-            padded,
-            |part, _| {
-                let Part { instance: number, node } = self.tree.instances.parts[part as usize];
-                let index = number as usize;
-                let numbered = self.source.numbered(number);
-                if !self.sees(index) || !accept(numbered) {
-                    return reach(&best);
-                }
-                let placed = Placed::new(&self.source.instances()[index]);
-                if self.source.instances()[index].is_sphere() {
-                    let n = nearest_on_ellipsoid(p - placed.moved, &placed.to_world);
-                    let squared = (placed.to_world * n + placed.moved - p).length_squared();
-                    let is_inside = (placed.to_ball * p + placed.ball_moved).length_squared() < 1.0;
-                    let [u, v] = octahedral(V3::<f32>::splat((), n.to_array().map(|c| c as f32)));
-                    best.take(squared, number, u32::from(is_inside), [u, v]);
-                    return reach(&best);
-                }
-                let mesh = &self.tree.meshes[self.source.mesh_of(index)];
-                let distance = |bounds: &Bounds, _| placed.apart(bounds, p);
-                walk(&mesh.tree, node, None, reach(&best), distance, |first, count| {
-                    for block in mesh.blocks(first, count) {
-                        for lane in 0..block.count {
-                            let found =
-                                nearest_on_triangle(p, placed.triangle(block.triangle(lane as usize)));
-                            let weights = found.weights.map(|weight| weight as f32);
-                            best.take(found.squared, number, block.first + lane, weights);
-                        }
-                    }
-                    reach(&best)
-                });
+        let top = &self.tree.instances;
+        let space = Placed::new(&top.merged.space.to_world, &top.merged.space.to_object);
+        let distance = |bounds: &Bounds, _| space.apart(bounds, p);
+        walk(&top.merged.tree, None, reach(&best), distance, |leaf, _| {
+            let MergedLeaf { instance: number, block, triangles } = top.merged.leaves[leaf as usize];
+            if self.meets_merged(number) && accept(self.source.numbered(number)) {
+                best.take_blocks(p, number, &space, self.mesh(number).blocks(block, triangles));
+            }
+            reach(&best)
+        });
+        walk(&top.tree, Some(&top.slacks), reach(&best), padded, |number, count| {
+            // What is hidden or merged is not in its leaf.
+            if count == 0 || !self.sees(number) || !accept(self.source.numbered(number)) {
+                return reach(&best);
+            }
+            let instance = &self.source.instances()[number as usize];
+            let placed = Placed::of(instance);
+            if instance.is_sphere() {
+                let n = nearest_on_ellipsoid(p - placed.moved, &placed.to_world);
+                let squared = (placed.to_world * n + placed.moved - p).length_squared();
+                let is_inside = (placed.to_ball * p + placed.ball_moved).length_squared() < 1.0;
+                let [u, v] = octahedral(V3::<f32>::splat((), n.to_array().map(|c| c as f32)));
+                best.take(squared, number, u32::from(is_inside), [u, v]);
+                return reach(&best);
+            }
+            let mesh = self.mesh(number);
+            let distance = |bounds: &Bounds, _| placed.apart(bounds, p);
+            walk(&mesh.tree, None, reach(&best), distance, |first, count| {
+                best.take_blocks(p, number, &placed, mesh.blocks(first, count));
                 reach(&best)
-            },
-        );
+            });
+            reach(&best)
+        });
         Ok(best.found.map(|(number, triangle, [u, v])| Hit {
             t: libm::sqrt(best.squared) as f32,
             instance: self.source.numbered(number),
@@ -154,7 +151,7 @@ impl<S: Source> World<'_, S> {
     /// The volume is out of range: see [`QueryError`].
     pub fn overlaps(&self, volume: &Volume, overlaps: &mut [Overlap]) -> Result<usize, QueryError> {
         let mut count = 0;
-        self.overlapped(volume, |_, new| {
+        self.overlapped(volume, |new| {
             let place = overlaps[..count].partition_point(|old| key(old) < key(&new));
             if place < overlaps.len() {
                 count = overlaps.len().min(count + 1);
@@ -176,9 +173,9 @@ impl<S: Source> World<'_, S> {
         instances: &mut [InstanceIndex],
     ) -> Result<usize, QueryError> {
         let mut count = 0;
-        self.overlapped(volume, |_, Overlap { instance, .. }| {
+        self.overlapped(volume, |Overlap { instance, .. }| {
             let place = instances[..count].partition_point(|old| old.number < instance.number);
-            // It may have been found in another part of it.
+            // It may have been found in another leaf of it.
             let is_new = instances[..count].get(place) != Some(&instance);
             if is_new && place < instances.len() {
                 count = instances.len().min(count + 1);
@@ -193,11 +190,7 @@ impl<S: Source> World<'_, S> {
 
     /// Calls `found` for each triangle or sphere that a volume has a point of, in no particular order; if it returns
     /// false, no longer for this instance.
-    fn overlapped(
-        &self,
-        volume: &Volume,
-        mut found: impl FnMut(u32, Overlap) -> bool,
-    ) -> Result<(), QueryError> {
+    fn overlapped(&self, volume: &Volume, mut found: impl FnMut(Overlap) -> bool) -> Result<(), QueryError> {
         volume.check()?;
         let (low, high) = corners(&Bounds { low: volume.low, high: volume.high });
         let radius = volume.radius.map(f64::from);
@@ -210,15 +203,49 @@ impl<S: Source> World<'_, S> {
             let (from, to) = corners(bounds);
             meets(from, to, self.pad(volume.low, slack).max(self.pad(volume.high, slack)))
         };
-        walk(&self.tree.instances.tree, 0, Some(&self.tree.instances.slacks), reach, padded, |part, _| {
-            let Part { instance: number, node } = self.tree.instances.parts[part as usize];
-            let index = number as usize;
+        let meets_triangle = |corners: [DVec3; 3]| match radius {
+            Some(radius) => nearest_on_triangle(low, corners).squared <= radius * radius,
+            None => box_meets_triangle(low, high, corners),
+        };
+        // Returns whether more of the instance is wanted.
+        let find = |found: &mut dyn FnMut(Overlap) -> bool, number, placed: &Placed, blocks: &[Block]| {
             let instance = self.source.numbered(number);
-            if !self.sees(index) {
+            let triangles = blocks.iter().flat_map(|block| (0..block.count).map(move |lane| (block, lane)));
+            for (block, lane) in triangles {
+                let overlap = Overlap { instance, triangle: block.first + lane };
+                if meets_triangle(placed.triangle(block.triangle(lane as usize))) && !found(overlap) {
+                    return false;
+                }
+            }
+            true
+        };
+        let apart = |placed: &Placed, bounds: &Bounds| {
+            let (from, to) = placed.bounds(bounds);
+            meets(from, to, 0.0)
+        };
+        let top = &self.tree.instances;
+        let space = Placed::new(&top.merged.space.to_world, &top.merged.space.to_object);
+        walk(
+            &top.merged.tree,
+            None,
+            reach,
+            |bounds, _| apart(&space, bounds),
+            |leaf, _| {
+                let MergedLeaf { instance: number, block, triangles } = top.merged.leaves[leaf as usize];
+                if self.meets_merged(number) {
+                    find(&mut found, number, &space, self.mesh(number).blocks(block, triangles));
+                }
+                reach
+            },
+        );
+        walk(&top.tree, Some(&top.slacks), reach, padded, |number, count| {
+            // What is hidden or merged is not in its leaf.
+            if count == 0 || !self.sees(number) {
                 return reach;
             }
-            let placed = Placed::new(&self.source.instances()[index]);
-            if self.source.instances()[index].is_sphere() {
+            let instance = &self.source.instances()[number as usize];
+            let placed = Placed::of(instance);
+            if instance.is_sphere() {
                 let is_met = match radius {
                     Some(radius) => {
                         let n = nearest_on_ellipsoid(low - placed.moved, &placed.to_world);
@@ -227,40 +254,38 @@ impl<S: Source> World<'_, S> {
                     None => box_meets_ellipsoid(low, high, &placed.to_ball, placed.ball_moved),
                 };
                 if is_met {
-                    found(number, Overlap { instance, triangle: 0 });
+                    found(Overlap { instance: self.source.numbered(number), triangle: 0 });
                 }
                 return reach;
             }
-            let mesh = &self.tree.meshes[self.source.mesh_of(index)];
-            let distance = |bounds: &Bounds, _| {
-                let (from, to) = placed.bounds(bounds);
-                meets(from, to, 0.0)
-            };
-            walk(&mesh.tree, node, None, reach, distance, |first, count| {
-                for block in mesh.blocks(first, count) {
-                    for lane in 0..block.count {
-                        let corners = placed.triangle(block.triangle(lane as usize));
-                        let is_met = match radius {
-                            Some(radius) => nearest_on_triangle(low, corners).squared <= radius * radius,
-                            None => box_meets_triangle(low, high, corners),
-                        };
-                        let overlap = Overlap { instance, triangle: block.first + lane };
-                        if is_met && !found(number, overlap) {
-                            return -1.0;
-                        }
-                    }
-                }
-                reach
-            });
+            let mesh = self.mesh(number);
+            walk(
+                &mesh.tree,
+                None,
+                reach,
+                |bounds, _| apart(&placed, bounds),
+                |first, count| {
+                    if find(&mut found, number, &placed, mesh.blocks(first, count)) { reach } else { -1.0 }
+                },
+            );
             reach
         });
         Ok(())
     }
 
-    /// Whether an instance counts: it is not hidden, and of a group of this world.
-    fn sees(&self, index: usize) -> bool {
-        let is_hidden = self.source.places().bounds(index).is_empty();
-        !is_hidden && self.source.tags()[index].mask & self.mask != 0
+    /// Whether an instance is of a group of this world.
+    fn sees(&self, number: u32) -> bool {
+        self.source.tags()[number as usize].mask & self.mask != 0
+    }
+
+    /// Whether an instance counts that is a member of the merged tree.
+    fn meets_merged(&self, number: u32) -> bool {
+        self.tree.instances.entries[number as usize].is_merged && self.sees(number)
+    }
+
+    /// The tree of an instance's mesh.
+    fn mesh(&self, number: u32) -> &MeshTree {
+        &self.tree.meshes[self.source.mesh_of(number as usize)]
     }
 
     /// The rounding errors of distances: `f64` has 52 bits, of which many are spare.
@@ -287,6 +312,17 @@ struct Best {
 }
 
 impl Best {
+    /// Takes the triangles of an instance.
+    fn take_blocks(&mut self, p: DVec3, number: u32, placed: &Placed, blocks: &[Block]) {
+        for block in blocks {
+            for lane in 0..block.count {
+                let found = nearest_on_triangle(p, placed.triangle(block.triangle(lane as usize)));
+                let weights = found.weights.map(|weight| weight as f32);
+                self.take(found.squared, number, block.first + lane, weights);
+            }
+        }
+    }
+
     fn take(&mut self, squared: f64, instance: u32, triangle: u32, weights: [f32; 2]) {
         let is_earlier = self.found.is_none_or(|(i, t, _)| (instance, triangle) < (i, t));
         if squared < self.squared || (squared == self.squared && is_earlier) {
@@ -304,8 +340,12 @@ struct Placed {
 }
 
 impl Placed {
-    fn new(instance: &Instance) -> Self {
-        let [to_world, to_object] = [&instance.to_world, &instance.to_object].map(from_rows);
+    fn of(instance: &Instance) -> Self {
+        Self::new(&instance.to_world, &instance.to_object)
+    }
+
+    fn new(to_world: &[[f32; 4]; 3], to_object: &[[f32; 4]; 3]) -> Self {
+        let [to_world, to_object] = [to_world, to_object].map(from_rows);
         let moved = to_world.w_axis.truncate();
         let [to_world, to_ball] = [to_world, to_object].map(DMat3::from_mat4);
         Self { to_world, moved, to_ball, ball_moved: -(to_ball * moved) }
@@ -347,7 +387,6 @@ struct Waiting {
 /// reach, and a negative one ends the walk.
 fn walk(
     tree: &WideTree,
-    start: u32,
     slacks: Option<&[[f32; WIDTH]]>,
     mut reach: f64,
     distance: impl Fn(&Bounds, f32) -> f64,
@@ -355,7 +394,7 @@ fn walk(
 ) {
     let mut stack = [Waiting { node: 0, count: 0, children: [(0.0, 0); WIDTH] }; STACK];
     let mut depth = 0;
-    let mut index = start;
+    let mut index = 0;
     loop {
         let node: &WideNode = &tree.nodes[index as usize];
         let waiting = &mut stack[depth];
@@ -401,7 +440,7 @@ mod tests {
     use super::*;
     use crate::layout::Attribute;
     use crate::query::Tree;
-    use crate::scene::{Bvh, Material, Mesh, Scene, Sequential};
+    use crate::scene::{Bvh, Material, Mesh, MeshIndex, Scene, Sequential};
     use glam::{Mat4, Quat, Vec3};
     use std::vec;
     use std::vec::Vec;
@@ -419,16 +458,30 @@ mod tests {
         }
     }
 
-    /// Meshes and spheres strewn over a world, one of them hidden.
-    fn strewn(random: &mut Random) -> Scene {
+    /// Adds a mesh of triangles that are anywhere.
+    fn add_triangles(scene: &mut Scene, random: &mut Random) -> MeshIndex {
         let positions: Vec<_> = (0..300).map(|_| random.vector(1.0).to_array()).collect();
         let attributes = vec![Attribute { normal: [0.0; 3], uv: [0.0; 2], color: [0; 2] }; 300];
         let mesh = Mesh::new(positions, attributes, (0..300).collect()).unwrap();
+        scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap()
+    }
+
+    /// Meshes and spheres strewn over a world, one of them hidden, and three meshes in one space.
+    fn strewn(random: &mut Random) -> Scene {
         let mut scene = Scene::new();
         let material = scene.add_material(Material::default()).unwrap();
-        let mesh = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+        let together = Mat4::from_scale_rotation_translation(
+            Vec3::new(3.0, -1.0, 2.0),
+            Quat::from_scaled_axis(Vec3::Z),
+            Vec3::Y,
+        );
+        for _ in 0..3 {
+            let mesh = add_triangles(&mut scene, random);
+            scene.add_instance(mesh, material, together).unwrap();
+        }
+        let mesh = add_triangles(&mut scene, random);
         let mut last = None;
-        for number in 0..60 {
+        for number in 0..57 {
             let scale = if number % 3 == 0 { Vec3::new(0.5, 2.0, -0.1) } else { Vec3::splat(0.7) };
             let turn = Quat::from_scaled_axis(random.vector(3.0));
             let place = Mat4::from_scale_rotation_translation(scale, turn, random.vector(6.0));
@@ -445,7 +498,7 @@ mod tests {
     /// Everything that can be near or overlap, one after the other: a sphere, or a triangle.
     fn each(scene: &Scene, mut see: impl FnMut(u32, u32, &Placed, Option<[DVec3; 3]>)) {
         for (number, instance) in (0..).zip(scene.instances()) {
-            let placed = Placed::new(instance);
+            let placed = Placed::of(instance);
             if instance.is_sphere() {
                 see(number, 0, &placed, None);
                 continue;
@@ -463,6 +516,7 @@ mod tests {
         let scene = strewn(&mut random);
         let mut tree = Tree::default();
         let world = tree.world(&scene);
+        assert!((0..5).map(|number| world.meets_merged(number)).eq([true, true, true, false, false]));
         let mut hits = 0;
         for round in 0..300 {
             let point = random.vector(if round % 5 == 0 { 40.0 } else { 6.0 });
@@ -508,6 +562,7 @@ mod tests {
         let scene = strewn(&mut random);
         let mut tree = Tree::default();
         let world = tree.world(&scene);
+        assert!((0..5).map(|number| world.meets_merged(number)).eq([true, true, true, false, false]));
         let mut met = 0;
         for round in 0..300 {
             let center = random.vector(6.0);

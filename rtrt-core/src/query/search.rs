@@ -1,9 +1,10 @@
 //! The search: a ray through the tree over the instances, and on through those of meshes.
 
 use super::block::AskedBlock;
+use super::merged::MergedLeaf;
 use super::ray::{Ray, ScaledRay, Sides};
 use super::source::Parts;
-use super::tree::{MeshTree, Part, Tree};
+use super::tree::{Entry, MeshTree, Tree};
 use super::wide::{Asked, Range, Visitor, traverse};
 use crate::kernel::ray::Ray as WorldRay;
 use crate::kernel::slab::RelativeBox;
@@ -62,12 +63,20 @@ pub(crate) fn search<L: Lane, S: Parts>(
     let skip = asked.skip.filter(|skip| source.place_of(*skip).is_some()).map(|skip| skip.number);
     let Limits { magnitude, mask } = limits;
     let top = &tree.instances;
-    let modelled = top.modelled.map(|bounds| Local::new(token, scaled.ray, &bounds));
-    let mut instances =
-        Instances::<L, S, _> { token, tree, source, asked, mask, scaled, skip, modelled, collect };
-    let range = Range { from: scaled.from, limit: instances.collect.limit() };
-    let wide = Asked::<L>::new(token, &scaled.ray, magnitude, 0.0);
-    traverse(&top.tree, 0, Some(&top.slacks), &wide, range, &mut instances);
+    let mut seen = Seen { tree, source, asked, mask, from: scaled.from, skip, collect };
+    if !top.merged.leaves.is_empty() {
+        let space = &top.merged.space;
+        let local = Local::new(token, scaled.ray, space.is_identity, &space.to_object, &top.merged.bounds);
+        let range = Range { from: scaled.from, limit: seen.collect.limit() };
+        let mut merged = MergedLeaves::<L, S, _> { local: &local, seen: &mut seen };
+        traverse(&top.merged.tree, None, &local.nodes, range, &mut merged);
+    }
+    let range = Range { from: scaled.from, limit: seen.collect.limit() };
+    if range.limit >= range.from {
+        let wide = Asked::<L>::new(token, &scaled.ray, magnitude, 0.0);
+        let mut instances = Instances::<L, S, _> { token, ray: scaled.ray, seen };
+        traverse(&top.tree, Some(&top.slacks), &wide, range, &mut instances);
+    }
 }
 
 /// A ray in the space of an instance, ready to ask the nodes and blocks of its mesh.
@@ -80,7 +89,14 @@ struct Local<L> {
 impl<L: Lane> Local<L> {
     /// `bounds` are those of the mesh, or larger.
     #[inline(always)]
-    fn new(token: L::Token, ray: WorldRay<f32>, bounds: &Bounds) -> Self {
+    fn new(
+        token: L::Token,
+        ray: WorldRay<f32>,
+        is_identity: bool,
+        to_object: &[[f32; 4]; 3],
+        bounds: &Bounds,
+    ) -> Self {
+        let ray = if is_identity { ray } else { ray.transformed(to_object) };
         let Bounds { low, high } = bounds;
         let reach = RelativeBox::new(ray.origin, low, high).reach();
         let passing = passing(reach, low, high);
@@ -88,61 +104,97 @@ impl<L: Lane> Local<L> {
     }
 }
 
-/// Looks at instances.
-struct Instances<'a, L: Lane, S, C> {
-    token: L::Token,
+/// What a ray sees, and who collects it.
+struct Seen<'a, S, C> {
     tree: &'a Tree,
     source: &'a S,
     asked: &'a Ray,
     mask: u32,
-    scaled: &'a ScaledRay,
+    from: f32,
     skip: Option<u32>,
-    /// The ray where meshes stand as they were modelled, if any has parts.
-    modelled: Option<Local<L>>,
     collect: &'a mut C,
 }
 
-impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
+impl<S: Parts, C: Collect> Seen<'_, S, C> {
+    /// Whether the ray sees an instance.
     #[inline(always)]
-    fn leaf(&mut self, part: u32, count: u32) -> f32 {
-        // A part of a hidden instance is not in its leaf.
-        if count == 0 {
-            return self.collect.limit();
-        }
-        let Part { instance: number, node } = self.tree.instances.parts[part as usize];
-        let entry = &self.tree.instances.entries[number as usize];
-        if self.skip == Some(number) || entry.mask & self.mask == 0 {
-            return self.collect.limit();
-        }
-        let mesh = &self.tree.meshes[entry.mesh as usize];
-        let placed;
-        let local = match &self.modelled {
-            Some(modelled) if entry.is_identity => modelled,
-            _ => {
-                let ray = self.scaled.ray;
-                let ray = if entry.is_identity { ray } else { ray.transformed(&entry.to_object) };
-                placed = Local::new(self.token, ray, &mesh.bounds);
-                &placed
-            }
-        };
-        let mut triangles = Triangles::<L, S, _> {
-            mesh,
+    fn sees(&self, number: u32, entry: &Entry) -> bool {
+        self.skip != Some(number) && entry.mask & self.mask != 0
+    }
+
+    /// The triangles of an instance.
+    #[inline(always)]
+    fn triangles<'b, L>(
+        &'b mut self,
+        number: u32,
+        entry: &Entry,
+        local: &'b Local<L>,
+    ) -> Triangles<'b, L, S, C> {
+        Triangles {
+            mesh: &self.tree.meshes[entry.mesh as usize],
             blocks: &local.blocks,
             source: self.source,
             number,
             ray: &local.ray,
-            from: self.scaled.from,
+            from: self.from,
             sides: self.asked.sides,
             through_holes: self.asked.through_holes,
             collect: &mut *self.collect,
-        };
+        }
+    }
+}
+
+/// Looks at leaves of meshes that stand in one space.
+struct MergedLeaves<'a, 'b, L: Lane, S, C> {
+    local: &'a Local<L>,
+    seen: &'a mut Seen<'b, S, C>,
+}
+
+impl<L: Lane, S: Parts, C: Collect> Visitor for MergedLeaves<'_, '_, L, S, C> {
+    #[inline(always)]
+    fn leaf(&mut self, leaf: u32, count: u32) -> f32 {
+        if count == 0 {
+            return self.seen.collect.limit();
+        }
+        let top = &self.seen.tree.instances;
+        let MergedLeaf { instance, block, triangles } = top.merged.leaves[leaf as usize];
+        let entry = &top.entries[instance as usize];
+        if !entry.is_merged || !self.seen.sees(instance, entry) {
+            return self.seen.collect.limit();
+        }
+        self.seen.triangles(instance, entry, self.local).leaf(block, triangles)
+    }
+}
+
+/// Looks at instances.
+struct Instances<'a, L: Lane, S, C> {
+    token: L::Token,
+    ray: WorldRay<f32>,
+    seen: Seen<'a, S, C>,
+}
+
+impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
+    #[inline(always)]
+    fn leaf(&mut self, number: u32, count: u32) -> f32 {
+        // What is hidden or merged is not in its leaf.
+        if count == 0 {
+            return self.seen.collect.limit();
+        }
+        let tree = self.seen.tree;
+        let entry = &tree.instances.entries[number as usize];
+        if !self.seen.sees(number, entry) {
+            return self.seen.collect.limit();
+        }
+        let mesh = &tree.meshes[entry.mesh as usize];
+        let local = Local::<L>::new(self.token, self.ray, entry.is_identity, &entry.to_object, &mesh.bounds);
+        let mut triangles = self.seen.triangles(number, entry, &local);
         if entry.is_sphere {
             triangles.sphere();
         } else {
-            let range = Range { from: self.scaled.from, limit: triangles.collect.limit() };
-            traverse(&mesh.tree, node, None, &local.nodes, range, &mut triangles);
+            let range = Range { from: triangles.from, limit: triangles.collect.limit() };
+            traverse(&mesh.tree, None, &local.nodes, range, &mut triangles);
         }
-        self.collect.limit()
+        self.seen.collect.limit()
     }
 }
 

@@ -205,38 +205,29 @@ pub(crate) trait Visitor {
     fn leaf(&mut self, first: u32, count: u32) -> f32;
 }
 
-/// Shows a visitor the leaves below a node that a ray may hit within its range, roughly from near to far. `slacks` are
-/// those of the nodes' children, if they have any.
+/// Shows a visitor the leaves that a ray may hit within its range, roughly from near to far. `slacks` are those of the
+/// nodes' children, if they have any.
 #[inline(always)]
 pub(crate) fn traverse<L: Lane>(
     tree: &WideTree,
-    start: u32,
-    slacks: Option<&[[f32; WIDTH]]>,
-    asked: &Asked<L>,
-    range: Range,
-    visitor: &mut impl Visitor,
-) {
-    // A stack is cleared for each search: most trees need a short one.
-    if tree.depth <= SHALLOW {
-        traverse_with::<L, SHALLOW>(&tree.nodes, start, slacks, asked, range, visitor);
-    } else {
-        traverse_with::<L, STACK>(&tree.nodes, start, slacks, asked, range, visitor);
-    }
-}
-
-/// [`traverse`] with a stack for `D` levels.
-#[inline(always)]
-fn traverse_with<L: Lane, const D: usize>(
-    nodes: &[WideNode],
-    start: u32,
     slacks: Option<&[[f32; WIDTH]]>,
     asked: &Asked<L>,
     mut range: Range,
     visitor: &mut impl Visitor,
 ) {
-    let mut stack = [Waiting { node: 0, count: 0, keys: [0; WIDTH] }; D];
+    const NOBODY: Waiting = Waiting { node: 0, count: 0, keys: [0; WIDTH] };
+    let nodes = &tree.nodes;
+    // A stack is cleared for each search: most trees need a short one.
+    let (mut short, mut long);
+    let stack: &mut [Waiting] = if tree.depth <= SHALLOW {
+        short = [NOBODY; SHALLOW];
+        &mut short
+    } else {
+        long = [NOBODY; STACK];
+        &mut long
+    };
     let mut depth = 0;
-    let mut index = start;
+    let mut index = 0;
     loop {
         let node = &nodes[index as usize];
         let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);

@@ -243,8 +243,8 @@ mod tests {
     use crate::grid::RayIndex;
     use crate::query::{Sides, Tree};
     use crate::scene::Material;
-    use crate::stage::fixture::{Prepared, add_square, square_at};
-    use crate::stage::visibility::{hit, rays, visibility};
+    use crate::stage::fixture::{Prepared, add_square, closest, square_at};
+    use crate::stage::visibility::{hit, rays};
     use glam::{Mat4, Vec3};
 
     #[test]
@@ -263,7 +263,7 @@ mod tests {
         let world = tree.world(&prepared.scene);
         let mut hits = 0;
         for first in (0..prepared.frame().rays).map(RayIndex) {
-            let seen = hit(&visibility::<f32, 1>((), &prepared.context(), first)[0], 0);
+            let seen = hit(&closest::<f32, 1>(&prepared, first)[0], 0);
             let [ray] = rays::<f32, 1>((), prepared.frame(), prepared.context().camera(), first);
             let ray = Ray::new(ray.origin.lane(0), ray.direction.lane(0)).sides(Sides::Drawn);
             match world.closest(&ray).unwrap() {

@@ -66,7 +66,7 @@ pub use material::{AlphaMode, Material};
 pub use mesh::{COORDINATE_LIMIT, Mesh, MeshError};
 pub use motion::Motion;
 pub use origin::Origin;
-pub(crate) use place::{InstanceMaterial, Stored, around, from_rows, place};
+pub(crate) use place::{InstanceMaterial, Stored, from_rows, place};
 pub(crate) use places::{Places, Tag};
 pub use setup::Setup;
 pub use setup_error::SetupError;

@@ -240,12 +240,9 @@ pub fn share<L: Lane>(token: L::Token, frame: &Frame, first: u32, record: impl F
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::closest_hit::ClosestHit;
     use crate::lane::plain::Plain;
     use crate::scene::{Material, Scene};
-    use crate::stage::fixture::{Prepared, add_square, square_at};
-    use crate::stage::surface::surface;
-    use crate::stage::visibility::{directions, visibility};
+    use crate::stage::fixture::{Prepared, add_square, square_at, surfaces};
     use glam::{Mat4, Vec3};
     use std::vec::Vec;
 
@@ -255,14 +252,10 @@ mod tests {
         scene.ambient = Vec3::ONE;
         let prepared = Prepared::new(scene, |request| request.ambient_occlusion(reach));
         let (context, frame) = (prepared.context(), prepared.frame());
-        let attributes = prepared.scene.attributes();
         let found: Vec<Record> = (0..256)
             .map(|number| {
-                let ray = RayIndex(number);
-                let hit: [ClosestHit<f32>; 1] = visibility((), &context, ray);
-                let [direction] = directions::<f32, 1>((), frame, context.camera(), ray);
-                let seen = surface(context.camera(), &context.geometry, attributes, direction, &hit[0]);
-                let [found] = ambient(&context, ray, &[seen]);
+                let [seen] = surfaces::<f32, 1>(&prepared, RayIndex(number));
+                let [found] = ambient(&context, RayIndex(number), &[seen]);
                 record(found, &seen.lane(0))
             })
             .collect();
@@ -302,15 +295,10 @@ mod tests {
 
     /// What all rays of the fixture's picture find, traced in packets.
     fn found_in_packets<L: Lane<Token = ()>, const G: usize>(prepared: &Prepared) -> Vec<[f32; 2]> {
-        let (context, attributes) = (prepared.context(), prepared.scene.attributes());
-        let rays = L::WIDTH * G;
+        let (context, rays) = (prepared.context(), L::WIDTH * G);
         let packets = (0..256).step_by(rays).map(RayIndex);
         let all = packets.flat_map(|first| {
-            let hits = visibility::<L, G>((), &context, first);
-            let directions = directions::<L, G>((), prepared.frame(), context.camera(), first);
-            let surfaces: [Surfaces<L>; G] =
-                groups(|g| surface(context.camera(), &context.geometry, attributes, directions[g], &hits[g]));
-            let found = ambient(&context, first, &surfaces);
+            let found = ambient(&context, first, &surfaces::<L, G>(prepared, first));
             (0..rays).map(move |ray| found[ray / L::WIDTH].map(|values| values.row().at(ray % L::WIDTH)))
         });
         all.collect()

@@ -250,9 +250,7 @@ mod tests {
     use crate::grid::RayIndex;
     use crate::layout::{Attribute, Surface, Wrap};
     use crate::scene::{Bvh, Content, Image, Material, Mesh, Scene, Sequential};
-    use crate::stage::fixture::Prepared;
-    use crate::stage::surface::surface;
-    use crate::stage::visibility::{directions, visibility};
+    use crate::stage::fixture::{Prepared, closest, surfaces};
     use std::vec;
 
     /// The surface at x = 0.5 and y = 0.5 of a square from −4 to 4 whose second texture coordinates are
@@ -276,9 +274,7 @@ mod tests {
         assert_eq!(prepared.frame().details, 1);
         let (context, scene) = (prepared.context(), &prepared.scene);
         let ray: RayIndex = context.frame.grid().index([8, 7]);
-        let [closest] = visibility::<f32, 1>((), &context, ray);
-        let [direction] = directions::<f32, 1>((), context.frame, context.camera(), ray);
-        let plain = surface(context.camera(), &context.geometry, scene.attributes(), direction, &closest);
+        let ([closest], [plain]) = (closest::<f32, 1>(&prepared, ray), surfaces::<f32, 1>(&prepared, ray));
         let maps = Maps { materials: scene.materials(), texels: scene.texels() };
         let (instances, mesh_data) = (context.geometry.instances, scene.mesh_data());
         let vertices = Vertices { instances, mesh_data, attributes: scene.attributes() };

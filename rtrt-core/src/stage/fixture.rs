@@ -1,10 +1,15 @@
 //! A frame of a small scene, ready for the stages that trace rays, for tests.
 
+use crate::grid::RayIndex;
+use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::lists::{BlockLists, ListEntry};
+use crate::lane::{Lane, groups};
 use crate::layout::{Attribute, Frame};
 use crate::request::{Camera, Projection, Request};
 use crate::scene::{Bvh, Material, Mesh, MeshIndex, Scene, Sequential, Setup};
 use crate::stage::context::Context;
+use crate::stage::surface::{Surfaces, surface};
+use crate::stage::visibility::{directions, visibility};
 use crate::stage::{bin, prepare};
 use glam::{Mat4, Vec3};
 use std::vec;
@@ -85,4 +90,25 @@ impl Prepared {
     pub fn frame(&self) -> &Frame {
         &self.setup.frame
     }
+}
+
+/// What a group of rays hits. Compiled once for all tests.
+#[inline(never)]
+pub(crate) fn closest<L: Lane<Token = ()>, const G: usize>(
+    prepared: &Prepared,
+    first: RayIndex,
+) -> [ClosestHit<L>; G] {
+    visibility::<L, G>((), &prepared.context(), first)
+}
+
+/// The surfaces that a group of rays hits. Compiled once for all tests.
+#[inline(never)]
+pub(crate) fn surfaces<L: Lane<Token = ()>, const G: usize>(
+    prepared: &Prepared,
+    first: RayIndex,
+) -> [Surfaces<L>; G] {
+    let (context, attributes) = (prepared.context(), prepared.scene.attributes());
+    let closest = closest::<L, G>(prepared, first);
+    let directions = directions::<L, G>((), prepared.frame(), context.camera(), first);
+    groups(|g| surface(context.camera(), &context.geometry, attributes, directions[g], &closest[g]))
 }

@@ -27,7 +27,7 @@ pub mod visibility;
 
 #[cfg(test)]
 mod tests {
-    use super::fixture::{Prepared, add_square, square_at};
+    use super::fixture::{Prepared, add_square, closest, square_at, surfaces};
     use crate::grid::RayIndex;
     use crate::kernel::texture::Maps;
     use crate::lane::flushing::assert_flushing_changes_nothing;
@@ -44,10 +44,8 @@ mod tests {
         let (frame, camera) = (context.frame, context.camera());
         let maps = Maps { materials: scene.materials(), texels: scene.texels() };
         let all = (0..frame.rays).map(RayIndex).map(|ray| {
-            let [closest] = super::visibility::visibility::<L, 1>((), &context, ray);
+            let ([closest], [seen]) = (closest::<L, 1>(prepared, ray), surfaces::<L, 1>(prepared, ray));
             let [direction] = super::visibility::directions::<L, 1>((), frame, camera, ray);
-            let attributes = scene.attributes();
-            let seen = super::surface::surface(camera, &context.geometry, attributes, direction, &closest);
             let [lit] = super::occlusion::word::<L, 1>(&context, 0, ray, &[seen]);
             let shadows = super::light::ShadowTerms::new(|_| lit, |_| lit);
             let incoming = super::light::light(frame, context.views, &maps, &shadows, ray, direction, &seen);

@@ -322,9 +322,7 @@ mod tests {
     use crate::lane::plain::Plain;
     use crate::request::{Request, Shadows};
     use crate::scene::{Light, Material, Scene};
-    use crate::stage::fixture::{Prepared, add_square, square_at};
-    use crate::stage::surface::surface;
-    use crate::stage::visibility::{directions, visibility};
+    use crate::stage::fixture::{Prepared, add_square, square_at, surfaces};
     use std::vec::Vec;
 
     /// For each ray, in the order of its number, whether the light reaches what it hits.
@@ -332,13 +330,7 @@ mod tests {
         let (context, rays) = (prepared.context(), (L::WIDTH * G) as u32);
         let packets = (0..prepared.frame().rays).step_by(rays as usize).map(RayIndex);
         let all = packets.flat_map(|first| {
-            let closest = visibility::<L, G>((), &context, first);
-            let directions = directions::<L, G>((), prepared.frame(), context.camera(), first);
-            let attributes = prepared.scene.attributes();
-            let surfaces: [Surfaces<L>; G] = core::array::from_fn(|g| {
-                surface(context.camera(), &context.geometry, attributes, directions[g], &closest[g])
-            });
-            let lit = occlusion::<L, G>(&context, 0, first, &surfaces);
+            let lit = occlusion::<L, G>(&context, 0, first, &surfaces::<L, G>(prepared, first));
             (0..rays as usize).map(move |ray| lit[ray / L::WIDTH].lane(ray % L::WIDTH) == 1)
         });
         all.collect()

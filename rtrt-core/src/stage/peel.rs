@@ -231,8 +231,7 @@ mod tests {
     use super::*;
     use crate::layout::{Hit, MaterialRecord};
     use crate::scene::{Material, Scene};
-    use crate::stage::fixture::{Prepared, add_square, add_square_mesh, square_at};
-    use crate::stage::visibility::visibility;
+    use crate::stage::fixture::{Prepared, add_square, add_square_mesh, closest, square_at};
     use bytemuck::Zeroable;
     use std::vec::Vec;
 
@@ -289,7 +288,7 @@ mod tests {
         };
         let nearest = Prepared::new(scene(), |request| request);
         let ray = nearest.frame().grid().index([8, 8]);
-        let depth = visibility::<f32, 1>((), &nearest.context(), ray)[0].t;
+        let depth = closest::<f32, 1>(&nearest, ray)[0].t;
         let seen = |near: f32, far: f32| {
             let prepared = Prepared::new(scene(), |request| request.clip(depth + near, depth + far));
             let none = [ClosestHit::new(&Hit::zeroed())];

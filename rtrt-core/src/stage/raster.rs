@@ -172,8 +172,7 @@ mod tests {
     use super::*;
     use crate::kernel::geometry::Geometry;
     use crate::scene::{Material, Scene};
-    use crate::stage::fixture::{Prepared, add_square, square_at};
-    use crate::stage::visibility::visibility;
+    use crate::stage::fixture::{Prepared, add_square, closest, square_at};
     use bytemuck::Zeroable;
 
     #[test]
@@ -211,7 +210,7 @@ mod tests {
             let ray = context.frame.grid().index(place);
             pick(context.frame, context.camera(), &meshes, ray, drawn)
         };
-        let [traced] = visibility::<f32, 1>((), &context, context.frame.grid().index([9, 8]));
+        let [traced] = closest::<f32, 1>(&prepared, context.frame.grid().index([9, 8]));
         let traced = traced.rows().hit(0);
         assert_eq!(pick([9, 8], [1, traced.triangle]), traced);
         assert_eq!(pick([9, 8], [0, 0]), Hit::MISS);

@@ -527,15 +527,11 @@ mod tests {
     use super::*;
     use crate::grid::RayIndex;
     use crate::scene::{Material, Scene};
-    use crate::stage::fixture::{Prepared, add_square, square_at};
-    use crate::stage::visibility::{directions, visibility};
+    use crate::stage::fixture::{Prepared, add_square, square_at, surfaces};
 
     /// The surface in a column and row of the picture.
     fn seen(prepared: &Prepared, place: [u32; 2]) -> Surface {
-        let (context, ray) = (prepared.context(), prepared.frame().grid().index(place));
-        let [closest] = visibility::<f32, 1>((), &context, ray);
-        let [direction] = directions::<f32, 1>((), prepared.frame(), context.camera(), ray);
-        surface(context.camera(), &context.geometry, prepared.scene.attributes(), direction, &closest).lane(0)
+        surfaces::<f32, 1>(prepared, prepared.frame().grid().index(place))[0].lane(0)
     }
 
     #[test]

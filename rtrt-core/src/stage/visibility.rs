@@ -216,7 +216,7 @@ mod tests {
     use super::*;
     use crate::lane::plain::Plain;
     use crate::scene::{Material, Scene};
-    use crate::stage::fixture::{Prepared, add_square, square_at};
+    use crate::stage::fixture::{Prepared, add_square, closest, square_at};
     use glam::{Mat4, Vec3};
     use std::vec::Vec;
 
@@ -225,7 +225,7 @@ mod tests {
         let rays = (L::WIDTH * G) as u32;
         let packets = (0..prepared.frame().rays).step_by(rays as usize);
         let all = packets.flat_map(|first| {
-            let closest = visibility::<L, G>((), &prepared.context(), RayIndex(first));
+            let closest = closest::<L, G>(prepared, RayIndex(first));
             (0..rays as usize).map(move |ray| hit(&closest[ray / L::WIDTH], ray % L::WIDTH))
         });
         all.collect()
