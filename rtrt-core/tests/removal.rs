@@ -151,8 +151,11 @@ fn a_hit_of_what_is_gone_is_no_hit_of_what_has_its_number() {
     let ray =
         Ray::between([20.0, 21.0, 22.0], aim.lerp(mesh.positions()[2].into(), 0.3)).until(f32::INFINITY);
     let hit = tree.world(&scene).closest(&ray).unwrap().unwrap();
+    assert!(!scene.is_removed(first) && !scene.is_mesh_removed(index));
     scene.remove_instance(first).unwrap();
+    assert!(scene.is_removed(first) && !Scene::new().is_removed(first));
     let second = scene.add_instance(index, white, Mat4::IDENTITY).unwrap();
+    assert!(scene.is_removed(first) && !scene.is_removed(second));
     let world = tree.world(&scene);
     assert_eq!(
         (world.surface(&hit), world.source_triangle(&hit), world.user_data(first)),
@@ -165,4 +168,9 @@ fn a_hit_of_what_is_gone_is_no_hit_of_what_has_its_number() {
         (second, row(Some(hit)), Some(0))
     );
     assert_eq!(world.closest(&ray.skip(second)), Ok(None));
+    scene.remove_instance(second).unwrap();
+    scene.remove_mesh(index).unwrap();
+    assert!(scene.is_mesh_removed(index) && !Scene::new().is_mesh_removed(index));
+    let next = scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap();
+    assert!(scene.is_mesh_removed(index) && !scene.is_mesh_removed(next));
 }

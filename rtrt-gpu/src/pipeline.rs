@@ -4,7 +4,7 @@ use crate::barriers::ZERO_GROUP;
 use crate::entry::Access;
 
 /// A compiled entry point.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Pipeline {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,

@@ -46,7 +46,7 @@ pub struct World {
 }
 
 /// What asks rays.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Queries {
     closest: Pipeline,
     occluded: Pipeline,
@@ -337,5 +337,23 @@ impl World {
             Ok(())
         })
         .await
+    }
+}
+
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests {
+    use super::*;
+    use crate::Options;
+    use rtrt_core::scene::Sequential;
+
+    #[test]
+    fn a_second_world_compiles_nothing() {
+        let gpu = match Gpu::new(Options::default()) {
+            Ok(gpu) => gpu,
+            Err(error) if std::env::var_os("RTRT_REQUIRE_GPU").is_some() => panic!("{error}"),
+            Err(error) => return println!("SKIPPED: {error}"),
+        };
+        let [first, second] = [0; 2].map(|_| gpu.world(&Scene::new(), &Sequential).unwrap());
+        assert!(first.queries == second.queries);
     }
 }

@@ -38,6 +38,11 @@ impl Block {
         self.corners.map(|[x, y, z]| [x[lane], y[lane], z[lane]])
     }
 
+    /// The numbers and corners of its triangles.
+    pub fn triangles(&self) -> impl Iterator<Item = (u32, [[f32; 3]; 3])> {
+        (0..self.count).map(|lane| (self.first + lane, self.triangle(lane as usize)))
+    }
+
     /// A corner of the triangles from `first` on.
     #[inline(always)]
     fn corner<L: Lane>(&self, token: L::Token, corner: usize, first: usize) -> V3<L> {

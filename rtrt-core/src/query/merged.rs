@@ -67,7 +67,7 @@ pub(crate) struct Merged {
     members: Vec<Option<Member>>,
     /// The blocks of all leaves.
     blocks: usize,
-    /// The blocks of those instances that are still met here.
+    /// The blocks of those instances that are met here now.
     met: usize,
 }
 
@@ -97,7 +97,7 @@ impl Merged {
             && !source.places().bounds(number).is_empty()
     }
 
-    /// Counts an instance that is met here from now on, or no longer.
+    /// Counts an instance that has come in or gone out.
     pub fn count(&mut self, number: usize, is_met: bool) {
         let blocks = self.members[number].map_or(0, |member| member.blocks);
         if is_met {
@@ -107,18 +107,14 @@ impl Merged {
         }
     }
 
-    /// Forgets who is met.
-    pub fn count_anew(&mut self) {
-        self.met = 0;
-    }
-
-    /// Whether most of it is met no longer.
+    /// Whether less than half of it is met.
     pub fn is_hollow(&self) -> bool {
         self.blocks > 2 * self.met
     }
 
-    /// Whether most of it stands in another space since these instances have moved. It follows them.
-    pub fn follows(&mut self, source: &impl Parts, moved: impl Iterator<Item = usize> + Clone) -> bool {
+    /// Follows these instances, which have moved, where they are most of it and stand in another space together; returns
+    /// whether that is so.
+    pub fn follow(&mut self, source: &impl Parts, moved: impl Iterator<Item = usize> + Clone) -> bool {
         let of = |number: usize| {
             let member = self.members.get(number).copied().flatten();
             member.map(|member| (&source.instances()[number], member.blocks))
@@ -137,14 +133,15 @@ impl Merged {
         let Some(space) = most else { return false };
         let blocks: usize =
             moved.filter_map(of).filter(|(instance, _)| space.has(instance)).map(|(_, blocks)| blocks).sum();
-        let is_other = bits(&space.to_world) != bits(&self.space.to_world) && 2 * blocks > self.blocks;
-        if is_other {
+        let follows = bits(&space.to_world) != bits(&self.space.to_world) && 2 * blocks > self.blocks;
+        if follows {
             self.space = space;
         }
-        is_other
+        follows
     }
 
-    /// Makes a new tree if that would hold twice as much as is met in this one, and ends this one if it is hollow.
+    /// Makes a new tree if that would hold twice as much as is met in this one, and ends this one if it is hollow. No
+    /// instance is counted after it.
     pub fn renew(&mut self, source: &impl Parts, meshes: &[MeshTree], join: &impl Join) {
         self.met = (0..self.members.len())
             .filter(|&number| self.holds(source, meshes, number))
@@ -160,6 +157,7 @@ impl Merged {
         } else if self.is_hollow() {
             *self = Self::default();
         }
+        self.met = 0;
     }
 
     fn new(source: &impl Parts, meshes: &[MeshTree], together: &[u32], join: &impl Join) -> Self {
@@ -190,7 +188,7 @@ impl Merged {
             space: together.first().map_or(Space::default(), |&i| Space::of(&source.instances()[i as usize])),
             members,
             blocks,
-            met: blocks,
+            met: 0,
         }
     }
 
@@ -234,51 +232,17 @@ fn hash(rows: &[[f32; 4]; 3]) -> u64 {
 mod tests {
     use super::*;
     use crate::kernel::triangle::{Triangle, intersect};
-    use crate::layout::Attribute;
+    use crate::query::fixture::{Random, add, is_merged};
     use crate::query::search::Found;
     use crate::query::{Ray, Tree};
-    use crate::scene::{InstanceIndex, Material, MaterialIndex, Mesh, MeshIndex, Scene, Sequential};
+    use crate::scene::{Material, MaterialIndex, MeshIndex, Scene, Sequential};
     use glam::{Mat4, Vec3};
-
-    /// Numbers that look random.
-    struct Random(u32);
-
-    impl Random {
-        fn below(&mut self, end: usize) -> usize {
-            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (self.0 >> 8) as usize % end
-        }
-        fn vector(&mut self, size: f32) -> Vec3 {
-            Vec3::from([0; 3].map(|_| (self.below(2001) as f32 / 1000.0 - 1.0) * size))
-        }
-        fn place(&mut self) -> Mat4 {
-            let axis = (self.vector(1.0) + Vec3::Y * 2.0).normalize();
-            Mat4::from_translation(self.vector(6.0)) * Mat4::from_axis_angle(axis, self.below(7) as f32)
-        }
-        /// A mesh of triangles that are anywhere.
-        fn mesh(&mut self, triangles: usize) -> Mesh {
-            let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
-            let positions: Vec<_> = (0..3 * triangles)
-                .map(|corner| (Vec3::splat((corner / 3 % 9) as f32 - 4.0) + self.vector(2.0)).to_array())
-                .collect();
-            let indices = (0..positions.len() as u32).collect();
-            Mesh::new(positions, vec![attribute; 3 * triangles], indices).unwrap()
-        }
-    }
-
-    fn add(scene: &mut Scene, mesh: &Mesh) -> MeshIndex {
-        scene.add_mesh(mesh, &Bvh::build(mesh, &Sequential)).unwrap()
-    }
-
-    fn is_met(tree: &Tree, instance: InstanceIndex) -> bool {
-        tree.instances.entries[instance.number as usize].is_merged
-    }
 
     /// A scene with so many meshes, and a material.
     fn scene(random: &mut Random, meshes: usize) -> (Scene, Vec<MeshIndex>, MaterialIndex) {
         let mut scene = Scene::new();
         let white = scene.add_material(Material::default()).unwrap();
-        let meshes = (0..meshes).map(|_| add(&mut scene, &random.mesh(90))).collect();
+        let meshes = (0..meshes).map(|_| add(&mut scene, &random.mesh(90, 5.0))).collect();
         (scene, meshes, white)
     }
 
@@ -322,37 +286,52 @@ mod tests {
     fn meshes_are_merged_that_stand_in_one_space() {
         let mut random = Random(1);
         let (mut scene, meshes, white) = scene(&mut random, 5);
-        let space = random.place();
+        let space = random.place(6.0);
         let merged: Vec<_> =
             meshes[..3].iter().map(|&mesh| scene.add_instance(mesh, white, space).unwrap()).collect();
         let ball = scene.add_sphere(white, space).unwrap();
-        let elsewhere = scene.add_instance(meshes[3], white, random.place()).unwrap();
+        let elsewhere = scene.add_instance(meshes[3], white, random.place(6.0)).unwrap();
         let bent = scene.add_instance(meshes[4], white, space).unwrap();
-        scene.reshape(meshes[4], &random.mesh(90)).unwrap();
+        scene.reshape(meshes[4], &random.mesh(90, 5.0)).unwrap();
         let hidden = scene.add_instance(meshes[3], white, space).unwrap();
         scene.hide(hidden).unwrap();
         let mut tree = Tree::new(&scene, &Sequential);
-        assert!(merged.iter().all(|&instance| is_met(&tree, instance)));
-        assert!([ball, elsewhere, bent, hidden].iter().all(|&instance| !is_met(&tree, instance)));
+        assert!(merged.iter().all(|&instance| is_merged(&tree, instance)));
+        assert!([ball, elsewhere, bent, hidden].iter().all(|&instance| !is_merged(&tree, instance)));
         // What moves is met by itself, and here again once it is back.
         scene.set_transform(merged[0], Mat4::IDENTITY).unwrap();
         tree.world(&scene);
-        assert!(!is_met(&tree, merged[0]) && is_met(&tree, merged[1]));
+        assert!(!is_merged(&tree, merged[0]) && is_merged(&tree, merged[1]));
         scene.set_transform(merged[0], space).unwrap();
         tree.world(&scene);
-        assert!(is_met(&tree, merged[0]));
+        assert!(is_merged(&tree, merged[0]));
         // All that move together stay together.
         let nodes = tree.instances.merged.tree.nodes.as_ptr();
-        merged.iter().for_each(|&instance| scene.set_transform(instance, random.place()).unwrap());
-        let space = random.place();
+        merged.iter().for_each(|&instance| scene.set_transform(instance, random.place(6.0)).unwrap());
+        let space = random.place(6.0);
         merged.iter().for_each(|&instance| scene.set_transform(instance, space).unwrap());
         tree.world(&scene);
-        assert!(merged.iter().all(|&instance| is_met(&tree, instance)));
+        assert!(merged.iter().all(|&instance| is_merged(&tree, instance)));
         assert_eq!(tree.instances.merged.tree.nodes.as_ptr(), nodes);
-        // Once most are elsewhere, the others are no longer held.
-        merged[..2].iter().for_each(|&instance| scene.set_transform(instance, random.place()).unwrap());
+        // Where most are elsewhere, none is merged.
+        merged[..2].iter().for_each(|&instance| scene.set_transform(instance, random.place(6.0)).unwrap());
         tree.world(&scene);
-        assert!(!is_met(&tree, merged[2]) && tree.instances.merged.leaves.is_empty());
+        assert!(!is_merged(&tree, merged[2]) && tree.instances.merged.leaves.is_empty());
+    }
+
+    #[test]
+    fn what_moves_out_does_not_build_the_tree_over_the_instances() {
+        let (mut scene, meshes, white) = scene(&mut Random(4), 40);
+        let add = |mesh: &MeshIndex| scene.add_instance(*mesh, white, Mat4::IDENTITY).unwrap();
+        let instances: Vec<_> = meshes.iter().map(add).collect();
+        let mut tree = Tree::new(&scene, &Sequential);
+        let nodes = tree.instances.tree.nodes.as_ptr();
+        for (number, &instance) in instances[..15].iter().enumerate() {
+            scene.set_transform(instance, Mat4::from_translation(Vec3::X * (number + 1) as f32)).unwrap();
+            tree.world(&scene);
+            assert!(!is_merged(&tree, instance) && is_merged(&tree, instances[20]));
+            assert_eq!(tree.instances.tree.nodes.as_ptr(), nodes);
+        }
     }
 
     #[test]
@@ -363,7 +342,7 @@ mod tests {
         assert!(Tree::new(&scene, &Sequential).instances.merged.leaves.is_empty());
         scene.add_instance(meshes[1], white, Mat4::IDENTITY).unwrap();
         assert!(!Tree::new(&scene, &Sequential).instances.merged.leaves.is_empty());
-        let large = add(&mut scene, &random.mesh(900));
+        let large = add(&mut scene, &random.mesh(900, 5.0));
         scene.add_instance(large, white, Mat4::IDENTITY).unwrap();
         assert!(Tree::new(&scene, &Sequential).instances.merged.leaves.is_empty());
     }
@@ -372,15 +351,18 @@ mod tests {
     fn whatever_changes_rays_meet_what_is_there() {
         let mut random = Random(3);
         let (mut scene, mut meshes, white) = scene(&mut random, 6);
-        let mut spaces = [random.place(), Mat4::IDENTITY, random.place()];
+        let mut spaces = [random.place(6.0), Mat4::IDENTITY, random.place(6.0)];
         let mut instances: Vec<_> =
             meshes.iter().map(|&mesh| scene.add_instance(mesh, white, spaces[1]).unwrap()).collect();
         let mut tree = Tree::default();
         let (mut hits, mut merged, mut apart) = (0, 0, 0);
         for step in 0..2000 {
             let which = random.below(instances.len());
-            let space =
-                if random.below(8) == 0 { random.place() } else { spaces[[1, 1, 1, 0, 2][random.below(5)]] };
+            let space = if random.below(8) == 0 {
+                random.place(6.0)
+            } else {
+                spaces[[1, 1, 1, 0, 2][random.below(5)]]
+            };
             match random.below(13) {
                 0 => scene.hide(instances[which]).unwrap(),
                 1 => {
@@ -394,11 +376,11 @@ mod tests {
                 }
                 3 if step % 4 == 0 => {
                     let mesh = random.below(meshes.len());
-                    scene.reshape(meshes[mesh], &random.mesh(90)).unwrap();
+                    scene.reshape(meshes[mesh], &random.mesh(90, 5.0)).unwrap();
                 }
                 4 => {
                     let gone = meshes.swap_remove(random.below(meshes.len()));
-                    meshes.push(add(&mut scene, &random.mesh(90)));
+                    meshes.push(add(&mut scene, &random.mesh(90, 5.0)));
                     let of_it: Vec<_> = (0..instances.len())
                         .filter(|&i| {
                             Parts::mesh_of(&scene, instances[i].number as usize) == gone.number as usize
@@ -411,7 +393,7 @@ mod tests {
                     instances.push(scene.add_instance(meshes[0], white, space).unwrap());
                 }
                 5 => {
-                    spaces[1] = if random.below(2) == 0 { Mat4::IDENTITY } else { random.place() };
+                    spaces[1] = if random.below(2) == 0 { Mat4::IDENTITY } else { random.place(6.0) };
                     let but = if random.below(2) == 0 { Some(instances[which]) } else { None };
                     for &instance in instances.iter().filter(|instance| but != Some(**instance)) {
                         scene.set_transform(instance, spaces[1]).unwrap();

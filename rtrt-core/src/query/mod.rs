@@ -41,11 +41,15 @@
 mod block;
 mod collect;
 mod device;
+#[cfg(test)]
+mod fixture;
 mod merged;
 mod narrow;
 mod near;
+mod overlap;
 mod ray;
 mod search;
+mod seek;
 mod shape;
 mod shapes;
 mod source;
@@ -56,7 +60,7 @@ mod wide;
 mod world;
 
 pub use device::{Changed, DeviceChanges, DeviceWorld};
-pub use near::{Overlap, Volume};
+pub use overlap::{Overlap, Volume};
 pub use ray::{QueryError, Ray, Sides};
 pub use shapes::Shapes;
 pub use source::Source;

@@ -120,27 +120,11 @@ fn pair(index: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::query::fixture::Random;
     use crate::scene::{InstanceIndex, Material, Sequential};
-    use glam::{Mat4, Quat, Vec3};
+    use glam::{Mat4, Vec3};
 
-    /// Numbers that look random.
-    struct Random(u32);
-
-    impl Random {
-        fn below(&mut self, end: u32) -> u32 {
-            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (self.0 >> 8) % end
-        }
-        /// A place in a world of this size.
-        fn place(&mut self, size: f32) -> Mat4 {
-            let mut number = || self.below(2001) as f32 / 1000.0 - 1.0;
-            let [place, turn, scale] = [0; 3].map(|_| Vec3::new(number(), number(), number()));
-            let turn = Quat::from_scaled_axis(turn * 3.0);
-            Mat4::from_scale_rotation_translation(scale.exp(), turn, place * size)
-        }
-    }
-
-    fn balls(random: &mut Random, count: u32) -> (Scene, Vec<InstanceIndex>) {
+    fn balls(random: &mut Random, count: usize) -> (Scene, Vec<InstanceIndex>) {
         let mut scene = Scene::new();
         let white = scene.add_material(Material::default()).unwrap();
         let balls = (0..count).map(|_| scene.add_sphere(white, random.place(20.0)).unwrap()).collect();
@@ -174,7 +158,7 @@ mod tests {
             let mut tree = NarrowTree::new(&scene, &Sequential);
             check(&tree, &scene);
             for step in 0..200 {
-                let ball = balls[random.below(count) as usize];
+                let ball = balls[random.below(count)];
                 if random.below(4) == 0 {
                     scene.hide(ball).unwrap();
                 } else {

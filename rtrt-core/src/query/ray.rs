@@ -158,6 +158,11 @@ pub(crate) fn check_point(point: [f32; 3]) -> Result<(), QueryError> {
     if is_inside { Ok(()) } else { Err(QueryError::Point { point }) }
 }
 
+/// Refuses a distance that is below 0 or NaN.
+pub(crate) fn check_distance(distance: f32) -> Result<(), QueryError> {
+    if distance >= 0.0 { Ok(()) } else { Err(QueryError::Distance { distance }) }
+}
+
 /// Why a query was refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]

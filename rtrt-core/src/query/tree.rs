@@ -4,7 +4,7 @@ use super::block::Block;
 use super::merged::Merged;
 use super::source::{MeshNodes, MeshVersion, Parts, Source};
 use super::wear::Wear;
-use super::wide::{Child, WIDTH, WideTree, widened};
+use super::wide::{Child, WIDTH, WideNode, WideTree, widened};
 use super::world::World;
 use crate::layout::NONE;
 use crate::scene::{Bounds, Bvh, Join, Sequential};
@@ -144,8 +144,8 @@ impl Tree {
     /// The world that rays are asked of, as the source has it now.
     ///
     /// The time depends on what has moved since the last call, and hardly on how much there is. No memory is
-    /// asked for unless instances or meshes were added or a mesh has another shape, or the tree over the
-    /// instances has become bad.
+    /// asked for unless instances or meshes were added or a mesh has another shape, the tree over the
+    /// instances has become bad, or most of those that were met in one tree have gone apart.
     pub fn world<'a, S: Source>(&'a mut self, source: &'a S) -> World<'a, S> {
         self.update(source, &Sequential);
         World::new(self, source)
@@ -205,8 +205,8 @@ impl InstanceTree {
         } else if moves != self.moves {
             let moved = source.places().moved_since(self.moves);
             let follows = match moved {
-                Some(moved) => self.merged.follows(source, moved.iter().map(|&instance| instance as usize)),
-                None => self.merged.follows(source, 0..self.entries.len()),
+                Some(moved) => self.merged.follow(source, moved.iter().map(|&instance| instance as usize)),
+                None => self.merged.follow(source, 0..self.entries.len()),
             };
             match moved {
                 Some(moved) if !follows => {
@@ -247,14 +247,14 @@ impl InstanceTree {
                 }
             }
         }
-        self.refit_all(source, meshes);
+        // Its cost is that of all instances: merged ones may come out.
+        self.wear.area = self.tree.nodes.iter().map(WideNode::area).sum();
         self.wear.set_built(&self.tree.nodes[0].all_bounds());
+        self.refit_all(source, meshes);
     }
 
     /// Takes over where all instances are.
     fn refit_all(&mut self, source: &impl Parts, meshes: &[MeshTree]) {
-        self.merged.count_anew();
-        self.entries.iter_mut().for_each(|entry| entry.is_merged = false);
         for instance in 0..self.entries.len() {
             let bounds = self.enter(source, meshes, instance);
             let (node, slot) = split(self.places[instance]);
@@ -264,7 +264,7 @@ impl InstanceTree {
         self.wear.area = 0.0;
         for index in (0..self.tree.nodes.len()).rev() {
             let node = &self.tree.nodes[index];
-            self.wear.area += (0..WIDTH).map(|slot| f64::from(node.bounds(slot).area())).sum::<f64>();
+            self.wear.area += node.area();
             if self.parents[index] != NONE {
                 let (bounds, slack) = (node.all_bounds(), largest(&self.slacks[index]));
                 let (above, slot) = split(self.parents[index]);

@@ -4,8 +4,6 @@ use crate::scene::Bounds;
 
 /// A tree with so many times the cost that it had when it was built is built again.
 const WORN: f64 = 2.0;
-/// A tree of which a ray may be expected to hit no more boxes is good enough.
-const SLIGHT: f64 = 4.0;
 
 /// The surfaces of a tree's boxes, now and when it was built.
 #[derive(Debug, Clone, Copy, Default)]
@@ -29,7 +27,7 @@ impl Wear {
 
     /// Whether it is to be built again.
     pub fn is_worn(&self, whole: &Bounds) -> bool {
-        self.cost(whole) > WORN * self.built_cost + SLIGHT
+        self.cost(whole) > WORN * self.built_cost
     }
 
     /// How often a ray that hits the whole may be expected to hit a box.

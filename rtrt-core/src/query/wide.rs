@@ -91,6 +91,11 @@ impl WideNode {
         }
     }
 
+    /// The surfaces of the boxes of all children, summed.
+    pub fn area(&self) -> f64 {
+        (0..WIDTH).map(|slot| f64::from(self.bounds(slot).area())).sum()
+    }
+
     /// The box of all children.
     pub fn all_bounds(&self) -> Bounds {
         (0..WIDTH).fold(Bounds::EMPTY, |all, slot| all.union(&self.bounds(slot)))
@@ -215,15 +220,15 @@ pub(crate) fn traverse<L: Lane>(
     mut range: Range,
     visitor: &mut impl Visitor,
 ) {
-    const NOBODY: Waiting = Waiting { node: 0, count: 0, keys: [0; WIDTH] };
+    const NO_NODE: Waiting = Waiting { node: 0, count: 0, keys: [0; WIDTH] };
     let nodes = &tree.nodes;
     // A stack is cleared for each search: most trees need a short one.
     let (mut short, mut long);
     let stack: &mut [Waiting] = if tree.depth <= SHALLOW {
-        short = [NOBODY; SHALLOW];
+        short = [NO_NODE; SHALLOW];
         &mut short
     } else {
-        long = [NOBODY; STACK];
+        long = [NO_NODE; STACK];
         &mut long
     };
     let mut depth = 0;

@@ -241,17 +241,14 @@ impl Pose {
     /// removed from the scene stays away.
     ///
     /// # Errors
-    /// An instance is out of range.
+    /// The pose is of another scene, or an instance is out of range.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), ImportError> {
         let refused = |source: SceneError| ImportError::Scene { path: self.path.clone(), source };
-        let is_there =
-            |(object, _): &&(InstanceIndex, _)| scene.instance_index(object.number()) == Some(*object);
-        let (visible, hidden): (Vec<_>, Vec<_>) =
-            self.objects.iter().filter(is_there).partition(|(_, to_world)| has_inverse(to_world));
+        let objects = self.objects.iter().filter(|(object, _)| !scene.is_removed(*object));
+        let (visible, hidden): (Vec<_>, Vec<_>) = objects.partition(|(_, to_world)| has_inverse(to_world));
         for (mesh, shape) in &self.shapes {
-            match scene.reshape(*mesh, shape) {
-                Err(SceneError::Index { .. }) => {}
-                reshaped => reshaped.map_err(refused)?,
+            if !scene.is_mesh_removed(*mesh) {
+                scene.reshape(*mesh, shape).map_err(refused)?;
             }
         }
         scene.set_transforms(visible).map_err(refused)?;
@@ -330,5 +327,15 @@ mod tests {
         let low = |object: InstanceIndex| scene.instances()[object.number() as usize].low[0];
         assert_eq!((low(new), low(objects[2])), (5.0, 8.0));
         assert_eq!(scene.instances()[objects[3].number() as usize].triangles, 0);
+    }
+
+    #[test]
+    fn a_pose_of_another_scene_is_an_error() {
+        let mut other = Scene::new();
+        let paint = other.add_material(Material::default()).unwrap();
+        let ball = other.add_sphere(paint, Mat4::IDENTITY).unwrap();
+        let pose = Pose { objects: vec![(ball, Mat4::IDENTITY)], ..Pose::default() };
+        assert!(matches!(pose.apply(&mut Scene::new()), Err(ImportError::Scene { .. })));
+        pose.apply(&mut other).unwrap();
     }
 }

@@ -68,6 +68,18 @@ impl Scene {
         Ok(())
     }
 
+    /// Whether this is the index of an instance of this scene that was removed.
+    pub fn is_removed(&self, instance: InstanceIndex) -> bool {
+        let was_here = instance.scene == self.family() && (instance.number as usize) < self.tags.len();
+        was_here && self.instance_index(instance.number) != Some(instance)
+    }
+
+    /// Whether this is the index of a mesh of this scene that was removed.
+    pub fn is_mesh_removed(&self, mesh: MeshIndex) -> bool {
+        let was_here = mesh.scene == self.family() && (mesh.number as usize) < self.meshes.len();
+        was_here && self.indexed_mesh(mesh).is_err()
+    }
+
     /// The words of a mesh in the mesh data.
     fn words(&self, mesh: MeshIndex, stored: &Stored) -> Holes {
         let optional = |first: u32, count: u32| if first == 0 { 0 } else { count * stored.vertices };
