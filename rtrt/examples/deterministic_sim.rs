@@ -24,7 +24,7 @@ const FRAMES: u32 = 100;
 const BALLS: u32 = 5;
 
 /// Of all frames.
-const HASH: &str = "fc598b2b5912f1097db5cb0a11f9b7d6c24477ec08a1b19ff0ca538fc47b409f";
+const HASH: &str = "e015e91581e56da4374df9bbebd4b491b9fa360d3f57ac226bb70b4ba0df08f0";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let scalar = Options { choice: Choice::Cpu, lanes: Some(1), threads: Some(1), ..Options::default() };

@@ -3,10 +3,7 @@
 use crate::kernel::mip::{Levels, levels};
 use crate::lane::{Bits, Lane, Mask, Row, Select, Word, groups};
 use crate::layout::{Filter, FinestLevel, MaterialRecord, Wrap};
-use crate::num::{clamp, floor, from_integer, to_integer};
-
-/// Words at the start of the scene's texels: the bits of the linear light of each sRGB byte.
-pub const DECODE_WORDS: usize = 256;
+use crate::num::{clamp, floor, from_integer, srgb_byte_decode, to_integer};
 
 /// 1/255.
 const BYTE: f32 = 1.0 / 255.0;
@@ -16,7 +13,7 @@ const BYTE: f32 = 1.0 / 255.0;
 pub struct Maps<'a> {
     /// The materials.
     pub materials: &'a [MaterialRecord],
-    /// The decoding words, then textures.
+    /// One word, so that nothing begins at 0, then textures.
     pub texels: &'a [u32],
 }
 
@@ -164,11 +161,12 @@ fn is_nearest<L: Lane>(filter: L, is_minified: L::Mask) -> L::Mask {
 #[inline(always)]
 pub fn finest(texels: &[u32], map: &FinestLevel, uv: [f32; 2]) -> [f32; 4] {
     let nearest = is_nearest(map.filter as f32, false);
-    let (x, share_x) = chosen(neighbors(uv[0], map.width as f32, map.wrap_u as f32), nearest);
+    // Columns after rows: before them, compilers use a form of `vmovq` that valgrind 3.19 does not know.
     let (y, share_y) = chosen(neighbors(uv[1], map.height as f32, map.wrap_v as f32), nearest);
     let first = texels[map.first as usize];
     let (row, next_row) = (first + y[0].0 * map.width, first + y[1].0 * map.width);
-    let at = |row: u32, x: Word| decode::<f32, true>((), texels, Word(texels[(row + x.0) as usize]));
+    let (x, share_x) = chosen(neighbors(uv[0], map.width as f32, map.wrap_u as f32), nearest);
+    let at = |row: u32, x: Word| decode::<f32, true>(Word(texels[(row + x.0) as usize]));
     let upper = lerp(at(row, x[0]), at(row, x[1]), share_x);
     let lower = lerp(at(next_row, x[0]), at(next_row, x[1]), share_x);
     lerp(upper, lower, share_y)
@@ -218,16 +216,8 @@ impl<L: Lane> Site<L> {
             #[inline(always)]
             |lane| self.texels::<MAP>(maps, materials.at(lane), lane),
         );
-        let upper = lerp(
-            decode::<L, COLOR>(token, maps.texels, a),
-            decode::<L, COLOR>(token, maps.texels, b),
-            self.share_x,
-        );
-        let lower = lerp(
-            decode::<L, COLOR>(token, maps.texels, c),
-            decode::<L, COLOR>(token, maps.texels, d),
-            self.share_x,
-        );
+        let upper = lerp(decode::<L, COLOR>(a), decode::<L, COLOR>(b), self.share_x);
+        let lower = lerp(decode::<L, COLOR>(c), decode::<L, COLOR>(d), self.share_x);
         lerp(upper, lower, self.share_y)
     }
 
@@ -299,31 +289,25 @@ fn chosen<L: Lane>((x, share): ([L::Bits; 2], L), nearest: L::Mask) -> ([L::Bits
 
 /// Linear RGB and alpha of texels, 8 bits each, red lowest.
 #[inline(always)]
-fn decode<L: Lane, const COLOR: bool>(token: L::Token, texels: &[u32], words: L::Bits) -> [L; 4] {
+fn decode<L: Lane, const COLOR: bool>(words: L::Bits) -> [L; 4] {
     let alpha = channel::<L>(words, 3);
     if COLOR {
-        let row = words.row();
-        let [r, g, b] = L::gather(
-            token,
-            #[inline(always)]
-            |lane| linear(texels, row.at(lane)),
-        );
-        return [r, g, b, alpha];
+        let [r, g, b] = [byte::<L>(words, 0), byte::<L>(words, 1), byte::<L>(words, 2)];
+        return [srgb_byte_decode(r), srgb_byte_decode(g), srgb_byte_decode(b), alpha];
     }
     [channel::<L>(words, 0), channel::<L>(words, 1), channel::<L>(words, 2), alpha]
 }
 
-/// Linear RGB of one texel.
+/// Byte `number` of a word, the lowest first.
 #[inline(always)]
-fn linear(texels: &[u32], texel: u32) -> [f32; 3] {
-    let of = |byte: u32| f32::from_bits(texels[(byte & 255) as usize]);
-    [of(texel), of(texel >> 8), of(texel >> 16)]
+fn byte<L: Lane>(word: L::Bits, number: u32) -> L::Bits {
+    (word >> (8 * number)) & word.broadcast(255)
 }
 
 /// Byte `number` of a color of 8 bits a channel, as 0 ..= 1.
 #[inline(always)]
 pub fn channel<L: Lane>(color: L::Bits, number: u32) -> L {
-    from_integer::<L>((color >> (8 * number)) & color.broadcast(255)) * BYTE
+    from_integer::<L>(byte::<L>(color, number)) * BYTE
 }
 
 /// `a + (b − a) · share`, component by component.

@@ -36,6 +36,8 @@ use glam::Mat4;
 pub struct Shapes<'a> {
     identity: Identity,
     meshes: Vec<Shape<'a>>,
+    /// So many meshes were added or removed.
+    mesh_changes: u32,
     instances: Vec<Instance>,
     mesh_numbers: Vec<u32>,
     places: Places,
@@ -66,6 +68,7 @@ impl<'a> Shapes<'a> {
         Self {
             identity: Identity::new(),
             meshes: Vec::new(),
+            mesh_changes: 0,
             instances: Vec::new(),
             mesh_numbers: Vec::new(),
             places: Places::default(),
@@ -127,6 +130,7 @@ impl<'a> Shapes<'a> {
 
     /// Puts a mesh where there is none, or in place of one.
     fn put(&mut self, number: u32, positions: &'a [[f32; 3]], indices: &'a [u32], tree: Bvh) {
+        self.mesh_changes += 1;
         let mut stored = Stored::of_shape(number, &tree, positions);
         match self.meshes.get_mut(number as usize) {
             Some(old) => {
@@ -284,6 +288,9 @@ impl Parts for Shapes<'_> {
     }
     fn meshes(&self) -> usize {
         self.meshes.len()
+    }
+    fn mesh_changes(&self) -> u32 {
+        self.mesh_changes
     }
     fn nodes(&self, mesh: usize) -> MeshNodes<'_> {
         let shape = &self.meshes[mesh];

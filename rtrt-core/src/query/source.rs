@@ -33,6 +33,8 @@ pub trait Parts {
     fn family(&self) -> u32;
     /// The number of meshes.
     fn meshes(&self) -> usize;
+    /// Another number once meshes were added or removed, or have another shape.
+    fn mesh_changes(&self) -> u32;
     /// The nodes of one of them.
     fn nodes(&self, mesh: usize) -> MeshNodes<'_>;
     /// All instances.
@@ -81,6 +83,9 @@ impl Parts for Scene {
     }
     fn meshes(&self) -> usize {
         self.stored_meshes().len()
+    }
+    fn mesh_changes(&self) -> u32 {
+        self.versions().geometry
     }
     fn nodes(&self, mesh: usize) -> MeshNodes<'_> {
         let mesh = &self.stored_meshes()[mesh];

@@ -6,7 +6,7 @@ use super::source::{MeshNodes, MeshVersion, Parts, Source};
 use super::wear::Wear;
 use super::wide::{Child, WIDTH, WideNode, WideTree, widened};
 use super::world::World;
-use crate::layout::NONE;
+use crate::layout::{Instance, NONE};
 use crate::scene::{Bounds, Bvh, Join, Sequential};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -16,17 +16,22 @@ use core::sync::atomic::{AtomicBool, Ordering};
 /// from one change to the next.
 ///
 /// [`Tree::world`] brings them up to date: after a move the boxes above what moved are computed again, and
-/// after many moves the tree over the instances is built again if it has become twice as bad. Instances with the same
-/// transform and meshes that never bent are met in one tree, as long as most of them stay together. What rays hit
-/// does not depend on it. Memory: about 70 bytes a triangle of each mesh, 15 more if it is one of those, and 150 an
-/// instance.
+/// after many moves the tree over the instances is built again if it has become twice as bad, or once a third of
+/// its instances are new. Instances with the same transform and meshes that never bent are met in one tree, as long as
+/// most of them stay together; new ones once that tree is built again. What rays hit does not depend on it. Memory:
+/// about 70 bytes a triangle of each mesh, 15 more if it is one of those, and 150 an instance.
 #[derive(Debug, Default)]
 pub struct Tree {
     /// What it was made of.
     source: Option<u32>,
     pub(crate) instances: InstanceTree,
     pub(crate) meshes: Vec<MeshTree>,
+    /// [`Parts::mesh_changes`] of the source when they were made.
+    changes: Option<u32>,
 }
+
+/// A tree over fewer instances is built again for each that is new.
+const FEW: usize = 64;
 
 /// The tree of one mesh.
 #[derive(Debug)]
@@ -43,7 +48,7 @@ impl MeshTree {
     fn new(source: &impl Parts, mesh: usize) -> Self {
         let MeshNodes { nodes, version } = source.nodes(mesh);
         let mut tree = widened(nodes, WIDTH as u32);
-        let mut blocks = Vec::new();
+        let mut blocks = Vec::with_capacity(tree.blocks());
         for node in &mut tree.nodes {
             for slot in 0..WIDTH {
                 let Child::Leaf(first, count) = node.child(slot) else { continue };
@@ -82,6 +87,8 @@ pub(crate) struct InstanceTree {
     pub entries: Vec<Entry>,
     /// So many moves of the source are in it.
     moves: u64,
+    /// So many instances it had when it was built.
+    built: usize,
     wear: Wear,
 }
 
@@ -128,6 +135,7 @@ impl Default for InstanceTree {
             merged: Merged::default(),
             entries: vec![],
             moves: 0,
+            built: 0,
             wear: Wear::default(),
         }
     }
@@ -163,19 +171,23 @@ impl Tree {
         if self.source != Some(source.id()) {
             *self = Self { source: Some(source.id()), ..Self::default() };
         }
-        for (mesh, tree) in self.meshes.iter_mut().enumerate() {
-            if tree.version != source.nodes(mesh).version {
+        let changes = Some(source.mesh_changes());
+        if self.changes != changes {
+            for (mesh, tree) in self.meshes.iter_mut().enumerate() {
+                if tree.version != source.nodes(mesh).version {
+                    if is_stopped() {
+                        return false;
+                    }
+                    *tree = MeshTree::new(source, mesh);
+                }
+            }
+            for mesh in self.meshes.len()..source.meshes() {
                 if is_stopped() {
                     return false;
                 }
-                *tree = MeshTree::new(source, mesh);
+                self.meshes.push(MeshTree::new(source, mesh));
             }
-        }
-        for mesh in self.meshes.len()..source.meshes() {
-            if is_stopped() {
-                return false;
-            }
-            self.meshes.push(MeshTree::new(source, mesh));
+            self.changes = changes;
         }
         self.instances.update(source, &self.meshes, join);
         true
@@ -199,10 +211,11 @@ impl Tree {
 
 impl InstanceTree {
     fn update(&mut self, source: &impl Parts, meshes: &[MeshTree], join: &impl Join) {
-        let moves = source.places().moves();
-        if self.entries.len() != source.instances().len() {
+        let (moves, count) = (source.places().moves(), source.instances().len());
+        let is_new = count != self.entries.len();
+        if is_new && !self.grow(source, meshes) {
             self.build(source, meshes, join);
-        } else if moves != self.moves {
+        } else if is_new || moves != self.moves {
             let moved = source.places().moved_since(self.moves);
             let follows = match moved {
                 Some(moved) => self.merged.follow(source, moved.iter().map(|&instance| instance as usize)),
@@ -219,6 +232,57 @@ impl InstanceTree {
             }
         }
         self.moves = moves;
+    }
+
+    /// Takes up the instances that are new. Returns whether that was possible: they are at most half as many as the tree
+    /// was built over, which were not few, and do not make it too deep.
+    fn grow(&mut self, source: &impl Parts, meshes: &[MeshTree]) -> bool {
+        let new = self.entries.len()..source.instances().len();
+        let is_possible = self.built >= FEW && 2 * new.end <= 3 * self.built;
+        is_possible && new.into_iter().all(|instance| self.insert(source, meshes, instance))
+    }
+
+    /// Puts an instance that is new where boxes grow least.
+    fn insert(&mut self, source: &impl Parts, meshes: &[MeshTree], instance: usize) -> bool {
+        let &Instance { low, high, .. } = &source.instances()[instance];
+        let bounds = Bounds { low, high };
+        let (mut index, mut level) = (0, 1);
+        let place = loop {
+            if let Some(slot) = (0..WIDTH).find(|&slot| self.is_free(index, slot)) {
+                break index * WIDTH + slot;
+            }
+            let node = &self.tree.nodes[index];
+            let growth = |slot: usize| {
+                let old = node.bounds(slot);
+                old.union(&bounds).area() - old.area()
+            };
+            let slot = (1..WIDTH).fold(0, |best, slot| if growth(slot) < growth(best) { slot } else { best });
+            index = match node.child(slot) {
+                Child::Node(below) => below as usize,
+                Child::Leaf(other, _) => {
+                    let Some(below) = self.tree.lower(index, slot, level) else { return false };
+                    self.wear.area += f64::from(self.tree.nodes[below].bounds(0).area());
+                    self.slacks.push([0.0; WIDTH]);
+                    self.slacks[below][0] = self.slacks[index][slot];
+                    self.parents.push((index * WIDTH + slot) as u32);
+                    self.places[other as usize] = (below * WIDTH) as u32;
+                    below
+                }
+            };
+            level += 1;
+        };
+        let (index, slot) = (place / WIDTH, place % WIDTH);
+        self.tree.nodes[index].set_first(slot, instance as u32);
+        self.places.push(place as u32);
+        self.entries.push(Entry::new(source, instance, false));
+        self.refit(source, meshes, instance);
+        true
+    }
+
+    /// Whether nothing has this place.
+    fn is_free(&self, index: usize, slot: usize) -> bool {
+        let Child::Leaf(first, _) = self.tree.nodes[index].child(slot) else { return false };
+        self.places.get(first as usize) != Some(&((index * WIDTH + slot) as u32))
     }
 
     /// Builds the tree of all instances.
@@ -250,6 +314,7 @@ impl InstanceTree {
         // Its cost is that of all instances: merged ones may come out.
         self.wear.area = self.tree.nodes.iter().map(WideNode::area).sum();
         self.wear.set_built(&self.tree.nodes[0].all_bounds());
+        self.built = boxes.len();
         self.refit_all(source, meshes);
     }
 
@@ -315,4 +380,81 @@ fn split(place: u32) -> (usize, usize) {
 /// The largest of some slacks.
 fn largest(slacks: &[f32; WIDTH]) -> f32 {
     slacks.iter().fold(0.0, |most, slack| most.max(*slack))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::query::Ray;
+    use crate::query::fixture::{Random, add};
+    use crate::scene::{InstanceIndex, Material, Scene};
+    use glam::{Mat4, Vec3};
+
+    /// Asserts that rays to these instances find the same as in trees that were built at once.
+    fn assert_same(scene: &Scene, tree: &mut Tree, random: &mut Random, seen: &[InstanceIndex]) {
+        let mut whole = Tree::new(scene, &Sequential);
+        let (world, whole) = (tree.world(scene), whole.world(scene));
+        let mut hits = 0;
+        for instance in seen {
+            let at = Vec3::from(scene.instances()[instance.number as usize].center);
+            let start = random.vector(40.0);
+            let ray = Ray::new(start, at + random.vector(0.5) - start);
+            let (hit, expected) = (world.closest(&ray).unwrap(), whole.closest(&ray).unwrap());
+            let found = |hit: crate::query::Hit| (hit.instance, hit.triangle, hit.t.to_bits());
+            assert_eq!(hit.map(found), expected.map(found));
+            assert_eq!(world.nearest(start, 30.0), whole.nearest(start, 30.0));
+            hits += usize::from(hit.is_some());
+        }
+        assert!(3 * hits > seen.len(), "{hits} of {}", seen.len());
+    }
+
+    #[test]
+    fn new_instances_join_the_tree_that_is_there() {
+        let mut random = Random(7);
+        let mut scene = Scene::new();
+        let white = scene.add_material(Material::default()).unwrap();
+        let mesh = add(&mut scene, &random.mesh(60, 1.0));
+        let mut place = {
+            let mut random = Random(8);
+            move || random.place(20.0)
+        };
+        let mut instances: Vec<_> =
+            (0..80).map(|_| scene.add_instance(mesh, white, place()).unwrap()).collect();
+        let mut tree = Tree::new(&scene, &Sequential);
+        for number in 0..30 {
+            let new = match number % 4 {
+                0 => scene.add_sphere(white, place()).unwrap(),
+                _ => scene.add_instance(mesh, white, place()).unwrap(),
+            };
+            instances.push(new);
+            match number % 5 {
+                0 => scene.hide(new).unwrap(),
+                1 => scene.set_transform(new, place()).unwrap(),
+                2 => scene.set_transform(instances[number], place()).unwrap(),
+                _ => {}
+            }
+            assert_same(&scene, &mut tree, &mut random, &instances);
+            assert_eq!(tree.instances.built, 80);
+        }
+        scene.set_transform(instances[100], place()).unwrap();
+        (0..11).for_each(|_| instances.push(scene.add_instance(mesh, white, place()).unwrap()));
+        assert_same(&scene, &mut tree, &mut random, &instances);
+        assert_eq!(tree.instances.built, 121);
+    }
+
+    #[test]
+    fn instances_in_one_place_make_no_tree_too_deep() {
+        let mut random = Random(9);
+        let mut scene = Scene::new();
+        let white = scene.add_material(Material::default()).unwrap();
+        let mut instances: Vec<_> =
+            (0..1200).map(|_| scene.add_sphere(white, random.place(20.0)).unwrap()).collect();
+        let mut tree = Tree::new(&scene, &Sequential);
+        for _ in 0..600 {
+            instances.push(scene.add_sphere(white, Mat4::IDENTITY).unwrap());
+            tree.update(&scene, &Sequential);
+        }
+        assert!(tree.instances.built > 1200, "{}", tree.instances.built);
+        assert_same(&scene, &mut tree, &mut random, &instances);
+    }
 }

@@ -91,14 +91,28 @@ impl WideNode {
         }
     }
 
-    /// The surfaces of the boxes of all children, summed.
+    /// Half of the surfaces of the boxes of all children, summed.
     pub fn area(&self) -> f64 {
-        (0..WIDTH).map(|slot| f64::from(self.bounds(slot).area())).sum()
+        let size = |axis: usize, slot: usize| self.planes[3 + axis][slot] - self.planes[axis][slot];
+        let areas: [f32; WIDTH] = core::array::from_fn(|slot| {
+            let (x, y, z) = (size(0, slot), size(1, slot), size(2, slot));
+            x * y + y * z + z * x
+        });
+        areas.into_iter().map(f64::from).sum()
     }
 
     /// The box of all children.
     pub fn all_bounds(&self) -> Bounds {
-        (0..WIDTH).fold(Bounds::EMPTY, |all, slot| all.union(&self.bounds(slot)))
+        let mut all = Bounds::EMPTY;
+        for axis in 0..3 {
+            for (&low, &high) in self.planes[axis].iter().zip(&self.planes[3 + axis]) {
+                let (low, high) =
+                    if low < NOWHERE { (low, high) } else { (f32::INFINITY, f32::NEG_INFINITY) };
+                all.low[axis] = if low < all.low[axis] { low } else { all.low[axis] };
+                all.high[axis] = if high > all.high[axis] { high } else { all.high[axis] };
+            }
+        }
+        all
     }
 }
 
@@ -160,7 +174,7 @@ impl<L: Lane> Asked<L> {
             ];
             let near = x[0].min(x[1]).max(y[0].min(y[1])).max(z[0].min(z[1])).max(from);
             let far = x[0].max(x[1]).min(y[0].max(y[1])).min(z[0].max(z[1])) * STRETCH;
-            entered.mask |= near.le(far.min(limit)).bits() << first;
+            entered.mask |= (!near.gt(far) & near.le(limit)).bits() << first;
             let row = near.row();
             let mut lane = 0;
             while lane < L::WIDTH {
@@ -236,66 +250,66 @@ pub(crate) fn traverse<L: Lane>(
     loop {
         let node = &nodes[index as usize];
         let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);
-        if entered.mask.is_power_of_two()
-            && let Child::Node(child) = node.child(entered.mask.trailing_zeros() as usize)
-        {
-            // Most nodes that are entered lead to one child: it need not wait.
-            index = child;
-            continue;
-        }
-        if entered.mask != 0 {
-            order(&entered, &mut stack[depth]);
-            stack[depth].node = index;
-            depth += 1;
+        let (mut parent, mut slot) = (node, 0);
+        let mut is_entered = entered.mask != 0;
+        if is_entered {
+            let waiting = &mut stack[depth];
+            waiting.node = index;
+            slot = nearest(&entered, waiting);
+            depth += usize::from(waiting.count > 0);
         }
         // The next node: leaves on the way are looked at.
         index = loop {
+            if is_entered {
+                match parent.child(slot) {
+                    Child::Node(child) => break child,
+                    Child::Leaf(first, count) => {
+                        range.limit = visitor.leaf(first, count);
+                        if range.limit < range.from {
+                            return;
+                        }
+                    }
+                }
+            }
             if depth == 0 {
                 return;
             }
             let top = &mut stack[depth - 1];
             top.count -= 1;
             let key = top.keys[top.count as usize & (WIDTH - 1)];
-            if key & !SLOT > range.limit.to_bits() {
-                // It is too far by now, and so are the others.
-                depth -= 1;
-                continue;
-            }
-            let (parent, slot) = (&nodes[top.node as usize], (key & SLOT) as usize);
-            depth -= usize::from(top.count == 0);
-            match parent.child(slot) {
-                Child::Node(child) => break child,
-                Child::Leaf(first, count) => {
-                    range.limit = visitor.leaf(first, count);
-                    if range.limit < range.from {
-                        return;
-                    }
-                }
-            }
+            // If it is too far by now, so are the others.
+            is_entered = key & !SLOT <= range.limit.to_bits();
+            (parent, slot) = (&nodes[top.node as usize], (key & SLOT) as usize);
+            depth -= usize::from(top.count == 0 || !is_entered);
         };
     }
 }
 
-/// Puts the children that are entered in order.
+/// The nearest of the children that are entered, of which there must be one; the others wait, in order.
 #[inline(always)]
-fn order(entered: &Entered, waiting: &mut Waiting) {
+fn nearest(entered: &Entered, waiting: &mut Waiting) -> usize {
+    // Numbers that are not negative are ordered as their bits.
+    let key = |slot: u32| entered.near[slot as usize & (WIDTH - 1)].to_bits() & !SLOT | slot;
     let keys = &mut waiting.keys;
     let mut count = 0;
     let mut remaining = entered.mask;
+    let mut nearest = key(remaining.trailing_zeros());
+    remaining &= remaining - 1;
     while remaining != 0 {
-        let slot = remaining.trailing_zeros();
+        let other = key(remaining.trailing_zeros());
         remaining &= remaining - 1;
-        // Numbers that are not negative are ordered as their bits.
-        let key = entered.near[slot as usize].to_bits() & !SLOT | slot;
+        let farther = other.max(nearest);
+        nearest = other.min(nearest);
         let mut at = count;
-        while at > 0 && keys[at - 1] < key {
+        while at > 0 && keys[at - 1] < farther {
             keys[at] = keys[at - 1];
             at -= 1;
         }
-        keys[at] = key;
+        keys[at] = farther;
         count += 1;
     }
     waiting.count = count as u32;
+    (nearest & SLOT) as usize
 }
 
 /// A tree with eight children a node.
@@ -310,6 +324,30 @@ pub(crate) struct WideTree {
 impl Default for WideTree {
     fn default() -> Self {
         Self { nodes: vec![WideNode::EMPTY], depth: 1 }
+    }
+}
+
+impl WideTree {
+    /// Puts a node in the place of a leaf, which becomes its first child. `level` is that of the node above, 1 for the
+    /// root. Returns its number; `None` where trees may not be deeper.
+    pub fn lower(&mut self, index: usize, slot: usize, level: usize) -> Option<usize> {
+        if level + 1 >= STACK {
+            return None;
+        }
+        let (number, above) = (self.nodes.len(), &mut self.nodes[index]);
+        let mut node = WideNode::EMPTY;
+        (node.first[0], node.count[0]) = (above.first[slot], above.count[slot]);
+        node.set_bounds(0, &above.bounds(slot));
+        (above.first[slot], above.count[slot]) = (number as u32, INNER);
+        self.nodes.push(node);
+        self.depth = self.depth.max(level + 1);
+        Some(number)
+    }
+
+    /// The blocks that the things of all leaves fill.
+    pub fn blocks(&self) -> usize {
+        let leaves = self.nodes.iter().flat_map(|node| node.count).filter(|count| *count != INNER);
+        leaves.map(|count| count.div_ceil(WIDTH as u32) as usize).sum()
     }
 }
 

@@ -73,7 +73,7 @@ impl Bvh {
         let mut nodes = vec![Node::zeroed(); 2 * boxes.len() - 1];
         let (root, below) = nodes.split_at_mut(1);
         root[0] = build::build(&mut boxes, &mut triangles, below, leaf, join);
-        Self { nodes: compact(&nodes), triangles }
+        Self { nodes: compact(nodes), triangles }
     }
 }
 
@@ -189,22 +189,23 @@ pub(crate) fn refit(nodes: &mut [Node], corner: impl Fn(usize) -> [f32; 3]) {
 
 /// The nodes without the gaps between subtrees. A subtree stays together, lower half first,
 /// so that a ray on its way down reads on in memory.
-fn compact(sparse: &[Node]) -> Vec<Node> {
-    let mut dense = Vec::with_capacity(sparse.len());
-    dense.push(sparse[0]);
+fn compact(mut nodes: Vec<Node>) -> Vec<Node> {
+    let mut count = 1;
     let mut todo = vec![0];
     while let Some(index) = todo.pop() {
-        let node: &mut Node = &mut dense[index];
+        let node: &mut Node = &mut nodes[index];
         if !node.is_leaf() {
+            // They move to the front, or stay.
             let children = node.first as usize;
-            let first = dense.len();
-            dense[index].first = first as u32;
-            dense.extend_from_slice(&sparse[children..children + 2]);
-            todo.extend([first + 1, first]);
+            node.first = count as u32;
+            nodes.copy_within(children..children + 2, count);
+            todo.extend([count + 1, count]);
+            count += 2;
         }
     }
-    dense.shrink_to_fit();
-    dense
+    nodes.truncate(count);
+    nodes.shrink_to_fit();
+    nodes
 }
 
 /// A box that can be empty.
@@ -227,8 +228,12 @@ impl Bounds {
     pub fn union(&self, other: &Self) -> Self {
         let mut both = *self;
         for axis in 0..3 {
-            both.low[axis] = both.low[axis].min(other.low[axis]);
-            both.high[axis] = both.high[axis].max(other.high[axis]);
+            if other.low[axis] < both.low[axis] {
+                both.low[axis] = other.low[axis];
+            }
+            if other.high[axis] > both.high[axis] {
+                both.high[axis] = other.high[axis];
+            }
         }
         both
     }

@@ -2,9 +2,10 @@
 
 use super::bvh::Join;
 use super::encoder::Encoder;
-use crate::kernel::texture::{DECODE_WORDS, half};
+use crate::kernel::texture::half;
+use crate::lane::Word;
 use crate::layout::{Texture, Wrap};
-use crate::num::srgb_decode;
+use crate::num::srgb_byte_decode;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -93,7 +94,7 @@ impl Image {
     ) -> Result<Texture, ImageError> {
         self.check()?;
         let mut normals = Vec::new();
-        let channels = Channels::new(content, &texels[..DECODE_WORDS]);
+        let channels = Channels::new(content);
         let first = texels.len();
         let levels = self.width.max(self.height).ilog2() as usize + 1;
         texels.resize(first + levels, 0);
@@ -199,11 +200,11 @@ struct Channels {
 }
 
 impl Channels {
-    /// `light` is that of each byte, as bits.
-    fn new(content: Content, light: &[u32]) -> Self {
+    fn new(content: Content) -> Self {
         let shares = core::array::from_fn(|byte| byte as f32 / 255.0);
         let is_color = matches!(content, Content::Color | Content::SeeThrough);
-        let values = if is_color { core::array::from_fn(|byte| f32::from_bits(light[byte])) } else { shares };
+        let light = |byte: usize| srgb_byte_decode(Word(byte as u32));
+        let values = if is_color { core::array::from_fn(light) } else { shares };
         let is_see_through = content == Content::SeeThrough;
         Self { encoder: is_color.then(Encoder::new), values, shares, is_see_through }
     }
@@ -309,11 +310,6 @@ fn color_unseen(texels: &mut [u32], first: usize, levels: usize, finest: [u32; 2
     }
 }
 
-/// The first words of the texels: the linear light of each byte, as bits.
-pub(super) fn decode_words() -> Vec<u32> {
-    (0..DECODE_WORDS).map(|byte| srgb_decode(byte as f32 / 255.0).to_bits()).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -321,7 +317,7 @@ mod tests {
     use crate::scene::Sequential;
 
     fn chain(width: u32, height: u32, rgba: Vec<u8>) -> (Texture, Vec<u32>) {
-        let mut texels = decode_words();
+        let mut texels = vec![0];
         let image = Image { width, height, rgba };
         (image.append([Wrap::Repeat; 2], Content::Color, &mut texels, &Sequential).unwrap(), texels)
     }
@@ -329,17 +325,17 @@ mod tests {
     #[test]
     fn a_chain_ends_at_one_texel_of_the_average_light() {
         let (texture, texels) = chain(2, 1, vec![255, 255, 255, 255, 0, 0, 0, 255]);
-        assert_eq!((texture.levels, texels.len()), (2, DECODE_WORDS + 2 + 3));
+        assert_eq!((texture.levels, texels.len()), (2, 1 + 2 + 3));
         // Half the light of white is 188 in sRGB, not 128.
-        assert_eq!(texels[DECODE_WORDS + 2 + 2], 0xff_bc_bc_bc);
+        assert_eq!(texels[1 + 2 + 2], 0xff_bc_bc_bc);
     }
 
     fn normals(width: u32, height: u32, rgba: Vec<u8>) -> Vec<u32> {
-        let mut texels = decode_words();
+        let mut texels = vec![0];
         let image = Image { width, height, rgba };
         let levels =
             image.append([Wrap::Repeat; 2], Content::Normals, &mut texels, &Sequential).unwrap().levels;
-        texels.split_off(DECODE_WORDS + levels as usize)
+        texels.split_off(1 + levels as usize)
     }
 
     #[test]
@@ -366,10 +362,10 @@ mod tests {
         let (clear, faint, green) = ([255, 0, 0, 0], [0, 0, 255, 51], [0, 255, 0, 255]);
         let rgba = [[clear, green], [faint, green], [clear, clear], [clear, clear]].concat().concat();
         let levels = |content| {
-            let mut texels = decode_words();
+            let mut texels = vec![0];
             let image = Image { width: 2, height: 4, rgba: rgba.clone() };
             image.append([Wrap::Clamp; 2], content, &mut texels, &Sequential).unwrap();
-            texels.split_off(DECODE_WORDS + 3)
+            texels.split_off(1 + 3)
         };
         let texels = levels(Content::SeeThrough);
         // A fifth as much is seen of blue as of each green: 10/11 of the light is green, 1/11 blue.
@@ -388,7 +384,7 @@ mod tests {
     fn odd_sizes_lose_no_texel() {
         let (texture, texels) = chain(5, 3, [9, 9, 9, 9].repeat(15));
         assert_eq!(texture.levels, 3);
-        assert_eq!(texels[DECODE_WORDS + 3..], [0x0909_0909; 15 + 2 + 1]);
+        assert_eq!(texels[1 + 3..], [0x0909_0909; 15 + 2 + 1]);
     }
 
     #[test]
@@ -415,7 +411,7 @@ mod tests {
     fn refuses_wrong_sizes() {
         let image = |width, height, bytes| Image { width, height, rgba: vec![0; bytes] };
         let append =
-            |image: Image| image.append([Wrap::Clamp; 2], Content::Numbers, &mut decode_words(), &Sequential);
+            |image: Image| image.append([Wrap::Clamp; 2], Content::Numbers, &mut vec![0], &Sequential);
         assert!(matches!(append(image(0, 4, 0)), Err(ImageError::Size { .. })));
         assert!(matches!(append(image(2, 2, 15)), Err(ImageError::Bytes { .. })));
     }

@@ -5,7 +5,7 @@ use crate::num::flush;
 use crate::scene::bvh::Bounds;
 use crate::scene::camera::single;
 use crate::scene::{Bvh, COORDINATE_LIMIT, SceneError};
-use glam::{DMat4, DVec3, DVec4, Mat4};
+use glam::{DMat3, DMat4, DVec3, DVec4, Mat4};
 
 /// The range of a mesh in the scene's arrays.
 #[derive(Debug, Clone, Copy)]
@@ -113,8 +113,9 @@ pub(crate) fn place(
     let to_world = Mat4::from_cols_array(&to_world.to_cols_array().map(flush));
     let m = to_world.as_dmat4();
     let affine = to_world.row(3) == glam::Vec4::W;
-    let inverse = m.inverse();
-    if !affine || !m.is_finite() || !inverse.is_finite() || m.determinant() == 0.0 {
+    let inverse = DMat3::from_mat4(m).inverse();
+    let to_object = rows(&DMat4 { w_axis: m.w_axis, ..DMat4::from_mat3(inverse) });
+    if !affine || !to_object.as_flattened().iter().all(|v| v.is_finite()) {
         return Err(SceneError::Transform);
     }
     let mut corners = around(&m, &mesh.bounds);
@@ -122,22 +123,19 @@ pub(crate) fn place(
         let p = single(m.w_axis.truncate());
         corners = Bounds { low: p, high: p };
     }
-    if let Some(&value) =
-        corners.low.iter().chain(&corners.high).find(|c| !c.is_finite() || c.abs() > COORDINATE_LIMIT)
-    {
-        return Err(SceneError::Coordinate { value });
+    for value in [corners.low, corners.high].into_iter().flatten() {
+        // Not a number is not within it either.
+        let is_within = value.abs() <= COORDINATE_LIMIT;
+        if !is_within {
+            return Err(SceneError::Coordinate { value });
+        }
     }
     let center = m.transform_point3(mesh.center);
     let stretch = [m.x_axis, m.y_axis, m.z_axis].iter().map(|axis| axis.length_squared()).sum::<f64>();
     let radius = (mesh.radius * libm::sqrt(stretch)).min(half_diagonal(&corners).max(0.0));
-    let inverse = DMat4 { w_axis: m.w_axis, ..inverse };
-    let (to_object, to_world_rows) = (rows(&inverse), rows(&m));
-    if !to_object.as_flattened().iter().chain(to_world_rows.as_flattened()).all(|v| v.is_finite()) {
-        return Err(SceneError::Transform);
-    }
     Ok(Instance {
         to_object,
-        to_world: to_world_rows,
+        to_world: core::array::from_fn(|row| to_world.row(row).to_array()),
         low: corners.low,
         root: mesh.root,
         start: mesh.root,
@@ -204,14 +202,8 @@ fn rows(m: &DMat4) -> [[f32; 4]; 3] {
 
 /// The factor by which errors grow on the way to object space and back: the largest row sum of
 /// `|m| · |inverse|`, at least 1.
-fn condition(m: &DMat4, inverse: &DMat4) -> f64 {
-    let row_sum = |row: usize| -> f64 {
-        (0..3)
-            .map(|k| {
-                let inverse_sum: f64 = (0..3).map(|column| inverse.col(column)[k].abs()).sum();
-                m.col(k)[row].abs() * inverse_sum
-            })
-            .sum()
-    };
-    (0..3).map(row_sum).fold(1.0, f64::max)
+fn condition(m: &DMat4, inverse: &DMat3) -> f64 {
+    let sums = inverse.x_axis.abs() + inverse.y_axis.abs() + inverse.z_axis.abs();
+    let rows = m.x_axis.abs() * sums.x + m.y_axis.abs() * sums.y + m.z_axis.abs() * sums.z;
+    rows.truncate().max_element().max(1.0)
 }

@@ -10,7 +10,6 @@ mod transparency;
 use crate::kernel::texture::Maps;
 use crate::layout::{AlphaKind, Attribute, Backdrop, COLOR_LIMIT, Instance, Kind, MaterialRecord, Node, Sky};
 use crate::scene::bvh::Bounds;
-use crate::scene::image::decode_words;
 use crate::scene::levels::LodLevel;
 use crate::scene::place::{Stored, place};
 use crate::scene::places::{Places, Tag};
@@ -282,7 +281,8 @@ impl Scene {
             sources: vec![],
             positions: vec![],
             attributes: vec![],
-            texels: decode_words(),
+            // So that no texture begins at 0.
+            texels: vec![0],
             materials: vec![],
             material_records: vec![],
             instances: vec![],

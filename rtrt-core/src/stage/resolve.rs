@@ -4,7 +4,7 @@ use crate::grid::{RayIndex, number};
 use crate::kernel::tone_map::tone_map;
 use crate::lane::{Lane, Mask, Select, V3, times};
 use crate::layout::{Backdrop, Frame};
-use crate::num::{floor, recip, srgb_encode, to_integer};
+use crate::num::{recip, srgb_encode, to_integer};
 
 /// A group of pixels: the average of each one's sub-rays' linear colors, summed row by row, [displayed] as
 /// the frame says, in front of the background's color if it has one, and encoded as sRGB with 8 bits a channel,
@@ -94,10 +94,10 @@ pub fn average(side: u32, first: RayIndex, color: &impl Fn(RayIndex) -> [f32; 4]
     [sum[0] * weight, sum[1] * weight, sum[2] * weight, sum[3] * weight]
 }
 
-/// The nearest of 256 steps.
+/// The nearest of 256 steps; in the middle between two, the even one.
 #[inline(always)]
 fn byte<L: Lane>(value: L) -> L::Bits {
-    to_integer(floor(value * 255.0 + 0.5))
+    to_integer(value * 255.0)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::kernel::area::hash;
 use crate::kernel::environment::IRRADIANCE_SIDE;
-use crate::kernel::texture::{DECODE_WORDS, Maps};
+use crate::kernel::texture::Maps;
 use crate::layout::{Filter, Frame, Instance, MaterialRecord, NONE, Sky, Texture, View, ViewKind, Wrap};
 use bytemuck::Zeroable;
 
@@ -128,7 +128,7 @@ fn instance() -> Instance {
 
 /// A texture of 8 by 4 texels with four levels.
 const WIDE: Texture = Texture {
-    first: DECODE_WORDS as u32,
+    first: 1,
     width: 8,
     height: 4,
     levels: 4,
@@ -140,7 +140,7 @@ const WIDE: Texture = Texture {
 
 /// A texture of 5 by 3 texels with three levels, turned, for the second texture coordinates.
 const ODD: Texture = Texture {
-    first: DECODE_WORDS as u32 + 64,
+    first: 65,
     width: 5,
     height: 3,
     levels: 3,
@@ -154,25 +154,19 @@ const ODD: Texture = Texture {
 };
 
 /// Where the environment of two squares lies.
-pub(super) const SKY: Sky =
-    Sky { first: DECODE_WORDS as u32 + 128, side: 32, levels: 2, turn: [0.8, -0.6], intensity: 1.5 };
+pub(super) const SKY: Sky = Sky { first: 129, side: 32, levels: 2, turn: [0.8, -0.6], intensity: 1.5 };
 
 /// Words of [`TEXELS`].
 const WORDS: usize = 3072;
 
-/// Words that look random, where the tables of [`WIDE`], [`ODD`] and [`SKY`] lead; before them, what
-/// bytes stand for.
+/// Words that look random, where the tables of [`WIDE`], [`ODD`] and [`SKY`] lead.
 const TEXELS: [u32; WORDS] = texels();
 
 const fn texels() -> [u32; WORDS] {
     let mut texels = [0; WORDS];
     let mut word = 0;
     while word < WORDS {
-        texels[word] = if word < DECODE_WORDS {
-            ((word * word) as f32 * (1.0 / 65_025.0)).to_bits()
-        } else {
-            hash(word as u32)
-        };
+        texels[word] = hash(word as u32);
         word += 1;
     }
     texels = table(texels, WIDE.first, &[32, 8, 2, 1]);

@@ -4,6 +4,7 @@ use super::{Bounds, Join};
 use crate::kernel::traverse::STACK;
 use crate::layout::Node;
 use alloc::vec::Vec;
+use glam::{Vec3A, Vec3Swizzles};
 
 /// Bins along each axis.
 const BINS: usize = 16;
@@ -19,37 +20,39 @@ const _: () = assert!(DEEP + 26 < STACK);
 /// Nodes with fewer triangles are built by one worker.
 const PARALLEL: usize = 4096;
 
-/// A box that compilers keep in two registers; the fourth numbers are 0 or nothing.
-#[repr(C, align(16))]
+/// A box in two registers.
 #[derive(Clone, Copy)]
 pub(super) struct Padded {
-    low: [f32; 4],
-    high: [f32; 4],
+    low: Vec3A,
+    high: Vec3A,
 }
 
 impl Padded {
-    const EMPTY: Self = Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
+    const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
 
+    /// Zeros get one sign, since the minima and maxima of processors differ in theirs.
     pub fn new(bounds: &Bounds) -> Self {
-        let padded = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
-        Self { low: padded(bounds.low), high: padded(bounds.high) }
+        Self { low: Vec3A::from(bounds.low) + Vec3A::ZERO, high: Vec3A::from(bounds.high) + Vec3A::ZERO }
     }
     fn bounds(&self) -> Bounds {
-        let corner = |[x, y, z, _]: [f32; 4]| [x, y, z];
-        Bounds { low: corner(self.low), high: corner(self.high) }
+        Bounds { low: self.low.into(), high: self.high.into() }
     }
     /// Grows to hold a box with these corners.
     #[inline(always)]
-    fn add(&mut self, low: &[f32; 4], high: &[f32; 4]) {
-        for axis in 0..4 {
-            self.low[axis] = if low[axis] < self.low[axis] { low[axis] } else { self.low[axis] };
-            self.high[axis] = if high[axis] > self.high[axis] { high[axis] } else { self.high[axis] };
-        }
+    fn add(&mut self, low: Vec3A, high: Vec3A) {
+        (self.low, self.high) = (low.min(self.low), high.max(self.high));
     }
     /// Twice the center.
     #[inline(always)]
-    fn center2(&self) -> [f32; 4] {
-        core::array::from_fn(|axis| self.low[axis] + self.high[axis])
+    fn center2(&self) -> Vec3A {
+        self.low + self.high
+    }
+    /// Half of the surface; 0 if empty.
+    #[inline(always)]
+    fn area(&self) -> f32 {
+        let size = (self.high - self.low).max(Vec3A::ZERO);
+        let [a, b, c] = (size * size.yzx()).to_array();
+        a + b + c
     }
 }
 
@@ -73,26 +76,28 @@ struct Split {
 /// The map from centers to bins, on each axis.
 #[derive(Clone, Copy)]
 struct Scale {
-    low: [f32; 4],
+    low: Vec3A,
     /// 0 where all centers coincide.
-    bins_per_unit: [f32; 4],
+    bins_per_unit: Vec3A,
 }
 
 impl Scale {
     fn new(centers: &Padded) -> Self {
-        let along = |axis: usize| {
-            let extent = centers.high[axis] - centers.low[axis];
+        let along = |extent: f32| {
             let bins = BINS as f32 / extent;
             if extent > 0.0 && bins.is_finite() { bins } else { 0.0 }
         };
-        Self { low: centers.low, bins_per_unit: [along(0), along(1), along(2), 0.0] }
+        let [x, y, z] = (centers.high - centers.low).to_array().map(along);
+        Self { low: centers.low, bins_per_unit: Vec3A::new(x, y, z) }
     }
 
-    /// The bin of a center along an axis.
+    /// The bins of a center along the axes.
     #[inline(always)]
-    fn bin(&self, center2: &[f32; 4], axis: usize) -> usize {
-        let bin = (center2[axis] - self.low[axis]) * self.bins_per_unit[axis];
-        (bin as i32 as usize).min(BINS - 1)
+    fn bins(&self, center2: Vec3A) -> [usize; 3] {
+        const { assert!(BINS == 16) };
+        let bins = ((center2 - self.low) * self.bins_per_unit).min(Vec3A::splat(15.5));
+        // Of a number from 16 to 32, the first four bits of the fraction are an integer.
+        (bins + 16.0).to_array().map(|bin| (bin.to_bits() >> 19) as usize & 15)
     }
 }
 
@@ -129,8 +134,8 @@ impl<J: Join> Build<'_, J> {
         let (mut bounds, mut centers) = (Padded::EMPTY, Padded::EMPTY);
         for item in boxes.iter() {
             let center = item.center2();
-            bounds.add(&item.low, &item.high);
-            centers.add(&center, &center);
+            bounds.add(item.low, item.high);
+            centers.add(center, center);
         }
         let bounds = bounds.bounds();
         let leaf =
@@ -193,7 +198,7 @@ impl Bins {
 
     #[inline(always)]
     fn add(&mut self, bin: usize, item: &Padded) {
-        self.boxes[bin].add(&item.low, &item.high);
+        self.boxes[bin].add(item.low, item.high);
         self.counts[bin] += 1;
         self.held |= 1 << bin;
     }
@@ -201,7 +206,7 @@ impl Bins {
     /// Adds a bin to those on one side of a plane.
     #[inline(always)]
     fn join(&self, side: &mut (Padded, u32), bin: usize) {
-        side.0.add(&self.boxes[bin].low, &self.boxes[bin].high);
+        side.0.add(self.boxes[bin].low, self.boxes[bin].high);
         side.1 += self.counts[bin];
     }
 }
@@ -212,15 +217,14 @@ fn cheapest(boxes: &[Padded], bounds: &Bounds, centers: &Padded) -> Option<Split
     let area = bounds.area().max(f32::MIN_POSITIVE);
     if let [a, b] = boxes {
         // Each axis parts them, into the first bin and the last, at the same cost.
-        let axis = scale.bins_per_unit.iter().position(|bins| *bins > 0.0)?;
-        let cost = SPLIT_COST + (a.bounds().area() + b.bounds().area()) / area;
+        let axis = scale.bins_per_unit.to_array().iter().position(|bins| *bins > 0.0)?;
+        let cost = SPLIT_COST + (a.area() + b.area()) / area;
         return Some(Split { axis, cost, bin: 1, scale });
     }
     let mut all = [Bins::EMPTY; 3];
     for item in boxes {
-        let center = item.center2();
-        for (axis, bins) in all.iter_mut().enumerate() {
-            bins.add(scale.bin(&center, axis), item);
+        for (bins, bin) in all.iter_mut().zip(scale.bins(item.center2())) {
+            bins.add(bin, item);
         }
     }
     let mut best: Option<Split> = None;
@@ -233,7 +237,7 @@ fn cheapest(boxes: &[Padded], bounds: &Bounds, centers: &Padded) -> Option<Split
             let bin = held.ilog2() as usize;
             held &= !(1 << bin);
             bins.join(&mut right, bin);
-            above[bin] = (right.0.bounds().area(), right.1);
+            above[bin] = (right.0.area(), right.1);
         }
         let mut left = (Padded::EMPTY, 0);
         let mut held = bins.held;
@@ -242,7 +246,7 @@ fn cheapest(boxes: &[Padded], bounds: &Bounds, centers: &Padded) -> Option<Split
             held &= held - 1;
             bins.join(&mut left, bin);
             let (right, count) = above[held.trailing_zeros() as usize];
-            let tests = left.0.bounds().area() * left.1 as f32 + right * count as f32;
+            let tests = left.0.area() * left.1 as f32 + right * count as f32;
             // A box without area is hit by chance only: any split will do.
             let cost = SPLIT_COST + tests / area;
             if best.as_ref().is_none_or(|best| cost < best.cost) {
@@ -257,7 +261,7 @@ fn cheapest(boxes: &[Padded], bounds: &Bounds, centers: &Padded) -> Option<Split
 fn partition(boxes: &mut [Padded], numbers: &mut [u32], split: &Split) -> usize {
     let mut middle = 0;
     for i in 0..boxes.len() {
-        let is_left = split.scale.bin(&boxes[i].center2(), split.axis) < split.bin;
+        let is_left = split.scale.bins(boxes[i].center2())[split.axis] < split.bin;
         // Without a branch, which no processor could foresee.
         let to = if is_left { middle } else { i };
         boxes.swap(to, i);
@@ -289,11 +293,11 @@ mod tests {
                 .collect();
             let around = |items: &[Padded]| items.iter().fold(Bounds::EMPTY, |all, b| all.union(&b.bounds()));
             let mut centers = Padded::EMPTY;
-            items.iter().for_each(|item| centers.add(&item.center2(), &item.center2()));
+            items.iter().for_each(|item| centers.add(item.center2(), item.center2()));
             let (bounds, scale) = (around(&items), Scale::new(&centers));
             let cost = |axis: usize, plane: usize| {
                 let (left, right): (Vec<_>, Vec<_>) =
-                    items.iter().partition(|item| scale.bin(&item.center2(), axis) < plane);
+                    items.iter().partition(|item| scale.bins(item.center2())[axis] < plane);
                 let tests =
                     around(&left).area() * left.len() as f32 + around(&right).area() * right.len() as f32;
                 let is_split = !left.is_empty() && !right.is_empty();
@@ -309,7 +313,7 @@ mod tests {
             let middle = partition(&mut items, &mut numbers, &split);
             for (place, (item, number)) in items.iter().zip(numbers).enumerate() {
                 assert_eq!(item.low, copies[number as usize].low);
-                assert_eq!(scale.bin(&item.center2(), split.axis) < split.bin, place < middle);
+                assert_eq!(scale.bins(item.center2())[split.axis] < split.bin, place < middle);
             }
         }
     }
