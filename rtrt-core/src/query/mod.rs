@@ -43,6 +43,7 @@ mod collect;
 mod device;
 #[cfg(test)]
 mod fixture;
+mod instances;
 mod merged;
 mod narrow;
 mod near;

@@ -121,7 +121,7 @@ fn key(overlap: &Overlap) -> (u32, u32) {
     (overlap.instance.number, overlap.triangle)
 }
 
-/// A volume, and who is told what it overlaps.
+/// Calls `found` with what overlaps this box or ball.
 struct Overlapped<F> {
     low: DVec3,
     high: DVec3,

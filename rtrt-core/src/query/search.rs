@@ -1,10 +1,11 @@
 //! The search: a ray through the tree over the instances, and on through those of meshes.
 
 use super::block::AskedBlock;
+use super::instances::Entry;
 use super::merged::MergedLeaf;
 use super::ray::{Ray, ScaledRay, Sides};
 use super::source::Parts;
-use super::tree::{Entry, MeshTree, Tree};
+use super::tree::{MeshTree, Tree};
 use super::wide::{Asked, Range, Visitor, traverse};
 use crate::kernel::ray::Ray as WorldRay;
 use crate::kernel::slab::RelativeBox;

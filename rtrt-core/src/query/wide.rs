@@ -93,26 +93,12 @@ impl WideNode {
 
     /// Half of the surfaces of the boxes of all children, summed.
     pub fn area(&self) -> f64 {
-        let size = |axis: usize, slot: usize| self.planes[3 + axis][slot] - self.planes[axis][slot];
-        let areas: [f32; WIDTH] = core::array::from_fn(|slot| {
-            let (x, y, z) = (size(0, slot), size(1, slot), size(2, slot));
-            x * y + y * z + z * x
-        });
-        areas.into_iter().map(f64::from).sum()
+        (0..WIDTH).map(|slot| f64::from(self.bounds(slot).area())).sum()
     }
 
     /// The box of all children.
     pub fn all_bounds(&self) -> Bounds {
-        let mut all = Bounds::EMPTY;
-        for axis in 0..3 {
-            for (&low, &high) in self.planes[axis].iter().zip(&self.planes[3 + axis]) {
-                let (low, high) =
-                    if low < NOWHERE { (low, high) } else { (f32::INFINITY, f32::NEG_INFINITY) };
-                all.low[axis] = if low < all.low[axis] { low } else { all.low[axis] };
-                all.high[axis] = if high > all.high[axis] { high } else { all.high[axis] };
-            }
-        }
-        all
+        (0..WIDTH).fold(Bounds::EMPTY, |all, slot| all.union(&self.bounds(slot)))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Light as sRGB bytes, by a table.
 
-use crate::num::{floor, srgb_decode, srgb_encode};
+use crate::num::{srgb_byte_encode, srgb_decode};
 use alloc::vec::Vec;
 
 /// The bits of light that choose where a search begins: 2⁻⁷ of the light, or less.
@@ -10,7 +10,7 @@ const DARK: u32 = (127 - 13) << (23 - SHIFT);
 /// White.
 const WHITE: u32 = 127 << (23 - SHIFT);
 
-/// The bytes of [`srgb_encode`], without its power.
+/// [`srgb_byte_encode`], without its polynomial.
 pub(super) struct Encoder {
     /// The least light of each byte; behind the last one, none.
     least: [f32; 257],
@@ -44,14 +44,9 @@ impl Encoder {
     }
 }
 
-/// The byte of some light.
-fn encoded(light: f32) -> u32 {
-    floor(srgb_encode(light) * 255.0 + 0.5) as u32
-}
-
 /// The least light whose byte is this one or more. It is near the light between two bytes.
 fn least_light(byte: u32) -> f32 {
-    let is_enough = |bits: u32| encoded(f32::from_bits(bits)) >= byte;
+    let is_enough = |bits: u32| srgb_byte_encode(f32::from_bits(bits)).0 >= byte;
     let near = srgb_decode((byte as f32 - 0.5) / 255.0).to_bits();
     let (mut low, mut high, mut step) = (near, near, 1);
     while is_enough(low) {
@@ -78,7 +73,7 @@ mod tests {
     /// That the table has the bytes of the formula for all of these lights.
     fn assert_same(encoder: &Encoder, bits: RangeInclusive<u32>) {
         for light in bits.map(f32::from_bits) {
-            assert_eq!(encoder.byte(light), encoded(light), "{light:e}");
+            assert_eq!(encoder.byte(light), srgb_byte_encode(light).0, "{light:e}");
         }
     }
 
@@ -91,7 +86,7 @@ mod tests {
             assert_same(&encoder, least - 3000..=least + 3000);
         }
         for light in (0..1 << 20).map(|i| i as f32 / 1048576.0).chain([1.0, 1e-40, 1e-10]) {
-            assert_eq!(encoder.byte(light), encoded(light), "{light:e}");
+            assert_eq!(encoder.byte(light), srgb_byte_encode(light).0, "{light:e}");
         }
     }
 }

@@ -313,7 +313,7 @@ fn color_unseen(texels: &mut [u32], first: usize, levels: usize, finest: [u32; 2
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::num::{floor, srgb_encode};
+    use crate::num::srgb_byte_encode;
     use crate::scene::Sequential;
 
     fn chain(width: u32, height: u32, rgba: Vec<u8>) -> (Texture, Vec<u32>) {
@@ -369,8 +369,7 @@ mod tests {
         };
         let texels = levels(Content::SeeThrough);
         // A fifth as much is seen of blue as of each green: 10/11 of the light is green, 1/11 blue.
-        let [_, g, b] =
-            [0.0, 10.0 / 11.0, 1.0 / 11.0].map(|c: f32| floor(srgb_encode(c) * 255.0 + 0.5) as u32);
+        let [_, g, b] = [0.0, 10.0 / 11.0, 1.0 / 11.0].map(|c: f32| srgb_byte_encode(c).0);
         let color = g << 8 | b << 16;
         // 561/4 of alpha, rounded, and half of it.
         assert_eq!(texels[8..], [color | 140 << 24, color, color | 70 << 24]);

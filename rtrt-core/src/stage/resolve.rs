@@ -4,7 +4,7 @@ use crate::grid::{RayIndex, number};
 use crate::kernel::tone_map::tone_map;
 use crate::lane::{Lane, Mask, Select, V3, times};
 use crate::layout::{Backdrop, Frame};
-use crate::num::{recip, srgb_encode, to_integer};
+use crate::num::{recip, srgb_byte_encode, to_integer};
 
 /// A group of pixels: the average of each one's sub-rays' linear colors, summed row by row, [displayed] as
 /// the frame says, in front of the background's color if it has one, and encoded as sRGB with 8 bits a channel,
@@ -61,8 +61,8 @@ pub fn resolve<L: Lane>(
 /// A color and its alpha as a pixel.
 #[inline(always)]
 fn encoded<L: Lane>(color: V3<L>, alpha: L) -> L::Bits {
-    let (r, g, b) = (srgb_encode(color.x), srgb_encode(color.y), srgb_encode(color.z));
-    byte(r) | byte(g) << 8 | byte(b) << 16 | byte(alpha) << 24
+    let [r, g, b] = [srgb_byte_encode(color.x), srgb_byte_encode(color.y), srgb_byte_encode(color.z)];
+    r | g << 8 | b << 16 | to_integer(alpha * 255.0) << 24
 }
 
 /// Linear light as the linear color of a display: multiplied by the frame's exposure, then tone mapped.
@@ -94,12 +94,6 @@ pub fn average(side: u32, first: RayIndex, color: &impl Fn(RayIndex) -> [f32; 4]
     [sum[0] * weight, sum[1] * weight, sum[2] * weight, sum[3] * weight]
 }
 
-/// The nearest of 256 steps; in the middle between two, the even one.
-#[inline(always)]
-fn byte<L: Lane>(value: L) -> L::Bits {
-    to_integer(value * 255.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,7 +116,7 @@ mod tests {
             resolve::<f32>((), &frame, |_| RayIndex(0), color, |_| [0.0; 4]).0.to_le_bytes()
         };
         let color = [0.25, 0.5, 0.75];
-        let [r, g, b] = color.map(|value| (srgb_encode(value) * 255.0 + 0.5) as u8);
+        let [r, g, b] = color.map(|value| srgb_byte_encode(value).0 as u8);
         let (full, none) = ([0.25, 0.5, 0.75, 1.0], [0.0; 4]);
         assert_eq!(pixel([full; 4]), [r, g, b, 255]);
         assert_eq!(pixel([full, none, full, none]), [r, g, b, 128]);
@@ -139,7 +133,7 @@ mod tests {
                 resolve::<f32>((), &frame, |_| RayIndex(0), |_| c, |_| [0.0; 4]).0.to_le_bytes()
             };
             let V3 { x, y, z } = tone_map::<f32>(map, V3::splat((), color.map(|c| 4.0 * c)));
-            let [r, g, b] = [x, y, z].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
+            let [r, g, b] = [x, y, z].map(|c| srgb_byte_encode(c).0 as u8);
             assert_eq!(pixel([0.09, 0.18, 0.36, 1.0]), [r, g, b, 255]);
             assert_eq!(pixel([0.045, 0.09, 0.18, 0.5]), [r, g, b, 128]);
         }
@@ -147,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_background_is_neither_exposed_nor_mapped() {
-        let [r, g, b] = [0.25, 0.5, 1.0].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
+        let [r, g, b] = [0.25, 0.5, 1.0].map(|c| srgb_byte_encode(c).0 as u8);
         for (_, map) in ToneMap::ALL {
             let background = Frame { background_r: 0.25, background_g: 0.5, background_b: 1.0, ..one() };
             let frame = Frame { exposure: 64.0, tone_map: map as u32, ..background };
@@ -157,7 +151,7 @@ mod tests {
             assert_eq!(pixel([0.0; 4]), [r, g, b, 255]);
             // A black surface that covers half of it.
             let [.., blue, alpha] = pixel([0.0, 0.0, 0.0, 0.5]);
-            assert_eq!((blue.abs_diff((srgb_encode(0.5) * 255.0 + 0.5) as u8) <= 1, alpha), (true, 255));
+            assert_eq!((blue.abs_diff(srgb_byte_encode(0.5).0 as u8) <= 1, alpha), (true, 255));
         }
     }
 
@@ -168,7 +162,7 @@ mod tests {
         let through = [0.75, 0.25, 0.0, 0.0];
         let covered = 1.0 - 1.0 / 3.0;
         let pixel = resolve::<f32>((), &frame, |_| RayIndex(0), |_| [0.0, 0.0, 0.0, covered], |_| through);
-        let [r, g, b] = [0.75, 0.25, 0.0].map(|c| (srgb_encode(c) * 255.0 + 0.5) as u8);
+        let [r, g, b] = [0.75, 0.25, 0.0].map(|c| srgb_byte_encode(c).0 as u8);
         assert_eq!(pixel.0.to_le_bytes(), [r, g, b, 255]);
     }
 }

@@ -47,7 +47,7 @@ impl Padded {
     fn center2(&self) -> Vec3A {
         self.low + self.high
     }
-    /// Half of the surface; 0 if empty.
+    /// [`Bounds::area`], in registers.
     #[inline(always)]
     fn area(&self) -> f32 {
         let size = (self.high - self.low).max(Vec3A::ZERO);
@@ -274,6 +274,13 @@ fn partition(boxes: &mut [Padded], numbers: &mut [u32], split: &Split) -> usize 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn zeros_have_one_sign() {
+        let bounds = Padded::new(&Bounds { low: [-0.0, 0.0, -1.0], high: [-0.0, 1.0, -0.0] }).bounds();
+        assert_eq!(bounds.low.map(f32::to_bits), [0.0, 0.0, -1.0].map(f32::to_bits));
+        assert_eq!(bounds.high.map(f32::to_bits), [0.0_f32, 1.0, 0.0].map(f32::to_bits));
+    }
 
     #[test]
     fn no_plane_between_bins_is_cheaper_than_the_one_that_is_taken() {
