@@ -16,7 +16,7 @@ use rtrt_core::scene::{
 use std::ops::Range;
 
 fn seeds() -> Range<u64> {
-    let Ok(seeds) = std::env::var("RTRT_SEEDS") else { return 0..180 };
+    let Ok(seeds) = std::env::var("RTRT_SEEDS") else { return 0..108 };
     let (first, last) = seeds.split_once("..").expect("RTRT_SEEDS is FIRST..LAST");
     first.parse().expect("a number")..last.parse().expect("a number")
 }

@@ -80,58 +80,58 @@ pub enum Kind {
     Light = 2,
 }
 
-/// A mesh, or a sphere, placed in the world.
-#[repr(C)]
+/// A mesh, or a sphere, placed in the world: three cache lines. The first has what decides whether rays come near.
+#[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Instance {
-    /// World to object space, three rows: `m` and, last in each, a coordinate of the object's place `o` (the last
-    /// column of `to_world`). A point `p` goes to `m · (p − o)`.
-    pub to_object: [[f32; 4]; 3],
-    /// Object to world space, three rows.
-    pub to_world: [[f32; 4]; 3],
     /// Lower corner of the bounds, world space.
     pub low: [f32; 3],
-    /// The mesh's root in the scene's nodes.
-    pub root: u32,
+    /// Bound on the rounding error of culling with the bounds, relative to the frame's magnitude.
+    pub slack: f32,
     /// Upper corner of the bounds.
     pub high: [f32; 3],
-    /// The mesh's first vertex in the scene's positions and attributes.
-    pub first_vertex: u32,
-    /// Center of the bounding sphere, world space.
-    pub center: [f32; 3],
-    /// Radius of the bounding sphere.
-    pub radius: f32,
-    /// The start of the mesh's vertex indices, three a triangle, in the scene's mesh data.
-    pub first_index: u32,
+    /// The node, in the scene's nodes, where traversal starts: the root, or the node of a part.
+    pub start: u32,
+    /// The instance that this is a part of; [`NONE`] for a whole instance.
+    pub opened_from: u32,
+    /// [`Kind`]. A sphere's mesh has two triangles without area that span its bounds.
+    pub kind: u32,
+    /// Where the instance's [`Transparency`](crate::layout::Transparency) is in the scene's mesh data; 0 for an
+    /// instance that is opaque everywhere.
+    pub transparency: u32,
+    /// 1 where it is seen from both sides, else 0 (see
+    /// [`MaterialRecord::double_sided`](crate::layout::MaterialRecord::double_sided)).
+    pub double_sided: u32,
+    /// 1 where object and world space are the same, else 0.
+    pub is_identity: u32,
+    /// The mesh's root in the scene's nodes.
+    pub root: u32,
     /// The mesh's triangles.
     pub triangles: u32,
     /// The material, in the scene's materials.
     pub material: u32,
-    /// 1 where object and world space are the same, else 0.
-    pub is_identity: u32,
-    /// Bound on the rounding error of culling with the bounds, relative to the frame's magnitude.
-    pub slack: f32,
+    /// World to object space, three rows: `m` and, last in each, a coordinate of the object's place `o` (the last
+    /// column of `to_world`). A point `p` goes to `m · (p − o)`.
+    pub to_object: [[f32; 4]; 3],
+    /// The mesh's first vertex in the scene's positions and attributes.
+    pub first_vertex: u32,
+    /// The start of the mesh's vertex indices, three a triangle, in the scene's mesh data.
+    pub first_index: u32,
     /// The start of the mesh's packed tangents, one a vertex, in the scene's mesh data; 0 for none.
     pub first_tangent: u32,
     /// The start of the mesh's second texture coordinates, two words a vertex, in the scene's mesh data; 0
     /// for none.
     pub first_second_uv: u32,
-    /// Where the instance's [`Transparency`](crate::layout::Transparency) is in the scene's mesh data; 0 for an
-    /// instance that is opaque everywhere.
-    pub transparency: u32,
-    /// [`Kind`]. A sphere's mesh has two triangles without area that span its bounds.
-    pub kind: u32,
-    /// The node, in the scene's nodes, where traversal starts: the root, or the node of a part.
-    pub start: u32,
-    /// The instance that this is a part of; [`NONE`] for a whole instance.
-    pub opened_from: u32,
-    /// 1 where it is seen from both sides, else 0 (see
-    /// [`MaterialRecord::double_sided`](crate::layout::MaterialRecord::double_sided)).
-    pub double_sided: u32,
+    /// Object to world space, three rows.
+    pub to_world: [[f32; 4]; 3],
+    /// Center of the bounding sphere, world space.
+    pub center: [f32; 3],
+    /// Radius of the bounding sphere.
+    pub radius: f32,
 }
-const _: () = assert!(size_of::<Instance>() == 192 && offset_of!(Instance, slack) == 160);
-const _: () = assert!(offset_of!(Instance, low) == 96 && offset_of!(Instance, center) == 128);
-const _: () = assert!(offset_of!(Instance, first_index) == 144);
+const _: () = assert!(size_of::<Instance>() == 192 && offset_of!(Instance, high) == 16);
+const _: () = assert!(offset_of!(Instance, to_object) == 64 && offset_of!(Instance, to_world) == 128);
+const _: () = assert!(offset_of!(Instance, center) == 176);
 
 impl Instance {
     /// The whole instance: `number` itself, or the instance that this is a part of.
@@ -143,9 +143,9 @@ impl Instance {
     #[inline(always)]
     pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
         let is_like = self.start == other.start
-            && self.to_world[0][3] == other.to_world[0][3]
-            && self.to_world[1][3] == other.to_world[1][3]
-            && self.to_world[2][3] == other.to_world[2][3]
+            && self.low[0] == other.low[0]
+            && self.low[1] == other.low[1]
+            && self.low[2] == other.low[2]
             && self.kind == other.kind
             && self.transparency == other.transparency
             && self.double_sided == other.double_sided;
@@ -153,7 +153,8 @@ impl Instance {
         let mut is_same = is_like;
         while is_same && row < 3 {
             let (own, others) = (&self.to_world[row], &other.to_world[row]);
-            is_same = own[0] == others[0] && own[1] == others[1] && own[2] == others[2];
+            is_same =
+                own[0] == others[0] && own[1] == others[1] && own[2] == others[2] && own[3] == others[3];
             row += 1;
         }
         is_same

@@ -5,7 +5,7 @@ use crate::layout::{Frame, View, ViewKind};
 use crate::request::Shadows;
 use crate::scene::bvh::Bounds;
 use crate::scene::light::parallel;
-use crate::scene::{Occluders, Scene, SetupError, Structure};
+use crate::scene::{Light, LightKind, Occluders, Scene, SetupError, Structure};
 use crate::stage::ambient::DIRECTIONS;
 use alloc::vec::Vec;
 use glam::{DVec3, Vec3};
@@ -47,7 +47,7 @@ pub(super) fn light_views(
         scene: scene.id(),
         changes: scene.light_changes(),
         bounds: [bounds.low, bounds.high].map(|corner| corner.map(f32::to_bits)),
-        cells: if is_one_list { 1 } else { light_cells(scene.instances().len(), lights.len()) },
+        cells: if is_one_list { 1 } else { light_cells(scene.instances().len(), lights) },
         asked,
         structure,
         occluders: scene.occluders,
@@ -124,11 +124,13 @@ const MOST_DISTANCE: f32 = 1e18;
 const LIGHT_BLOCKS: usize = 1 << 21;
 
 /// Blocks along one side of a light's view: about twice the square root of the number of instances, so
-/// that a block sees few of them. Thousands of instances get a quarter as many blocks, because a packet
-/// visits every block that its shadow rays end in. Many lights get fewer, to bound the memory of the lists.
-fn light_cells(instances: usize, lights: usize) -> u32 {
+/// that a block sees few of them. Thousands of instances get half as many, because a packet visits every
+/// block that its shadow rays end in. Many lights get fewer, to bound the memory of the lists.
+fn light_cells(instances: usize, lights: &[Light]) -> u32 {
     let side = libm::sqrt(instances as f64) as u32;
-    let wanted = (2 * side).next_power_of_two().min(64).max((side / 2).next_power_of_two());
-    let most = libm::sqrt((LIGHT_BLOCKS / (6 * lights.max(1))) as f64) as u32;
+    let wanted = (2 * side).next_power_of_two().min(64).max(side.next_power_of_two());
+    // A sun has one view, other lights those of a cube.
+    let views = lights.iter().map(|light| if light.kind == LightKind::Sun { 1 } else { 6 }).sum::<usize>();
+    let most = libm::sqrt((LIGHT_BLOCKS / views.max(1)) as f64) as u32;
     wanted.clamp(8, 1 << most.max(8).ilog2())
 }

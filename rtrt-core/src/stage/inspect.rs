@@ -38,7 +38,7 @@ pub fn inspect(context: &Context<'_>, block: u32, ray: &Ray<f32>) -> Inspection 
     let Frame { near, far, .. } = *context.frame;
     let mut hits = PacketHits::new([ClosestHit::none(far)]);
     let mut filters = [Counting { near, instances: 0, nodes: 0, triangles: 0 }];
-    trace(context, block, &[*ray], &mut hits, &mut filters);
+    trace(context, block, &[*ray], &mut [*ray], &mut hits, &mut filters);
     let [Counting { instances, nodes, triangles, .. }] = filters;
     Inspection {
         entries: last - first,

@@ -110,7 +110,7 @@ pub fn peel<L: Lane, const G: usize>(
     );
     let mut hits = PacketHits::new(closest);
     let rays: [Ray<L>; G] = rays::<L, G>(token, frame, camera, first);
-    trace(context, camera.list(frame.grid().block(first)), &rays, &mut hits, &mut filters);
+    trace(context, camera.list(frame.grid().block(first)), &rays, &mut { rays }, &mut hits, &mut filters);
     hits.closest
 }
 

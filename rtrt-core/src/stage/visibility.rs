@@ -3,13 +3,13 @@
 use crate::grid::{RayIndex, place};
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::hit_filter::{Bounded, Closest, HitFilter};
-use crate::kernel::packet::{Packet, PacketHits};
+use crate::kernel::packet::{Packet, PacketHits, first_tile, groups_of_tile};
 use crate::kernel::ray::Ray;
 use crate::kernel::tiles::Tiles;
 use crate::kernel::traverse::{intersect_sphere, traverse};
 use crate::kernel::view::{camera_direction, camera_ray, central_ray};
 use crate::lane::{Lane, Select, V3, groups};
-use crate::layout::{Frame, Hit, NONE, View};
+use crate::layout::{Frame, Hit, Instance, NONE, View};
 use crate::stage::context::Context;
 use core::ops::Mul;
 
@@ -91,10 +91,10 @@ pub fn visibility<L: Lane, const G: usize>(
                 central_ray(camera, x, y)
             },
         );
-        trace(context, block, &rays, &mut hits, &mut [Closest; G]);
+        trace(context, block, &rays, &mut { rays }, &mut hits, &mut [Closest; G]);
     } else {
         let rays = rays::<L, G>(token, frame, camera, first);
-        trace(context, block, &rays, &mut hits, &mut [Closest; G]);
+        trace(context, block, &rays, &mut { rays }, &mut hits, &mut [Closest; G]);
     }
     hits.closest
 }
@@ -121,8 +121,12 @@ pub(crate) fn unfound<L: Lane, const G: usize>(
     )
 }
 
+/// A packet reads the boxes of so many entries at once. Those of many instances are in no cache, and come at the same
+/// time.
+const BOXES: usize = 8;
+
 /// Traces a packet through the instances of one block's list, near to far, until none that follows can
-/// be nearer.
+/// be nearer. `local_rays` is room for the rays in an instance's space.
 ///
 /// Instances whose boxes no tile hits are culled before any ray is transformed.
 #[inline(always)]
@@ -130,6 +134,7 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
     context: &Context<'_>,
     block: u32,
     rays: &[Ray<L, O>; G],
+    local_rays: &mut [Ray<L, O>; G],
     hits: &mut PacketHits<L, G>,
     filters: &mut [F; G],
 ) {
@@ -146,7 +151,12 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
     let (mut before, mut before_number) = (NONE, NONE);
     let packet = Packet { rays, tiles: &tiles };
     let [mut next, last] = lists.range(block);
+    let (mut boxes, mut read) = ([([0.0; 3], [0.0; 3]); BOXES], next);
     while next < last {
+        if G > 1 && next == read {
+            read = read_boxes(context, next, last, &mut boxes);
+        }
+        let number_in_list = next as usize;
         let entry = lists.entry(next);
         next += 1;
         // Keys are depths, and so is a camera ray's t. Light lists have keys of 0, and a
@@ -163,7 +173,8 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
         }
         (before, before_number) = (entry.instance, number);
         hits.has_met &= is_copy;
-        let (low, high) = instance.padded_aabb(geometry.magnitude);
+        let (low, high) =
+            if G > 1 { boxes[number_in_list % BOXES] } else { instance.padded_aabb(geometry.magnitude) };
         filters[0].test_box(Bounded::Instance);
         let hit_mask = packet.tile_hit_mask(&low, &high, active, hits);
         if hit_mask == 0 {
@@ -174,21 +185,50 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
             continue;
         }
         let is_identity = instance.is_identity == 1;
-        let (local_rays, local_tiles);
+        let local_tiles;
         let local = if G > 1 && is_identity {
             packet
         } else {
-            local_rays = groups(
-                #[inline(always)]
-                |g| {
-                    let is_hit = G == 1 || hit_mask >> Tiles::<L, G>::tile(g) & 1 == 1;
-                    if is_hit && !is_identity { rays[g].to_object(instance) } else { rays[g] }
-                },
-            );
-            local_tiles = Tiles::of(&local_rays, &hits.closest, hit_mask);
-            Packet { rays: &local_rays, tiles: &local_tiles }
+            place_rays(rays, instance, hit_mask, local_rays);
+            local_tiles = Tiles::of(local_rays, &hits.closest, hit_mask);
+            Packet { rays: local_rays, tiles: &local_tiles }
         };
         traverse(geometry, entry.instance, &local, hit_mask, hits, filters);
+    }
+}
+
+/// Reads the padded boxes of the entries from `next` on, each into its number's remainder, and returns the number of
+/// the first that is not read.
+#[inline(always)]
+fn read_boxes(context: &Context<'_>, next: u32, last: u32, boxes: &mut [([f32; 3], [f32; 3]); BOXES]) -> u32 {
+    let Context { lists, geometry, .. } = context;
+    let end = if last - next > BOXES as u32 { next + BOXES as u32 } else { last };
+    let mut number = next;
+    while number < end {
+        let instance = &geometry.instances[lists.entry(number).instance as usize];
+        boxes[number as usize % BOXES] = instance.padded_aabb(geometry.magnitude);
+        number += 1;
+    }
+    end
+}
+
+/// Writes the rays of these tiles, in the space of an instance, into `local_rays`.
+#[inline(always)]
+fn place_rays<L: Lane, O: Lane, const G: usize>(
+    rays: &[Ray<L, O>; G],
+    instance: &Instance,
+    tiles: u32,
+    local_rays: &mut [Ray<L, O>; G],
+) {
+    let mut remaining = tiles;
+    while remaining != 0 {
+        let tile = first_tile::<G>(remaining);
+        remaining &= remaining - 1;
+        let (mut g, end) = groups_of_tile::<L, G>(tile);
+        while g < end {
+            local_rays[g] = if instance.is_identity == 1 { rays[g] } else { rays[g].to_object(instance) };
+            g += 1;
+        }
     }
 }
 
