@@ -134,3 +134,24 @@ fn light_cells(instances: usize, lights: &[Light]) -> u32 {
     let most = libm::sqrt((LIGHT_BLOCKS / views.max(1)) as f64) as u32;
     wanted.clamp(8, 1 << most.max(8).ilog2())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec;
+
+    #[test]
+    fn a_light_has_about_a_block_an_instance_and_all_have_bounded_memory() {
+        let (sun, lamp) = (Light::sun([0.0, -1.0, 0.0]), Light::point([0.0; 3]));
+        let cells = |instances, lights: &[Light]| light_cells(instances, lights);
+        assert_eq!([1, 100, 1000].map(|instances| cells(instances, &[sun])), [8, 32, 64]);
+        assert_eq!([10_000, 100_000, 1_000_000].map(|instances| cells(instances, &[sun])), [128, 512, 1024]);
+        // A cube of blocks.
+        assert_eq!(cells(1_000_000, &[lamp]), 512);
+        for count in [2, 10, 100, 1000] {
+            let side = cells(1_000_000, &vec![lamp; count]) as usize;
+            assert!(6 * count * side * side <= LIGHT_BLOCKS, "{count} lamps have {side} blocks a side");
+        }
+        assert_eq!([cells(0, &[]), cells(1, &vec![lamp; 100_000])], [8, 8]);
+    }
+}
