@@ -6,6 +6,7 @@ use crate::kernel::slab::{RelativeBox, intersects};
 use crate::kernel::tiles::{TILES, Tiles};
 use crate::kernel::triangle::passing;
 use crate::lane::{Lane, Mask};
+use crate::layout::Instance;
 use core::ops::Mul;
 
 /// Up to so many active tiles test a box ray by ray: that is as quick as the tiles' bounds, and exact.
@@ -121,6 +122,22 @@ impl<L: Lane + Mul<O, Output = L>, O: Lane, const G: usize> Packet<'_, L, O, G> 
             ray_hit_mask(self.rays, low, high, active, &hits.closest)
         } else {
             self.tiles.hit_mask::<O>(low, high, &hits.limits, active)
+        }
+    }
+
+    /// Writes the rays of these tiles, in the space of an instance, into `local_rays`.
+    #[inline(always)]
+    pub(crate) fn place(&self, instance: &Instance, tiles: u32, local_rays: &mut [Ray<L, O>; G]) {
+        let mut remaining = tiles;
+        while remaining != 0 {
+            let tile = first_tile::<G>(remaining);
+            remaining &= remaining - 1;
+            let (mut g, end) = groups_of_tile::<L, G>(tile);
+            while g < end {
+                let ray = &self.rays[g];
+                local_rays[g] = if instance.is_identity == 1 { *ray } else { ray.to_object(instance) };
+                g += 1;
+            }
         }
     }
 

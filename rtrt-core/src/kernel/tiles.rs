@@ -228,12 +228,6 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
         active
     }
 
-    /// The tile that a group is in.
-    #[inline(always)]
-    pub fn tile(group: usize) -> u32 {
-        (group / Self::GROUPS) as u32
-    }
-
     /// The groups of a tile: the first, and the one after the last.
     #[inline(always)]
     pub fn groups(tile: usize) -> (usize, usize) {
@@ -418,6 +412,6 @@ mod tests {
         assert_eq!(Tiles::<Plain<16>, 16>::active((), &limits), 0xffff & !(1 << 9));
         // A group of eight is half a tile.
         assert_eq!(Tiles::<Plain<8>, 1>::limits(&[ClosestHit::none(Plain([1.0; 8]))]), [-1.0; TILES]);
-        assert_eq!((Tiles::<Plain<8>, 32>::tile(7), Tiles::<Plain<8>, 32>::groups(3)), (3, (6, 8)));
+        assert_eq!(Tiles::<Plain<8>, 32>::groups(3), (6, 8));
     }
 }

@@ -207,3 +207,26 @@ fn condition(m: &DMat4, inverse: &DMat3) -> f64 {
     let rows = m.x_axis.abs() * sums.x + m.y_axis.abs() * sums.y + m.z_axis.abs() * sums.z;
     rows.truncate().max_element().max(1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::{COORDINATE_LIMIT, Material, Scene, SceneError};
+    use glam::{Mat4, Vec3, Vec4};
+
+    #[test]
+    fn transforms_that_place_nothing_are_refused() {
+        let mut scene = Scene::new();
+        let white = scene.add_material(Material::default()).unwrap();
+        let mut place = |to_world| scene.add_sphere(white, to_world).map(|_| ());
+        let perspective = Mat4 { w_axis: Vec4::splat(0.5), ..Mat4::IDENTITY };
+        let not_a_number = Mat4::from_translation(Vec3::splat(f32::NAN));
+        for flat in [Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0), Vec3::new(1.0, 1.0, 1e-40)] {
+            assert!(matches!(place(Mat4::from_scale(flat)), Err(SceneError::Transform)), "{flat}");
+        }
+        assert!(matches!(place(perspective), Err(SceneError::Transform)));
+        assert!(place(not_a_number).is_err());
+        let far = |x| Mat4::from_translation(Vec3::new(x, 0.0, 0.0));
+        assert!(matches!(place(far(2.0 * COORDINATE_LIMIT)), Err(SceneError::Coordinate { .. })));
+        assert!(place(far(0.5 * COORDINATE_LIMIT)).is_ok());
+    }
+}

@@ -290,6 +290,7 @@ mod tests {
         let single = found_in_packets::<f32, 1>(&prepared);
         assert!(single.iter().filter(|[open, total]| open < total).count() > 60);
         assert_eq!(found_in_packets::<Plain<8>, 32>(&prepared), single);
+        assert_eq!(found_in_packets::<f32, 16>(&prepared), single);
     }
 
     /// What all rays of the fixture's picture find, traced in packets.

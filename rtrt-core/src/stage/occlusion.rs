@@ -395,6 +395,7 @@ mod tests {
             let single = lit::<f32, 1>(&prepared);
             assert!(single.contains(&true) && single.contains(&false));
             assert_eq!(lit::<Plain<8>, 32>(&prepared), single);
+            assert_eq!(lit::<Plain<16>, 16>(&prepared), single);
         }
     }
 

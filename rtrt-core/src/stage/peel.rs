@@ -110,7 +110,8 @@ pub fn peel<L: Lane, const G: usize>(
     );
     let mut hits = PacketHits::new(closest);
     let rays: [Ray<L>; G] = rays::<L, G>(token, frame, camera, first);
-    trace(context, camera.list(frame.grid().block(first)), &rays, &mut { rays }, &mut hits, &mut filters);
+    let block = camera.list(frame.grid().block(first));
+    trace(context, block, &rays, &mut { rays }, &mut hits, &mut filters);
     hits.closest
 }
 

@@ -3,13 +3,13 @@
 use crate::grid::{RayIndex, place};
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::hit_filter::{Bounded, Closest, HitFilter};
-use crate::kernel::packet::{Packet, PacketHits, first_tile, groups_of_tile};
+use crate::kernel::packet::{Packet, PacketHits};
 use crate::kernel::ray::Ray;
 use crate::kernel::tiles::Tiles;
 use crate::kernel::traverse::{intersect_sphere, traverse};
 use crate::kernel::view::{camera_direction, camera_ray, central_ray};
 use crate::lane::{Lane, Select, V3, groups};
-use crate::layout::{Frame, Hit, Instance, NONE, View};
+use crate::layout::{Frame, Hit, NONE, View};
 use crate::stage::context::Context;
 use core::ops::Mul;
 
@@ -126,7 +126,7 @@ pub(crate) fn unfound<L: Lane, const G: usize>(
 const BOXES: usize = 8;
 
 /// Traces a packet through the instances of one block's list, near to far, until none that follows can
-/// be nearer. `local_rays` is room for the rays in an instance's space.
+/// be nearer. `local_rays` is room for the rays in an instance's space; what it holds does not matter.
 ///
 /// Instances whose boxes no tile hits are culled before any ray is transformed.
 #[inline(always)]
@@ -156,8 +156,7 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
         if G > 1 && next == read {
             read = read_boxes(context, next, last, &mut boxes);
         }
-        let number_in_list = next as usize;
-        let entry = lists.entry(next);
+        let (entry, place) = (lists.entry(next), next as usize % BOXES);
         next += 1;
         // Keys are depths, and so is a camera ray's t. Light lists have keys of 0, and a
         // packet that is done has a negative limit.
@@ -173,8 +172,7 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
         }
         (before, before_number) = (entry.instance, number);
         hits.has_met &= is_copy;
-        let (low, high) =
-            if G > 1 { boxes[number_in_list % BOXES] } else { instance.padded_aabb(geometry.magnitude) };
+        let (low, high) = if G > 1 { boxes[place] } else { instance.padded_aabb(geometry.magnitude) };
         filters[0].test_box(Bounded::Instance);
         let hit_mask = packet.tile_hit_mask(&low, &high, active, hits);
         if hit_mask == 0 {
@@ -189,7 +187,7 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
         let local = if G > 1 && is_identity {
             packet
         } else {
-            place_rays(rays, instance, hit_mask, local_rays);
+            packet.place(instance, hit_mask, local_rays);
             local_tiles = Tiles::of(local_rays, &hits.closest, hit_mask);
             Packet { rays: local_rays, tiles: &local_tiles }
         };
@@ -197,8 +195,8 @@ pub fn trace<L: Lane + Mul<O, Output = L>, O: Lane, F: HitFilter<L>, const G: us
     }
 }
 
-/// Reads the padded boxes of the entries from `next` on, each into its number's remainder, and returns the number of
-/// the first that is not read.
+/// Reads the padded boxes of up to [`BOXES`] entries from `next` on, that of entry `i` to `i % BOXES`. Returns the
+/// first entry that is not read.
 #[inline(always)]
 fn read_boxes(context: &Context<'_>, next: u32, last: u32, boxes: &mut [([f32; 3], [f32; 3]); BOXES]) -> u32 {
     let Context { lists, geometry, .. } = context;
@@ -210,26 +208,6 @@ fn read_boxes(context: &Context<'_>, next: u32, last: u32, boxes: &mut [([f32; 3
         number += 1;
     }
     end
-}
-
-/// Writes the rays of these tiles, in the space of an instance, into `local_rays`.
-#[inline(always)]
-fn place_rays<L: Lane, O: Lane, const G: usize>(
-    rays: &[Ray<L, O>; G],
-    instance: &Instance,
-    tiles: u32,
-    local_rays: &mut [Ray<L, O>; G],
-) {
-    let mut remaining = tiles;
-    while remaining != 0 {
-        let tile = first_tile::<G>(remaining);
-        remaining &= remaining - 1;
-        let (mut g, end) = groups_of_tile::<L, G>(tile);
-        while g < end {
-            local_rays[g] = if instance.is_identity == 1 { rays[g] } else { rays[g].to_object(instance) };
-            g += 1;
-        }
-    }
 }
 
 /// Whether a ray of the packet needs an instance that is a copy of another one (see [`HitFilter::needs_copy`]).
@@ -308,6 +286,8 @@ mod tests {
         let single = hits::<f32, 1>(&prepared);
         assert!(single.iter().filter(|hit| hit.instance != NONE).count() > 100);
         assert_eq!(hits::<Plain<8>, 32>(&prepared), single);
+        assert_eq!(hits::<Plain<16>, 16>(&prepared), single);
+        assert_eq!(hits::<f32, 16>(&prepared), single);
         assert_eq!(hits::<Plain<16>, 16>(&prepared), single);
         assert_eq!(hits::<f32, 16>(&prepared), single);
     }
