@@ -25,8 +25,8 @@ fn answers_are_those_of_the_world_one_by_one_and_in_slices() {
     let world = tree.world(&scene);
     let mut rays: Vec<_> = (0..3000).map(|_| Ray::new(point(5.0), point(1.0)).until(20.0)).collect();
     rays[77].direction = [0.0; 3];
-    let expected: Vec<_> = rays.iter().map(|ray| world.closest(ray)).collect();
-    let occluded: Vec<_> = rays.iter().map(|ray| world.occluded(ray)).collect();
+    let mut expected: Vec<_> = rays.iter().map(|ray| world.closest(ray)).collect();
+    let mut occluded: Vec<_> = rays.iter().map(|ray| world.occluded(ray)).collect();
     assert!(expected.iter().filter(|hit| matches!(hit, Ok(Some(_)))).count() > 500);
     assert!(expected[77].is_err());
     let levels = InstructionSet::wide().into_iter().chain([InstructionSet::Scalar]);
@@ -38,8 +38,21 @@ fn answers_are_those_of_the_world_one_by_one_and_in_slices() {
             assert_eq!(caster.occluded(&world, ray), *occluded);
         }
     }
+    // Rows of a picture are traced together.
+    let eye = Vec3::new(0.5, 1.0, 9.0);
+    let to = |i: u16| Vec3::new(f32::from(i % 64) / 4.0 - 8.0, f32::from(i / 64) / 4.0 - 8.0, 0.0);
+    rays.extend((0..64 * 64).map(|i| Ray::new(eye, to(i) - eye)));
+    expected.extend(rays[3000..].iter().map(|ray| world.closest(ray)));
+    occluded.extend(rays[3000..].iter().map(|ray| world.occluded(ray)));
+    let nothing = || (vec![Ok(None); rays.len()], vec![Ok(false); rays.len()]);
+    for caster in InstructionSet::wide().into_iter().chain([InstructionSet::Scalar]).map(Caster::with) {
+        let (mut hits, mut hidden) = nothing();
+        caster.closest_each(&world, &rays, &mut hits);
+        caster.occluded_each(&world, &rays, &mut hidden);
+        assert_eq!((&hits, &hidden), (&expected, &occluded));
+    }
     let cpu = Cpu::new(Options { threads: Some(3), ..Options::default() }).expect("a backend");
-    let (mut hits, mut hidden) = (vec![Ok(None); 3000], vec![Ok(false); 3000]);
+    let (mut hits, mut hidden) = nothing();
     cpu.closest(&world, &rays, &mut hits);
     cpu.occluded(&world, &rays, &mut hidden);
     assert_eq!((hits, hidden), (expected, occluded));

@@ -153,7 +153,8 @@ impl Shape {
         rays.min(RAYS.max(rays / self.cost))
     }
 
-    /// Asks so many rays from within, in the space of an instance that is placed so. Returns how many miss.
+    /// Asks so many rays from within, alone and together, in the space of an instance that is placed so. Returns how many
+    /// miss.
     fn leaks(&self, place: Mat4, rays: u32, random: &mut Random) -> u32 {
         let mut scene = Scene::new();
         let material = scene.add_material(Material::default()).expect("a material");
@@ -173,13 +174,20 @@ impl Shape {
         scene.add_instance(index, material, place).expect("an instance");
         let mut tree = Tree::new(&scene, &Sequential);
         let world = tree.world(&scene);
-        let mut leaks = 0;
-        for _ in 0..rays {
+        let mut ray = || {
             let origin = self.center + random.vector(1.0) * self.room;
             let to = self.aim(origin, random);
             let (origin, to) = (place.transform_point3(origin), place.transform_point3(to));
-            let ray = Ray::new(origin.to_array(), (to - origin).to_array());
-            leaks += u32::from(world.closest(&ray).expect("a ray").is_none());
+            Ray::new(origin.to_array(), (to - origin).to_array())
+        };
+        let mut leaks = 0;
+        for _ in 0..rays.div_ceil(64) {
+            let rays = [(); 64].map(|()| ray());
+            let alone = |ray| world.closest(ray).expect("a ray").is_none();
+            leaks += rays.iter().filter(|ray| alone(ray)).count() as u32;
+            let mut occluded = [Ok(false); 64];
+            world.occluded_each(&rays, &mut occluded);
+            leaks += occluded.iter().filter(|occluded| **occluded != Ok(true)).count() as u32;
         }
         leaks
     }

@@ -59,14 +59,33 @@ impl Caster {
     pub fn occluded<S: Source>(&self, world: &World<'_, S>, ray: &Ray) -> Result<bool, QueryError> {
         self.level.run_eight(Occluded { world, ray })
     }
+
+    /// [`World::closest_each`].
+    pub fn closest_each<S: Source>(
+        &self,
+        world: &World<'_, S>,
+        rays: &[Ray],
+        hits: &mut [Result<Option<Hit>, QueryError>],
+    ) {
+        self.level.run_eight(ClosestEach { world, rays, hits });
+    }
+
+    /// [`World::occluded_each`].
+    pub fn occluded_each<S: Source>(
+        &self,
+        world: &World<'_, S>,
+        rays: &[Ray],
+        occluded: &mut [Result<bool, QueryError>],
+    ) {
+        self.level.run_eight(OccludedEach { world, rays, occluded });
+    }
 }
 
-/// Rays that one task asks.
+/// Rays that one task asks: those that a [`World`] traces together.
 const RAYS: usize = 64;
 
 impl Cpu {
-    /// The closest hit of each ray, by [`World::closest`], on all threads; a ray that is refused has an error of
-    /// its own. What is beyond the shorter slice is left alone.
+    /// [`World::closest_each`], on all threads.
     pub fn closest<S: Source + Sync>(
         &self,
         world: &World<'_, S>,
@@ -74,10 +93,10 @@ impl Cpu {
         hits: &mut [Result<Option<Hit>, QueryError>],
     ) {
         let caster = Caster::new();
-        self.each(rays, hits, |ray| caster.closest(world, ray));
+        self.each(rays, hits, |rays, hits| caster.closest_each(world, rays, hits));
     }
 
-    /// Whether each ray hits anything, by [`World::occluded`], as [`Cpu::closest`].
+    /// [`World::occluded_each`], on all threads.
     pub fn occluded<S: Source + Sync>(
         &self,
         world: &World<'_, S>,
@@ -85,16 +104,13 @@ impl Cpu {
         occluded: &mut [Result<bool, QueryError>],
     ) {
         let caster = Caster::new();
-        self.each(rays, occluded, |ray| caster.occluded(world, ray));
+        self.each(rays, occluded, |rays, occluded| caster.occluded_each(world, rays, occluded));
     }
 
-    fn each<T: Send>(&self, rays: &[Ray], answers: &mut [T], ask: impl Fn(&Ray) -> T + Sync) {
+    fn each<T: Send>(&self, rays: &[Ray], answers: &mut [T], ask: impl Fn(&[Ray], &mut [T]) + Sync) {
         self.install(|| {
             parallel::each_part(answers, RAYS, 1, |part, answers| {
-                let rays = rays.chunks(RAYS).nth(part).unwrap_or_default();
-                for (ray, answer) in rays.iter().zip(answers) {
-                    *answer = ask(ray);
-                }
+                ask(rays.chunks(RAYS).nth(part).unwrap_or_default(), answers);
             });
         });
     }
@@ -125,5 +141,35 @@ impl<S: Source> EightTask for Occluded<'_, S> {
     #[inline(always)]
     fn run<L: Lane>(self, token: L::Token) -> Self::Output {
         self.world.occluded_with::<L>(token, self.ray)
+    }
+}
+
+struct ClosestEach<'a, S: Source> {
+    world: &'a World<'a, S>,
+    rays: &'a [Ray],
+    hits: &'a mut [Result<Option<Hit>, QueryError>],
+}
+
+impl<S: Source> EightTask for ClosestEach<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self, token: L::Token) {
+        self.world.closest_each_with::<L>(token, self.rays, self.hits);
+    }
+}
+
+struct OccludedEach<'a, S: Source> {
+    world: &'a World<'a, S>,
+    rays: &'a [Ray],
+    occluded: &'a mut [Result<bool, QueryError>],
+}
+
+impl<S: Source> EightTask for OccludedEach<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self, token: L::Token) {
+        self.world.occluded_each_with::<L>(token, self.rays, self.occluded);
     }
 }

@@ -32,10 +32,24 @@ pub struct Tiles<L, const G: usize> {
 
 /// The sign of the reciprocal directions along an axis.
 #[derive(Clone, Copy, PartialEq)]
-enum Sign {
+pub(crate) enum Sign {
     Positive,
     Negative,
     Mixed,
+}
+
+impl Sign {
+    /// That of numbers from `least` to `most`.
+    #[inline(always)]
+    pub fn of(least: f32, most: f32) -> Self {
+        if least > 0.0 {
+            Self::Positive
+        } else if most < 0.0 {
+            Self::Negative
+        } else {
+            Self::Mixed
+        }
+    }
 }
 
 /// The smallest and the largest of some vectors, component by component.
@@ -99,15 +113,7 @@ impl<L: Lane, const G: usize> Tiles<L, G> {
         }
         let last = if Self::VECTORS > 1 { 1 } else { 0 };
         let (token, rows) = (like.token(), &rows);
-        let sign = |axis: usize| {
-            if least[axis] > 0.0 {
-                Sign::Positive
-            } else if most[axis] < 0.0 {
-                Sign::Negative
-            } else {
-                Sign::Mixed
-            }
-        };
+        let sign = |axis: usize| Sign::of(least[axis], most[axis]);
         Self {
             start: rays[active.trailing_zeros() as usize * Self::GROUPS].origin.lane(0),
             signs: [sign(0), sign(1), sign(2)],
@@ -265,7 +271,7 @@ fn common_origin<L: Lane>(sign: Sign, to: [f32; 2], low: L, high: L) -> (L, L) {
 /// The same for rays with origins of their own: `to` are the least distance of the first plane and the
 /// largest of the second.
 #[inline(always)]
-fn separate_origins<L: Lane>(sign: Sign, to: [L; 2], low: L, high: L) -> (L, L) {
+pub(crate) fn separate_origins<L: Lane>(sign: Sign, to: [L; 2], low: L, high: L) -> (L, L) {
     let [entry, exit] = match sign {
         Sign::Positive => to,
         Sign::Negative => [to[1], to[0]],

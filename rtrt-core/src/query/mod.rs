@@ -20,7 +20,8 @@
 //! | to | call |
 //! |---|---|
 //! | ask for a hit, or whether there is one | [`World::closest`], [`World::occluded`] |
-//! | ask for all of them, in order | [`World::all`] |
+//! | ask many rays, 64 of which are traced together | [`World::closest_each`], [`World::occluded_each`] |
+//! | ask for all hits on a ray, in order | [`World::all`] |
 //! | decide which hits count | [`World::closest_where`], [`World::occluded_where`], [`World::all_where`] |
 //! | ask what is near, or what a box or a ball overlaps | [`World::nearest`], [`World::overlaps`], [`World::overlapped_instances`] |
 //! | know the surface at a hit | [`World::surface`] |
@@ -48,6 +49,7 @@ mod merged;
 mod narrow;
 mod near;
 mod overlap;
+mod packet;
 mod ray;
 mod search;
 mod seek;

@@ -61,18 +61,19 @@ pub(crate) fn search<L: Lane, S: Parts>(
     limits: Limits,
     collect: &mut impl Collect,
 ) {
-    let skip = asked.skip.filter(|skip| source.place_of(*skip).is_some()).map(|skip| skip.number);
     let Limits { magnitude, mask } = limits;
     let top = &tree.instances;
-    let mut seen = Seen { tree, source, asked, mask, from: scaled.from, skip, collect };
+    let skip = skipped(source, asked);
+    let mut seen = Seen { tree, source, asked, mask, from: scaled.scale.from, skip, collect };
     if !top.merged.leaves.is_empty() {
         let space = &top.merged.space;
-        let local = Local::new(token, scaled.ray, space.is_identity, &space.to_object, &top.merged.bounds);
-        let range = Range { from: scaled.from, limit: seen.collect.limit() };
+        let local = Local::<L>::placed(token, scaled.ray, space.is_identity, &space.to_object);
+        let nodes = local.nodes(token, &top.merged.bounds);
+        let range = seen.range();
         let mut merged = MergedLeaves::<L, S, _> { local: &local, seen: &mut seen };
-        traverse(&top.merged.tree, None, &local.nodes, range, &mut merged);
+        traverse(&top.merged.tree, None, &nodes, range, &mut merged);
     }
-    let range = Range { from: scaled.from, limit: seen.collect.limit() };
+    let range = seen.range();
     if range.limit >= range.from {
         let wide = Asked::<L>::new(token, &scaled.ray, magnitude, 0.0);
         let mut instances = Instances::<L, S, _> { token, ray: scaled.ray, seen };
@@ -80,75 +81,96 @@ pub(crate) fn search<L: Lane, S: Parts>(
     }
 }
 
-/// A ray in the space of an instance, ready to ask the nodes and blocks of its mesh.
-struct Local<L> {
+/// The number of the instance that a ray skips.
+#[inline(always)]
+pub(super) fn skipped(source: &impl Parts, asked: &Ray) -> Option<u32> {
+    asked.skip.filter(|skip| source.place_of(*skip).is_some()).map(|skip| skip.number)
+}
+
+/// A ray in the space of an instance, ready to ask the blocks of its mesh.
+pub(super) struct Local<L> {
     ray: WorldRay<f32>,
-    nodes: Asked<L>,
     blocks: AskedBlock<L>,
 }
 
 impl<L: Lane> Local<L> {
-    /// `bounds` are those of the mesh, or larger.
+    /// Of a ray in that space.
     #[inline(always)]
-    fn new(
-        token: L::Token,
-        ray: WorldRay<f32>,
-        is_identity: bool,
-        to_object: &[[f32; 4]; 3],
-        bounds: &Bounds,
-    ) -> Self {
-        let ray = if is_identity { ray } else { ray.transformed(to_object) };
-        let Bounds { low, high } = bounds;
-        let reach = RelativeBox::new(ray.origin, low, high).reach();
-        let passing = passing(reach, low, high);
-        Self { ray, nodes: Asked::new(token, &ray, 0.0, passing), blocks: AskedBlock::new(token, &ray) }
+    pub fn new(token: L::Token, ray: WorldRay<f32>) -> Self {
+        Self { ray, blocks: AskedBlock::new(token, &ray) }
+    }
+
+    /// Of a ray in the world.
+    #[inline(always)]
+    fn placed(token: L::Token, ray: WorldRay<f32>, is_identity: bool, to_object: &[[f32; 4]; 3]) -> Self {
+        Self::new(token, if is_identity { ray } else { ray.transformed(to_object) })
+    }
+
+    /// The ray, ready to ask the nodes of the mesh. `bounds` are those of the mesh, or larger.
+    #[inline(always)]
+    pub fn nodes(&self, token: L::Token, Bounds { low, high }: &Bounds) -> Asked<L> {
+        let reach = RelativeBox::new(self.ray.origin, low, high).reach();
+        Asked::new(token, &self.ray, 0.0, passing(reach, low, high))
     }
 }
 
 /// What a ray sees, and who collects it.
-struct Seen<'a, S, C> {
-    tree: &'a Tree,
-    source: &'a S,
-    asked: &'a Ray,
-    mask: u32,
-    from: f32,
-    skip: Option<u32>,
-    collect: &'a mut C,
+pub(super) struct Seen<'a, S, C> {
+    pub tree: &'a Tree,
+    pub source: &'a S,
+    pub asked: &'a Ray,
+    pub mask: u32,
+    pub from: f32,
+    pub skip: Option<u32>,
+    pub collect: &'a mut C,
 }
 
-impl<S: Parts, C: Collect> Seen<'_, S, C> {
+impl<'a, S: Parts, C: Collect> Seen<'a, S, C> {
     /// Whether the ray sees an instance.
     #[inline(always)]
-    fn sees(&self, number: u32, entry: &Entry) -> bool {
+    pub fn sees(&self, number: u32, entry: &Entry) -> bool {
         self.skip != Some(number) && entry.mask & self.mask != 0
+    }
+
+    /// What is left of the ray.
+    #[inline(always)]
+    pub fn range(&self) -> Range {
+        Range { from: self.from, limit: self.collect.limit() }
     }
 
     /// The triangles of an instance.
     #[inline(always)]
-    fn triangles<'b, L>(
+    pub fn triangles<'b, L>(
         &'b mut self,
         number: u32,
         entry: &Entry,
         local: &'b Local<L>,
-    ) -> Triangles<'b, L, S, C> {
-        Triangles {
-            mesh: &self.tree.meshes[entry.mesh as usize],
-            blocks: &local.blocks,
-            source: self.source,
-            number,
-            ray: &local.ray,
-            from: self.from,
-            sides: self.asked.sides,
-            through_holes: self.asked.through_holes,
-            collect: &mut *self.collect,
+    ) -> Triangles<'b, 'a, L, S, C> {
+        Triangles { mesh: &self.tree.meshes[entry.mesh as usize], local, number, seen: self }
+    }
+
+    /// Passes a hit on if the ray asks for it.
+    pub fn offer(&mut self, number: u32, triangle: u32, found: &Intersection<f32>, is_front: bool) {
+        let is_side = match self.asked.sides {
+            Sides::Fronts => is_front,
+            Sides::Backs => !is_front,
+            Sides::Both => true,
+            Sides::Drawn => is_front || self.source.instances()[number as usize].double_sided == 1,
+        };
+        let counts = is_side
+            && found.t >= self.from
+            && !(self.asked.through_holes && self.source.is_hole(number, triangle, found));
+        if counts {
+            let &Intersection { t, u, v, .. } = found;
+            self.collect.take(Found { t, instance: number, triangle, u, v });
         }
     }
 }
 
 /// Looks at leaves of meshes that stand in one space.
-struct MergedLeaves<'a, 'b, L: Lane, S, C> {
-    local: &'a Local<L>,
-    seen: &'a mut Seen<'b, S, C>,
+pub(super) struct MergedLeaves<'a, 'b, L: Lane, S, C> {
+    pub local: &'a Local<L>,
+    pub seen: &'a mut Seen<'b, S, C>,
 }
 
 impl<L: Lane, S: Parts, C: Collect> Visitor for MergedLeaves<'_, '_, L, S, C> {
@@ -168,10 +190,10 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for MergedLeaves<'_, '_, L, S, C> {
 }
 
 /// Looks at instances.
-struct Instances<'a, L: Lane, S, C> {
-    token: L::Token,
-    ray: WorldRay<f32>,
-    seen: Seen<'a, S, C>,
+pub(super) struct Instances<'a, L: Lane, S, C> {
+    pub token: L::Token,
+    pub ray: WorldRay<f32>,
+    pub seen: Seen<'a, S, C>,
 }
 
 impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
@@ -187,80 +209,59 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
             return self.seen.collect.limit();
         }
         let mesh = &tree.meshes[entry.mesh as usize];
-        let local = Local::<L>::new(self.token, self.ray, entry.is_identity, &entry.to_object, &mesh.bounds);
+        let local = Local::<L>::placed(self.token, self.ray, entry.is_identity, &entry.to_object);
+        let range = self.seen.range();
         let mut triangles = self.seen.triangles(number, entry, &local);
         if entry.is_sphere {
             triangles.sphere();
         } else {
-            let range = Range { from: triangles.from, limit: triangles.collect.limit() };
-            traverse(&mesh.tree, None, &local.nodes, range, &mut triangles);
+            traverse(&mesh.tree, None, &local.nodes(self.token, &mesh.bounds), range, &mut triangles);
         }
         self.seen.collect.limit()
     }
 }
 
 /// Looks at the triangles of one instance.
-struct Triangles<'a, L, S, C> {
+pub(super) struct Triangles<'a, 'b, L, S, C> {
     mesh: &'a MeshTree,
-    blocks: &'a AskedBlock<L>,
-    source: &'a S,
-    number: u32,
     /// In the instance's space.
-    ray: &'a WorldRay<f32>,
-    from: f32,
-    sides: Sides,
-    through_holes: bool,
-    collect: &'a mut C,
+    local: &'a Local<L>,
+    number: u32,
+    seen: &'a mut Seen<'b, S, C>,
 }
 
-impl<L: Lane, S: Parts, C: Collect> Visitor for Triangles<'_, L, S, C> {
+impl<L: Lane, S: Parts, C: Collect> Visitor for Triangles<'_, '_, L, S, C> {
     #[inline(always)]
     fn leaf(&mut self, first: u32, count: u32) -> f32 {
-        let mesh = self.mesh;
+        let (mesh, Local { ray, blocks }) = (self.mesh, self.local);
         for block in mesh.blocks(first, count) {
-            let mut remaining = self.blocks.may_hit(block);
+            let mut remaining = blocks.may_hit(block);
             while remaining != 0 {
                 let lane = remaining.trailing_zeros();
                 remaining &= remaining - 1;
                 let [a, b, c] = block.triangle(lane as usize);
                 let triangle = Triangle::new(a, b, c);
-                let relative = triangle.relative_to(self.ray.origin);
-                let found = intersect(self.ray, &relative, self.collect.limit());
+                let relative = triangle.relative_to(ray.origin);
+                let found = intersect(ray, &relative, self.seen.collect.limit());
                 if found.mask {
-                    self.offer(block.first + lane, &found, relative.front(found.t));
+                    self.seen.offer(self.number, block.first + lane, &found, relative.front(found.t));
                 }
             }
         }
-        self.collect.limit()
+        self.seen.collect.limit()
     }
 }
 
-impl<L, S: Parts, C: Collect> Triangles<'_, L, S, C> {
+impl<L, S: Parts, C: Collect> Triangles<'_, '_, L, S, C> {
     /// Asks a sphere.
     fn sphere(&mut self) {
-        let chord = Chord::new(self.ray);
+        let ray = &self.local.ray;
+        let chord = Chord::new(ray);
         for side in [ENTRY, EXIT] {
-            let found = chord.side(self.ray.direction, side, self.collect.limit());
+            let found = chord.side(ray.direction, side, self.seen.collect.limit());
             if found.mask {
-                self.offer(side, &found, side == ENTRY);
+                self.seen.offer(self.number, side, &found, side == ENTRY);
             }
-        }
-    }
-
-    /// Passes a hit on if the ray asks for it.
-    fn offer(&mut self, triangle: u32, found: &Intersection<f32>, is_front: bool) {
-        let is_side = match self.sides {
-            Sides::Fronts => is_front,
-            Sides::Backs => !is_front,
-            Sides::Both => true,
-            Sides::Drawn => is_front || self.source.instances()[self.number as usize].double_sided == 1,
-        };
-        let counts = is_side
-            && found.t >= self.from
-            && !(self.through_holes && self.source.is_hole(self.number, triangle, found));
-        if counts {
-            let &Intersection { t, u, v, .. } = found;
-            self.collect.take(Found { t, instance: self.number, triangle, u, v });
         }
     }
 }

@@ -17,7 +17,7 @@ pub(crate) const WIDTH: usize = 8;
 /// The bits of a slot.
 const SLOT: u32 = WIDTH as u32 - 1;
 /// The levels that most trees have at most.
-const SHALLOW: usize = 12;
+pub(crate) const SHALLOW: usize = 12;
 /// The count of a child that is a node.
 const INNER: u32 = u32::MAX;
 /// Where children are that are not there: no ray comes so far.
@@ -28,7 +28,7 @@ pub(crate) const NOWHERE: f32 = f32::MAX;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WideNode {
     /// Lower planes along x, y, z; then the upper ones.
-    planes: [[f32; WIDTH]; 6],
+    pub planes: [[f32; WIDTH]; 6],
     /// A node, or the first of the things that a leaf holds.
     first: [u32; WIDTH],
     /// How many a leaf holds; [`INNER`] for a node.
@@ -217,6 +217,19 @@ pub(crate) fn traverse<L: Lane>(
     tree: &WideTree,
     slacks: Option<&[[f32; WIDTH]]>,
     asked: &Asked<L>,
+    range: Range,
+    visitor: &mut impl Visitor,
+) {
+    traverse_from(tree, 0, slacks, asked, range, visitor);
+}
+
+/// [`traverse`], from a node on.
+#[inline(always)]
+pub(crate) fn traverse_from<L: Lane>(
+    tree: &WideTree,
+    mut index: u32,
+    slacks: Option<&[[f32; WIDTH]]>,
+    asked: &Asked<L>,
     mut range: Range,
     visitor: &mut impl Visitor,
 ) {
@@ -232,7 +245,6 @@ pub(crate) fn traverse<L: Lane>(
         &mut long
     };
     let mut depth = 0;
-    let mut index = 0;
     loop {
         let node = &nodes[index as usize];
         let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);
@@ -304,7 +316,7 @@ pub(crate) struct WideTree {
     /// The root first, and nodes before their children.
     pub nodes: Vec<WideNode>,
     /// The number of levels.
-    depth: usize,
+    pub depth: usize,
 }
 
 impl Default for WideTree {

@@ -222,7 +222,7 @@ impl Bounds {
         Self { low: node.low, high: node.high }
     }
     pub fn of(points: impl Iterator<Item = [f32; 3]>) -> Self {
-        points.fold(Self::EMPTY, |b, p| b.union(&Self { low: p, high: p }))
+        points.fold(Self::EMPTY, |b, p| b.union(&Self::at(p)))
     }
     #[inline]
     pub fn union(&self, other: &Self) -> Self {
@@ -240,6 +240,14 @@ impl Bounds {
     /// Whether the box holds no point.
     pub fn is_empty(&self) -> bool {
         self.low[0] > self.high[0]
+    }
+    /// That of a point.
+    pub fn at(point: [f32; 3]) -> Self {
+        Self { low: point, high: point }
+    }
+    /// The longest side; 0 if empty.
+    pub fn side(&self) -> f32 {
+        (0..3).fold(0.0, |longest, axis| (self.high[axis] - self.low[axis]).max(longest))
     }
     /// Half of the surface; 0 if empty.
     pub fn area(&self) -> f32 {

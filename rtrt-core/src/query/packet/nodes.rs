@@ -1,0 +1,361 @@
+//! How a packet asks nodes: first with bounds of all rays, then with those rays that came so far.
+
+use super::{FEW, GROUPS, PACKET, Set, each};
+use crate::kernel::ray::Ray as WorldRay;
+use crate::kernel::shear::Shear;
+use crate::kernel::slab::STRETCH;
+use crate::kernel::tiles::{Sign, separate_origins};
+use crate::kernel::traverse::STACK;
+use crate::lane::{Lane, Mask, Select, V3};
+use crate::query::ray::Scale;
+use crate::query::search::Collect;
+use crate::query::wide::{Child, SHALLOW, WIDTH, WideNode, WideTree};
+
+/// The numbers of a row from `first` on.
+#[inline(always)]
+pub(super) fn load<L: Lane>(token: L::Token, row: &[f32; WIDTH], first: usize) -> L {
+    L::from_fn(
+        token,
+        #[inline(always)]
+        |lane| row[first + lane],
+    )
+}
+
+/// The vectors of three rows from `first` on.
+#[inline(always)]
+fn load_v3<L: Lane>(token: L::Token, [x, y, z]: &[[f32; WIDTH]; 3], first: usize) -> V3<L> {
+    V3 { x: load(token, x, first), y: load(token, y, first), z: load(token, z, first) }
+}
+
+/// Three numbers, each in all lanes.
+#[inline(always)]
+fn splat<L: Lane>(token: L::Token, [x, y, z]: [f32; 3]) -> [L; 3] {
+    [L::splat(token, x), L::splat(token, y), L::splat(token, z)]
+}
+
+/// Rays side by side.
+#[derive(Clone, Copy)]
+pub(super) struct Group {
+    origin: [[f32; WIDTH]; 3],
+    direction: [[f32; WIDTH]; 3],
+    /// The starts, moved by as much as boxes are wider: what lower planes are measured from, and upper ones.
+    origins: [[[f32; WIDTH]; 3]; 2],
+    inverse: [[f32; WIDTH]; 3],
+    from: [f32; WIDTH],
+    /// How far each ray is still traced; −1 for one that is not.
+    pub limit: [f32; WIDTH],
+}
+
+impl Group {
+    /// Rays that are not traced.
+    const NOBODY: Self = Self {
+        origin: [[0.0; WIDTH]; 3],
+        direction: [[0.0; WIDTH]; 3],
+        origins: [[[0.0; WIDTH]; 3]; 2],
+        inverse: [[0.0; WIDTH]; 3],
+        from: [0.0; WIDTH],
+        limit: [-1.0; WIDTH],
+    };
+}
+
+/// The rays of a packet in one space, ready to ask nodes.
+pub(super) struct Asked<L> {
+    pub groups: [Group; GROUPS],
+    /// The rays that are still traced.
+    active: Set,
+    /// The largest limit.
+    limit: f32,
+    /// The largest start for lower planes, the least one for upper ones.
+    origins: [[L; 3]; 2],
+    /// The least reciprocal direction, the largest one.
+    inverse: [[L; 3]; 2],
+    signs: [Sign; 3],
+    magnitude: f32,
+}
+
+impl<L: Lane> Asked<L> {
+    /// The rays of a set. `magnitude` and `widening` are those of [`super::wide::Asked::new`]; `scales` have the starts
+    /// of their ranges.
+    #[inline(always)]
+    pub fn new<C: Collect>(
+        token: L::Token,
+        rays: &[WorldRay<f32>; PACKET],
+        set: Set,
+        magnitude: f32,
+        widening: f32,
+        scales: &[Scale; PACKET],
+        collect: &[C; PACKET],
+    ) -> Self {
+        let mut groups = [Group::NOBODY; GROUPS];
+        let (mut least, mut most) = ([L::splat(token, f32::MAX); 6], [L::splat(token, -f32::MAX); 6]);
+        let mut g = 0;
+        while g < GROUPS {
+            let group = &mut groups[g];
+            let mut lane = 0;
+            while lane < WIDTH {
+                let ray = &rays[g * WIDTH + lane];
+                let (origin, direction) = (ray.origin.lane(0), ray.direction.lane(0));
+                let inverse = ray.inverse.lane(0);
+                let mut axis = 0;
+                while axis < 3 {
+                    group.origin[axis][lane] = origin[axis];
+                    group.direction[axis][lane] = direction[axis];
+                    group.inverse[axis][lane] = inverse[axis];
+                    group.origins[0][axis][lane] = origin[axis] + widening;
+                    group.origins[1][axis][lane] = origin[axis] - widening;
+                    axis += 1;
+                }
+                group.from[lane] = scales[g * WIDTH + lane].from;
+                lane += 1;
+            }
+            let mut first = 0;
+            while first < WIDTH {
+                let mut axis = 0;
+                while axis < 3 {
+                    let inverse = load(token, &group.inverse[axis], first);
+                    least[axis] = least[axis].min(load(token, &group.origins[1][axis], first));
+                    most[axis] = most[axis].max(load(token, &group.origins[0][axis], first));
+                    least[3 + axis] = least[3 + axis].min(inverse);
+                    most[3 + axis] = most[3 + axis].max(inverse);
+                    axis += 1;
+                }
+                first += L::WIDTH;
+            }
+            g += 1;
+        }
+        let smallest = [0, 1, 2].map(
+            #[inline(always)]
+            |axis| least[axis].smallest(),
+        );
+        let largest = [0, 1, 2].map(
+            #[inline(always)]
+            |axis| most[axis].largest(),
+        );
+        let inverse = [3, 4, 5].map(
+            #[inline(always)]
+            |row| [least[row].smallest(), most[row].largest()],
+        );
+        let [x, y, z] = inverse;
+        let mut asked = Self {
+            groups,
+            active: set,
+            limit: -1.0,
+            origins: [splat(token, largest), splat(token, smallest)],
+            inverse: [splat(token, [x[0], y[0], z[0]]), splat(token, [x[1], y[1], z[1]])],
+            signs: [Sign::of(x[0], x[1]), Sign::of(y[0], y[1]), Sign::of(z[0], z[1])],
+            magnitude,
+        };
+        asked.limit(token, set, collect);
+        asked
+    }
+
+    /// The children that any of the rays may enter.
+    #[inline(always)]
+    fn bounds(&self, token: L::Token, node: &WideNode, slack: Option<&[f32; WIDTH]>) -> u32 {
+        let mut mask = 0;
+        let mut first = 0;
+        while first < WIDTH {
+            let pad = slack.map(
+                #[inline(always)]
+                |slack| load::<L>(token, slack, first) * L::splat(token, self.magnitude),
+            );
+            let (x0, x1) = self.cross(token, node, pad, first, 0);
+            let (y0, y1) = self.cross(token, node, pad, first, 1);
+            let (z0, z1) = self.cross(token, node, pad, first, 2);
+            let near = x0.max(y0).max(z0).max(L::splat(token, 0.0));
+            let far = x1.min(y1).min(z1) * STRETCH;
+            mask |= (!near.gt(far) & near.le(L::splat(token, self.limit))).bits() << first;
+            first += L::WIDTH;
+        }
+        mask
+    }
+
+    /// Bounds on where the rays cross the planes of the children from `first` on along an axis.
+    #[inline(always)]
+    fn cross(&self, token: L::Token, node: &WideNode, pad: Option<L>, first: usize, axis: usize) -> (L, L) {
+        let mut low = load::<L>(token, &node.planes[axis], first);
+        let mut high = load::<L>(token, &node.planes[3 + axis], first);
+        if let Some(pad) = pad {
+            (low, high) = (low - pad, high + pad);
+        }
+        let to = [low - self.origins[0][axis], high - self.origins[1][axis]];
+        separate_origins(self.signs[axis], to, self.inverse[0][axis], self.inverse[1][axis])
+    }
+
+    /// The rays of a set that may enter a child within their limits, and where the first of them does.
+    #[inline(always)]
+    fn enter(
+        &self,
+        token: L::Token,
+        node: &WideNode,
+        slack: Option<&[f32; WIDTH]>,
+        slot: usize,
+        set: Set,
+    ) -> (Set, f32) {
+        let slot = slot & (WIDTH - 1);
+        let pad = slack.map_or(0.0, |slack| slack[slot] * self.magnitude);
+        let [x0, y0, z0, x1, y1, z1] = node.planes.map(|plane| plane[slot]);
+        let low = splat::<L>(token, [x0 - pad, y0 - pad, z0 - pad]);
+        let high = splat::<L>(token, [x1 + pad, y1 + pad, z1 + pad]);
+        let (mut entered, mut first_near) = (0, L::splat(token, f32::MAX));
+        let mut g = 0;
+        while g < GROUPS {
+            let shift = (g * WIDTH) as u32;
+            if set >> shift & ((1 << WIDTH) - 1) != 0 {
+                let group = &self.groups[g];
+                let mut first = 0;
+                while first < WIDTH {
+                    let (x0, x1) = group.cross(token, &low, &high, first, 0);
+                    let (y0, y1) = group.cross(token, &low, &high, first, 1);
+                    let (z0, z1) = group.cross(token, &low, &high, first, 2);
+                    let near = x0.max(y0).max(z0).max(load(token, &group.from, first));
+                    let far = x1.min(y1).min(z1) * STRETCH;
+                    let is_entered = !near.gt(far) & near.le(load(token, &group.limit, first));
+                    first_near = first_near.min(is_entered.select(near, first_near));
+                    entered |= u64::from(is_entered.bits()) << (shift + first as u32);
+                    first += L::WIDTH;
+                }
+            }
+            g += 1;
+        }
+        (entered & set, first_near.smallest())
+    }
+
+    /// Takes over how far rays are still traced.
+    #[inline(always)]
+    pub fn limit<C: Collect>(&mut self, token: L::Token, set: Set, collect: &[C; PACKET]) {
+        each(
+            set,
+            #[inline(always)]
+            |number| {
+                let (group, lane) = (&mut self.groups[number / WIDTH], number % WIDTH);
+                let limit = collect[number].limit();
+                group.limit[lane] = limit;
+                self.active &= !(u64::from(limit < group.from[lane]) << number);
+            },
+        );
+        let mut most = L::splat(token, -1.0);
+        let mut g = 0;
+        while g < GROUPS {
+            let mut first = 0;
+            while first < WIDTH {
+                most = most.max(load(token, &self.groups[g].limit, first));
+                first += L::WIDTH;
+            }
+            g += 1;
+        }
+        self.limit = most.largest();
+    }
+}
+
+impl Group {
+    /// The rays from `first` on.
+    #[inline(always)]
+    pub fn rays<L: Lane>(&self, token: L::Token, first: usize) -> WorldRay<L> {
+        let (origin, direction) =
+            (load_v3(token, &self.origin, first), load_v3(token, &self.direction, first));
+        let inverse = load_v3(token, &self.inverse, first);
+        WorldRay { origin, direction, inverse, shear: Shear::new(direction, inverse) }
+    }
+
+    /// Where the rays from `first` on cross the planes of a box along an axis: where they enter and where they leave.
+    #[inline(always)]
+    fn cross<L: Lane>(
+        &self,
+        token: L::Token,
+        low: &[L; 3],
+        high: &[L; 3],
+        first: usize,
+        axis: usize,
+    ) -> (L, L) {
+        let inverse: L = load(token, &self.inverse[axis], first);
+        let p = (low[axis] - load::<L>(token, &self.origins[0][axis], first)) * inverse;
+        let q = (high[axis] - load::<L>(token, &self.origins[1][axis], first)) * inverse;
+        (p.min(q), p.max(q))
+    }
+}
+
+/// A child that waits.
+#[derive(Clone, Copy)]
+struct Waiting {
+    /// No more than where the first of its rays enters it.
+    near: f32,
+    node: u32,
+    slot: u32,
+    set: Set,
+}
+
+/// Something that looks at what rays come through.
+pub(super) trait PacketVisitor<L: Lane> {
+    /// Looks at a leaf.
+    fn leaf(&mut self, token: L::Token, first: u32, count: u32, set: Set, asked: &mut Asked<L>);
+    /// Follows few rays one by one from a node on.
+    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>);
+}
+
+/// Shows a visitor the leaves that rays may hit within their limits, roughly from near to far.
+#[inline(always)]
+pub(super) fn traverse<L: Lane>(
+    token: L::Token,
+    tree: &WideTree,
+    slacks: Option<&[[f32; WIDTH]]>,
+    asked: &mut Asked<L>,
+    visitor: &mut impl PacketVisitor<L>,
+) {
+    const NOTHING: Waiting = Waiting { near: 0.0, node: 0, slot: 0, set: 0 };
+    // A stack is cleared for each search: most trees need a short one.
+    let (mut short, mut long);
+    let stack: &mut [Waiting] = if tree.depth <= SHALLOW {
+        short = [NOTHING; WIDTH * SHALLOW];
+        &mut short
+    } else {
+        long = [NOTHING; WIDTH * STACK];
+        &mut long
+    };
+    let mut depth = 0;
+    let (mut index, mut set) = (0, asked.active);
+    loop {
+        let node = &tree.nodes[index as usize];
+        let slack = slacks.map(|slacks| &slacks[index as usize]);
+        let mut remaining = asked.bounds(token, node, slack);
+        let first = depth;
+        while remaining != 0 {
+            let slot = remaining.trailing_zeros();
+            remaining &= remaining - 1;
+            let (entered, near) = asked.enter(token, node, slack, slot as usize, set);
+            if entered != 0 {
+                let mut at = depth;
+                while at > first && stack[at - 1].near < near {
+                    stack[at] = stack[at - 1];
+                    at -= 1;
+                }
+                stack[at] = Waiting { near, node: index, slot, set: entered };
+                depth += 1;
+            }
+        }
+        // The next node: leaves on the way are looked at.
+        (index, set) = loop {
+            if depth == 0 || asked.active == 0 {
+                return;
+            }
+            depth -= 1;
+            let Waiting { near, node: parent, slot, set } = stack[depth];
+            let set = set & asked.active;
+            if near > asked.limit || set == 0 {
+                continue;
+            }
+            let node = &tree.nodes[parent as usize];
+            match node.child(slot as usize) {
+                Child::Node(child) if set.count_ones() > FEW => break (child, set),
+                Child::Node(child) => visitor.few(token, child, set, asked),
+                Child::Leaf(first, count) => {
+                    let slack = slacks.map(|slacks| &slacks[parent as usize]);
+                    let (set, _) = asked.enter(token, node, slack, slot as usize, set);
+                    if set != 0 && count > 0 {
+                        visitor.leaf(token, first, count, set, asked);
+                    }
+                }
+            }
+        };
+    }
+}
