@@ -102,6 +102,13 @@ pub trait Lane:
     /// How many numbers there are side by side.
     const WIDTH: usize;
 
+    /// Runs `work` with the lanes' instructions, as a function of its own: what is inlined in many places takes the
+    /// compiler far longer.
+    #[inline(never)]
+    fn outlined<R>(_: Self::Token, work: impl FnOnce() -> R) -> R {
+        work()
+    }
+
     /// `value` in every lane.
     fn splat(token: Self::Token, value: f32) -> Self;
     /// `N` numbers whose lanes 0, 1, … are `f(0)`, `f(1)`, ….

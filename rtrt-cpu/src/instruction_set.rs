@@ -182,9 +182,6 @@ impl InstructionSet {
     /// Runs work that has no use for more than eight lanes.
     pub fn run_eight<W: EightTask>(self, work: W) -> W::Output {
         match self {
-            Self::Scalar => work.run::<f32>(()),
-            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            Self::Avx512(_) => work.run::<f32>(()),
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             Self::Avx2(token) => token.vectorize(
                 #[inline(always)]
@@ -202,6 +199,7 @@ impl InstructionSet {
             ),
             #[cfg(all(feature = "simd", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
             Self::Baseline(level) => fearless_simd::dispatch!(level, token => work.run::<Float8<_>>(token)),
+            _ => work.run::<f32>(()),
         }
     }
 }

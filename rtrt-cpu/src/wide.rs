@@ -1,4 +1,4 @@
-//! Lanes whose work can be compiled in parts: 1 number, and with the feature `simd` 8 and 16.
+//! Lanes that slices of words are read into and written from: 1 number, and with the feature `simd` 8 and 16.
 
 #[cfg(feature = "simd")]
 mod simd;
@@ -9,11 +9,8 @@ pub use simd::Float8;
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 pub use simd::Float16;
 
-/// Lanes whose work can be compiled in parts.
+/// Lanes that slices of words are read into and written from.
 pub trait Wide: Lane {
-    /// Runs `work` with the lanes' instructions, as a function of its own: one function of all
-    /// stages takes the compiler far longer than one for each.
-    fn outlined<R>(token: Self::Token, work: impl FnOnce() -> R) -> R;
     /// The words that a slice begins with.
     fn load(token: Self::Token, words: &[u32]) -> Self::Bits;
     /// Makes a slice begin with these words.
@@ -21,10 +18,6 @@ pub trait Wide: Lane {
 }
 
 impl Wide for f32 {
-    #[inline(never)]
-    fn outlined<R>((): (), work: impl FnOnce() -> R) -> R {
-        work()
-    }
     #[inline(always)]
     fn load((): (), words: &[u32]) -> Word {
         Word(words[0])

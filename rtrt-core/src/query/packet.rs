@@ -13,7 +13,7 @@ use super::ray::{QueryError, Ray, Scale, ScaledRay};
 use super::search::{Collect, Instances, Limits, Local, MergedLeaves, Seen, skipped};
 use super::source::Parts;
 use super::tree::Tree;
-use super::wide::{Asked as WideAsked, Visitor, WIDTH, traverse_from};
+use super::wide::{Visitor, WIDTH};
 use crate::kernel::ray::Ray as WorldRay;
 use crate::kernel::slab::RelativeBox;
 use crate::kernel::triangle::{Intersection, Triangle, intersect, passing};
@@ -244,16 +244,13 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for MergedVisitor<'_, S, C>
     #[inline(always)]
     fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>) {
         let Self { rays, packet, world, .. } = *self;
-        let merged = &world.tree.instances.merged;
         each(
             set,
             #[inline(always)]
             |ray| {
                 let local = Local::<L>::new(token, rays[ray]);
                 let mut seen = packet.seen(world, ray, &mut self.collect[ray]);
-                let (nodes, range) = (local.nodes(token, &merged.bounds), seen.range());
-                let mut leaves = MergedLeaves::<L, S, _> { local: &local, seen: &mut seen };
-                traverse_from(&merged.tree, node, None, &nodes, range, &mut leaves);
+                MergedLeaves::<L, S, _> { local: &local, seen: &mut seen }.search_outlined(token, node);
             },
         );
         asked.limit(token, set, self.collect);
@@ -278,7 +275,7 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for InstanceVisitor<'_, S, 
                 #[inline(always)]
                 |ray| {
                     let seen = packet.seen(world, ray, &mut self.collect[ray]);
-                    Instances::<L, S, _> { token, ray: packet.rays[ray], seen }.leaf(number, count);
+                    Instances::<L, S, _, true> { token, ray: packet.rays[ray], seen }.leaf(number, count);
                 },
             );
         } else {
@@ -302,16 +299,12 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for InstanceVisitor<'_, S, 
     #[inline(always)]
     fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>) {
         let Self { packet, world, .. } = *self;
-        let top = &world.tree.instances;
         each(
             set,
             #[inline(always)]
             |ray| {
                 let (seen, ray) = (packet.seen(world, ray, &mut self.collect[ray]), packet.rays[ray]);
-                let nodes = WideAsked::<L>::new(token, &ray, world.limits.magnitude, 0.0);
-                let range = seen.range();
-                let mut instances = Instances::<L, S, _> { token, ray, seen };
-                traverse_from(&top.tree, node, Some(&top.slacks), &nodes, range, &mut instances);
+                Instances::<L, S, _, true> { token, ray, seen }.search_outlined(node, world.limits.magnitude);
             },
         );
         asked.limit(token, set, self.collect);
@@ -359,16 +352,13 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for TriangleVisitor<'_, S, 
     fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>) {
         let Self { packet, world, number, .. } = *self;
         let entry = &world.tree.instances.entries[number as usize];
-        let mesh = &world.tree.meshes[entry.mesh as usize];
         each(
             set,
             #[inline(always)]
             |ray| {
                 let local = Local::<L>::new(token, self.rays[ray]);
                 let mut seen = packet.seen(world, ray, &mut self.collect[ray]);
-                let (nodes, range) = (local.nodes(token, &mesh.bounds), seen.range());
-                let mut triangles = seen.triangles(number, entry, &local);
-                traverse_from(&mesh.tree, node, None, &nodes, range, &mut triangles);
+                seen.triangles(number, entry, &local).search_outlined(token, node);
             },
         );
         asked.limit(token, set, self.collect);
@@ -439,7 +429,6 @@ impl<S: Parts, C: Collect> TriangleVisitor<'_, S, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::plain::Plain;
     use crate::query::fixture::{Random, add, strewn};
     use crate::query::{Hit, Sides, World};
     use crate::scene::{Material, Scene, Sequential};
@@ -471,17 +460,15 @@ mod tests {
         (0..count).map(|_| ray()).collect()
     }
 
-    /// With eight lanes.
     fn closest(world: &World<'_>, rays: &[Ray]) -> Vec<Result<Option<Hit>, QueryError>> {
         let mut hits = vec![Ok(Some(Hit::NONE)); rays.len()];
-        world.closest_each_with::<Plain<8>>((), rays, &mut hits);
+        world.closest_each(rays, &mut hits);
         hits
     }
 
-    /// With eight lanes.
     fn occluded(world: &World<'_>, rays: &[Ray]) -> Vec<Result<bool, QueryError>> {
         let mut occluded = vec![Ok(false); rays.len()];
-        world.occluded_each_with::<Plain<8>>((), rays, &mut occluded);
+        world.occluded_each(rays, &mut occluded);
         occluded
     }
 

@@ -2,7 +2,7 @@
 
 use super::block::AskedBlock;
 use super::instances::Entry;
-use super::merged::MergedLeaf;
+use super::merged::{MergedLeaf, Space};
 use super::ray::{Ray, ScaledRay, Sides};
 use super::source::Parts;
 use super::tree::{MeshTree, Tree};
@@ -62,22 +62,16 @@ pub(crate) fn search<L: Lane, S: Parts>(
     collect: &mut impl Collect,
 ) {
     let Limits { magnitude, mask } = limits;
-    let top = &tree.instances;
     let skip = skipped(source, asked);
     let mut seen = Seen { tree, source, asked, mask, from: scaled.scale.from, skip, collect };
-    if !top.merged.leaves.is_empty() {
-        let space = &top.merged.space;
-        let local = Local::<L>::placed(token, scaled.ray, space.is_identity, &space.to_object);
-        let nodes = local.nodes(token, &top.merged.bounds);
-        let range = seen.range();
-        let mut merged = MergedLeaves::<L, S, _> { local: &local, seen: &mut seen };
-        traverse(&top.merged.tree, None, &nodes, range, &mut merged);
+    let merged = &tree.instances.merged;
+    if !merged.leaves.is_empty() {
+        let Space { is_identity, to_object, .. } = &merged.space;
+        let local = Local::<L>::placed(token, scaled.ray, *is_identity, to_object);
+        MergedLeaves::<L, S, _> { local: &local, seen: &mut seen }.search(token, 0);
     }
-    let range = seen.range();
-    if range.limit >= range.from {
-        let wide = Asked::<L>::new(token, &scaled.ray, magnitude, 0.0);
-        let mut instances = Instances::<L, S, _> { token, ray: scaled.ray, seen };
-        traverse(&top.tree, Some(&top.slacks), &wide, range, &mut instances);
+    if seen.collect.limit() >= seen.from {
+        Instances::<L, S, _, false> { token, ray: scaled.ray, seen }.search(0, magnitude);
     }
 }
 
@@ -108,7 +102,7 @@ impl<L: Lane> Local<L> {
 
     /// The ray, ready to ask the nodes of the mesh. `bounds` are those of the mesh, or larger.
     #[inline(always)]
-    pub fn nodes(&self, token: L::Token, Bounds { low, high }: &Bounds) -> Asked<L> {
+    fn nodes(&self, token: L::Token, Bounds { low, high }: &Bounds) -> Asked<L> {
         let reach = RelativeBox::new(self.ray.origin, low, high).reach();
         Asked::new(token, &self.ray, 0.0, passing(reach, low, high))
     }
@@ -189,14 +183,33 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for MergedLeaves<'_, '_, L, S, C> {
     }
 }
 
-/// Looks at instances.
-pub(super) struct Instances<'a, L: Lane, S, C> {
+impl<L: Lane, S: Parts, C: Collect> MergedLeaves<'_, '_, L, S, C> {
+    /// Searches the tree from a node on.
+    #[inline(always)]
+    fn search(&mut self, token: L::Token, node: u32) {
+        let (merged, range) = (&self.seen.tree.instances.merged, self.seen.range());
+        let nodes = self.local.nodes(token, &merged.bounds);
+        traverse(&merged.tree, node, None, &nodes, range, self);
+    }
+
+    /// The same in a function of its own.
+    pub fn search_outlined(&mut self, token: L::Token, node: u32) {
+        L::outlined(
+            token,
+            #[inline(always)]
+            || self.search(token, node),
+        );
+    }
+}
+
+/// Looks at instances. `OUTLINED` leaves the search of a mesh to a function of its own.
+pub(super) struct Instances<'a, L: Lane, S, C, const OUTLINED: bool> {
     pub token: L::Token,
     pub ray: WorldRay<f32>,
     pub seen: Seen<'a, S, C>,
 }
 
-impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
+impl<L: Lane, S: Parts, C: Collect, const OUTLINED: bool> Visitor for Instances<'_, L, S, C, OUTLINED> {
     #[inline(always)]
     fn leaf(&mut self, number: u32, count: u32) -> f32 {
         // What is hidden or merged is not in its leaf.
@@ -208,16 +221,35 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Instances<'_, L, S, C> {
         if !self.seen.sees(number, entry) {
             return self.seen.collect.limit();
         }
-        let mesh = &tree.meshes[entry.mesh as usize];
         let local = Local::<L>::placed(self.token, self.ray, entry.is_identity, &entry.to_object);
-        let range = self.seen.range();
         let mut triangles = self.seen.triangles(number, entry, &local);
         if entry.is_sphere {
             triangles.sphere();
+        } else if OUTLINED {
+            triangles.search_outlined(self.token, 0);
         } else {
-            traverse(&mesh.tree, None, &local.nodes(self.token, &mesh.bounds), range, &mut triangles);
+            triangles.search(self.token, 0);
         }
         self.seen.collect.limit()
+    }
+}
+
+impl<L: Lane, S: Parts, C: Collect, const OUTLINED: bool> Instances<'_, L, S, C, OUTLINED> {
+    /// Searches the tree from a node on. `magnitude` is the largest coordinate of the world and the ray's start.
+    #[inline(always)]
+    fn search(&mut self, node: u32, magnitude: f32) {
+        let (top, range) = (&self.seen.tree.instances, self.seen.range());
+        let nodes = Asked::<L>::new(self.token, &self.ray, magnitude, 0.0);
+        traverse(&top.tree, node, Some(&top.slacks), &nodes, range, self);
+    }
+
+    /// The same in a function of its own.
+    pub fn search_outlined(&mut self, node: u32, magnitude: f32) {
+        L::outlined(
+            self.token,
+            #[inline(always)]
+            || self.search(node, magnitude),
+        );
     }
 }
 
@@ -252,7 +284,24 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for Triangles<'_, '_, L, S, C> {
     }
 }
 
-impl<L, S: Parts, C: Collect> Triangles<'_, '_, L, S, C> {
+impl<L: Lane, S: Parts, C: Collect> Triangles<'_, '_, L, S, C> {
+    /// Searches the mesh's tree from a node on.
+    #[inline(always)]
+    fn search(&mut self, token: L::Token, node: u32) {
+        let (mesh, range) = (self.mesh, self.seen.range());
+        let nodes = self.local.nodes(token, &mesh.bounds);
+        traverse(&mesh.tree, node, None, &nodes, range, self);
+    }
+
+    /// The same in a function of its own.
+    pub fn search_outlined(&mut self, token: L::Token, node: u32) {
+        L::outlined(
+            token,
+            #[inline(always)]
+            || self.search(token, node),
+        );
+    }
+
     /// Asks a sphere.
     fn sphere(&mut self) {
         let ray = &self.local.ray;

@@ -210,22 +210,10 @@ pub(crate) trait Visitor {
     fn leaf(&mut self, first: u32, count: u32) -> f32;
 }
 
-/// Shows a visitor the leaves that a ray may hit within its range, roughly from near to far. `slacks` are those of the
-/// nodes' children, if they have any.
+/// Shows a visitor the leaves below a node that a ray may hit within its range, roughly from near to far. `slacks` are
+/// those of the nodes' children, if they have any.
 #[inline(always)]
 pub(crate) fn traverse<L: Lane>(
-    tree: &WideTree,
-    slacks: Option<&[[f32; WIDTH]]>,
-    asked: &Asked<L>,
-    range: Range,
-    visitor: &mut impl Visitor,
-) {
-    traverse_from(tree, 0, slacks, asked, range, visitor);
-}
-
-/// [`traverse`], from a node on.
-#[inline(always)]
-pub(crate) fn traverse_from<L: Lane>(
     tree: &WideTree,
     mut index: u32,
     slacks: Option<&[[f32; WIDTH]]>,

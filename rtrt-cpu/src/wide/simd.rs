@@ -144,10 +144,6 @@ macro_rules! lane {
         }
 
         impl<S: Simd> Wide for $float<S> {
-            #[inline(never)]
-            fn outlined<R>(token: S, work: impl FnOnce() -> R) -> R {
-                token.vectorize(work)
-            }
             #[inline(always)]
             fn load(token: S, words: &[u32]) -> $bits<S> {
                 $bits($u::from_slice(token, &words[..$width]))
@@ -166,6 +162,10 @@ macro_rules! lane {
 
             const WIDTH: usize = $width;
 
+            #[inline(never)]
+            fn outlined<R>(token: S, work: impl FnOnce() -> R) -> R {
+                token.vectorize(work)
+            }
             #[inline(always)]
             fn splat(token: S, value: f32) -> Self {
                 Self($f::splat(token, value))
