@@ -245,6 +245,18 @@ fn compare(world: &World<'_>, scene: &Scene, masks: &[u32], ray: &Ray) -> usize 
     let closest = world.closest(ray).expect("a ray");
     assert_eq!(closest.as_ref().map(row), every.first().copied(), "{ray:?}");
     assert_eq!(world.occluded(ray), Ok(!every.is_empty()), "{ray:?}");
+    // Beside rays to elsewhere.
+    let [x, y, z] = ray.direction;
+    let elsewhere = Ray { direction: [y, z, -x], ..*ray };
+    let rays: [Ray; 20] = core::array::from_fn(|i| if i % 3 == 1 { elsewhere } else { *ray });
+    let (mut together, mut occluded) = ([Ok(None); 20], [Ok(false); 20]);
+    world.closest_each(&rays, &mut together);
+    world.occluded_each(&rays, &mut occluded);
+    for i in [0, 2, 17, 18] {
+        let hit = together[i].expect("a ray");
+        assert_eq!(hit.as_ref().map(row), every.first().copied(), "{ray:?}");
+        assert_eq!(occluded[i], Ok(!every.is_empty()), "{ray:?}");
+    }
     let mut hits = [Hit::NONE; 9];
     for size in [0, 1, 9] {
         let count = world.all(ray, &mut hits[..size]).expect("a ray");
@@ -529,6 +541,10 @@ fn ask_everything<S: Source>(world: &World<'_, S>, ray: &Ray, hit: &Hit) {
     let mut hits = [*hit; 3];
     let _ = world.closest(ray);
     let _ = world.occluded(ray);
+    let usual = Ray::new([1.0, 2.0, 9.0], [0.1, -0.2, -1.0]);
+    let rays: [Ray; 20] = core::array::from_fn(|i| if i % 2 == 1 { usual } else { *ray });
+    world.closest_each(&rays, &mut [Ok(None); 20]);
+    world.occluded_each(&rays, &mut [Ok(true); 20]);
     let _ = world.all(ray, &mut hits);
     let _ = world.closest_where(ray, |hit| hit.u > 0.3);
     let _ = (world.surface(hit), world.source_triangle(hit), world.user_data(hit.instance));

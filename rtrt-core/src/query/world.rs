@@ -125,7 +125,7 @@ impl<'a, S: Source> World<'a, S> {
     }
 
     /// The closest hit of each ray, as [`World::closest`] finds it. 64 rays that follow one another in the slices are
-    /// traced together, which takes less time if they start near to each other; nearer still if they run in almost the
+    /// traced together where they start near to each other. That takes less time, least where they also run in almost the
     /// same direction, as those of a picture's row do. A ray that is refused has an error of its own. What is beyond the
     /// shorter slice is left alone.
     pub fn closest_each(&self, rays: &[Ray], hits: &mut [Result<Option<Hit>, QueryError>]) {

@@ -111,7 +111,7 @@ impl Image {
             let finer_texels = &texels[start..];
             let coarser = if is_normal {
                 normals = filled(size, join, |at| mean_normal(finer_texels, &normals, finer, size, at));
-                normals.iter().copied().map(encode_normal).collect()
+                filled(size, join, |[x, y]| encode_normal(normals[(y * size[0] + x) as usize]))
             } else {
                 filled(size, join, |at| channels.average(finer_texels, finer, covered(finer, size, at)))
             };
@@ -147,6 +147,7 @@ fn covered(finer: [u32; 2], coarser: [u32; 2], at: [u32; 2]) -> [Range<u32>; 2] 
 
 /// The mean of the normals of the finer level that one texel of the coarser covers. Those of the finest level,
 /// of length 1, are in `texels`, those of others in `normals`.
+#[inline]
 fn mean_normal(
     texels: &[u32],
     normals: &[[f32; 3]],
@@ -159,21 +160,24 @@ fn mean_normal(
     let mut sum = [0.0_f32; 3];
     for place in rows.flat_map(|y| columns.clone().map(move |x| (y * finer[0] + x) as usize)) {
         let normal = normals.get(place).copied().unwrap_or_else(|| decode_normal(texels[place]));
-        sum = [0, 1, 2].map(|axis| sum[axis] + normal[axis]);
+        sum = [sum[0] + normal[0], sum[1] + normal[1], sum[2] + normal[2]];
     }
-    sum.map(|sum| sum / count)
+    [sum[0] / count, sum[1] / count, sum[2] / count]
 }
 
 /// The normal of a texel of the finest level; straight up where it has no length.
+#[inline]
 fn decode_normal(texel: u32) -> [f32; 3] {
-    let normal = [0, 8, 16].map(|shift| (texel >> shift & 255) as f32 / 127.5 - 1.0);
-    unit(normal).map_or([0.0, 0.0, 1.0], |(normal, _)| normal)
+    let [x, y, z, _] = texel.to_le_bytes();
+    let coordinate = |byte: u8| f32::from(byte) / 127.5 - 1.0;
+    unit([coordinate(x), coordinate(y), coordinate(z)]).map_or([0.0, 0.0, 1.0], |(normal, _)| normal)
 }
 
 /// The vector at length 1, and its length; none for one that is too short.
+#[inline]
 fn unit(v: [f32; 3]) -> Option<([f32; 3], f32)> {
     let length = libm::sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    (length > 1e-3).then(|| (v.map(|c| c / length), length))
+    (length > 1e-3).then(|| ([v[0] / length, v[1] / length, v[2] / length], length))
 }
 
 /// The texel of a mean of normals: its direction, and, as alpha, the deviation of the normals, 0 ..= 1. Of
@@ -182,11 +186,13 @@ fn unit(v: [f32; 3]) -> Option<([f32; 3], f32)> {
 /// ```text
 /// v = 2 (1 − |mean|) / |mean|
 /// ```
+#[inline]
 fn encode_normal(mean: [f32; 3]) -> u32 {
     let (normal, length) = unit(mean).unwrap_or(([0.0, 0.0, 1.0], 0.0));
     let deviation = libm::sqrtf((2.0 * (1.0 - length)).max(0.0) / length.max(1e-3)).min(1.0);
-    let [r, g, b] = normal.map(|c| byte((c * 0.5 + 0.5).clamp(0.0, 1.0)));
-    r | g << 8 | b << 16 | byte(deviation) << 24
+    let coordinate = |c: f32| byte((c * 0.5 + 0.5).clamp(0.0, 1.0));
+    let [x, y, z] = normal;
+    coordinate(x) | coordinate(y) << 8 | coordinate(z) << 16 | byte(deviation) << 24
 }
 
 /// What the bytes of texels mean.
