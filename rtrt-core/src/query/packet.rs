@@ -8,7 +8,7 @@ mod nodes;
 
 use super::block::Block;
 use super::instances::Entry;
-use super::merged::MergedLeaf;
+use super::merged::{MergedLeaf, Space};
 use super::ray::{QueryError, Ray, Scale, ScaledRay};
 use super::search::{Collect, Instances, Limits, Local, MergedLeaves, Seen, skipped};
 use super::source::Parts;
@@ -118,8 +118,7 @@ impl<'a> Packet<'a> {
         )
     }
 
-    /// Shows the collector of each ray every hit that can change the result. `magnitude` is the largest coordinate of
-    /// the world and the rays' starts; `mask` has the groups of instances that count.
+    /// Shows the collector of each ray every hit that can change its result.
     #[inline(always)]
     pub fn search<L: Lane, S: Parts, C: Collect>(
         &self,
@@ -129,14 +128,9 @@ impl<'a> Packet<'a> {
     ) {
         let top = &world.tree.instances;
         if !top.merged.leaves.is_empty() {
-            let space = &top.merged.space;
-            let local;
-            let rays = if space.is_identity {
-                &self.rays
-            } else {
-                local = transformed(&self.rays, self.traced, &space.to_object);
-                &local
-            };
+            let Space { is_identity, to_object, .. } = &top.merged.space;
+            let mut local = None;
+            let rays = placed(&self.rays, self.traced, *is_identity, to_object, &mut local);
             let widening = widening(rays, &top.merged.bounds);
             let mut asked = Asked::<L>::new(token, rays, self.traced, 0.0, widening, &self.scales, collect);
             let mut merged = MergedVisitor { rays, packet: self, world, collect };
@@ -178,6 +172,7 @@ impl<'a> Packet<'a> {
 pub(super) struct Searched<'a, S> {
     pub tree: &'a Tree,
     pub source: &'a S,
+    /// Those for all rays.
     pub limits: Limits,
 }
 
@@ -189,15 +184,20 @@ impl<S> Clone for Searched<'_, S> {
 
 impl<S> Copy for Searched<'_, S> {}
 
-/// The rays of a set in the space of an object; the others are copies of the first.
+/// The rays of a set in the space of an object, perhaps in `local`; the others are copies of the first.
 #[inline(always)]
-fn transformed(
-    rays: &[WorldRay<f32>; PACKET],
+fn placed<'a>(
+    rays: &'a [WorldRay<f32>; PACKET],
     set: Set,
+    is_identity: bool,
     to_object: &[[f32; 4]; 3],
-) -> [WorldRay<f32>; PACKET] {
+    local: &'a mut Option<[WorldRay<f32>; PACKET]>,
+) -> &'a [WorldRay<f32>; PACKET] {
+    if is_identity {
+        return rays;
+    }
     let first = rays[set.trailing_zeros() as usize & (PACKET - 1)].transformed(to_object);
-    let mut local = [first; PACKET];
+    let local = local.insert([first; PACKET]);
     each(
         set,
         #[inline(always)]
@@ -281,13 +281,8 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for InstanceVisitor<'_, S, 
         } else {
             let seeing = packet.seeing(world, set, number, entry);
             let mesh = &world.tree.meshes[entry.mesh as usize];
-            let local;
-            let rays = if entry.is_identity {
-                &packet.rays
-            } else {
-                local = transformed(&packet.rays, seeing, &entry.to_object);
-                &local
-            };
+            let mut local = None;
+            let rays = placed(&packet.rays, seeing, entry.is_identity, &entry.to_object, &mut local);
             let widening = widening(rays, &mesh.bounds);
             let mut asked = Asked::<L>::new(token, rays, seeing, 0.0, widening, &packet.scales, self.collect);
             let mut triangles = TriangleVisitor { rays, packet, world, number, collect: &mut *self.collect };
