@@ -20,8 +20,8 @@
 //!              . ...
 //! ```
 //!
-//! 256 rays from each point, traced together; `floor.pgm` has a pixel for each. The loop does not allocate, and the picture has the same
-//! bytes on every machine.
+//! 256 rays from each point, traced together; `floor.pgm` has a pixel for each. The loop does not allocate, and the
+//! picture has the same bytes on every machine.
 
 use glam::{Mat4, Vec3};
 use rtrt_core::query::{QueryError, Ray, Tree, World};

@@ -252,7 +252,7 @@ fn compare(world: &World<'_>, scene: &Scene, masks: &[u32], ray: &Ray) -> usize 
     let (mut together, mut occluded) = ([Ok(None); 20], [Ok(false); 20]);
     world.closest_each(&rays, &mut together);
     world.occluded_each(&rays, &mut occluded);
-    for i in [0, 2, 17, 18] {
+    for i in (0..20).filter(|i| i % 3 != 1) {
         let hit = together[i].expect("a ray");
         assert_eq!(hit.as_ref().map(row), every.first().copied(), "{ray:?}");
         assert_eq!(occluded[i], Ok(!every.is_empty()), "{ray:?}");

@@ -1,5 +1,6 @@
 //! The triangles of a leaf, side by side: a ray asks eight at once which of them it may hit.
 
+use super::rows::load_v3;
 use super::wide::WIDTH;
 use crate::kernel::ray::Ray;
 use crate::kernel::triangle::may_meet;
@@ -46,15 +47,7 @@ impl Block {
     /// A corner of the triangles from `first` on.
     #[inline(always)]
     fn corner<L: Lane>(&self, token: L::Token, corner: usize, first: usize) -> V3<L> {
-        let row = |axis: usize| {
-            let row = &self.corners[corner][axis];
-            L::from_fn(
-                token,
-                #[inline(always)]
-                |lane| row[first + lane],
-            )
-        };
-        V3 { x: row(0), y: row(1), z: row(2) }
+        load_v3(token, &self.corners[corner], first)
     }
 }
 

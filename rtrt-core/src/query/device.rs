@@ -179,9 +179,9 @@ impl DeviceWorld {
         let holes = if ray.through_holes { RayRecord::THROUGH_HOLES } else { 0 };
         Ok(RayRecord {
             origin: ray.origin,
-            from: scaled.scale.from,
+            from: scaled.span.from,
             direction: scaled.ray.direction.lane(0),
-            to: scaled.scale.to,
+            to: scaled.span.to,
             mask: ray.mask,
             skip: ray.skip.filter(is_here).map_or(NONE, |skip| skip.number),
             options: sides | holes,
@@ -194,7 +194,7 @@ impl DeviceWorld {
         let scaled = ray.scaled().ok()?;
         let &HitRecord { t, instance, triangle, u, v } = found;
         let instance = *self.indices.get(instance as usize)?;
-        Some(Hit { t: scaled.scale.t(t), instance, triangle, u, v })
+        Some(Hit { t: scaled.span.t(t), instance, triangle, u, v })
     }
 }
 

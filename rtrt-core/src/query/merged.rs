@@ -266,15 +266,14 @@ mod tests {
                 let relative = Triangle::new(a, b, c).relative_to(local.origin);
                 let hit = intersect(&local, &relative, f32::MAX);
                 let found = Found { t: hit.t, instance: number, triangle, u: hit.u, v: hit.v };
-                if hit.mask && found.t >= scaled.scale.from && best.is_none_or(|best| found.is_before(&best))
-                {
+                if hit.mask && found.t >= scaled.span.from && best.is_none_or(|best| found.is_before(&best)) {
                     best = Some(found);
                 }
             }
         }
         best.map(|found| {
             (
-                scaled.scale.t(found.t).to_bits(),
+                scaled.span.t(found.t).to_bits(),
                 found.instance,
                 found.triangle,
                 found.u.to_bits(),

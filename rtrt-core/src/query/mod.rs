@@ -20,7 +20,7 @@
 //! | to | call |
 //! |---|---|
 //! | ask for a hit, or whether there is one | [`World::closest`], [`World::occluded`] |
-//! | ask many rays, 64 of which are traced together | [`World::closest_each`], [`World::occluded_each`] |
+//! | ask many rays, which are traced together by 64 | [`World::closest_each`], [`World::occluded_each`] |
 //! | ask for all hits on a ray, in order | [`World::all`] |
 //! | decide which hits count | [`World::closest_where`], [`World::occluded_where`], [`World::all_where`] |
 //! | ask what is near, or what a box or a ball overlaps | [`World::nearest`], [`World::overlaps`], [`World::overlapped_instances`] |
@@ -51,6 +51,7 @@ mod near;
 mod overlap;
 mod packet;
 mod ray;
+mod rows;
 mod search;
 mod seek;
 mod shape;

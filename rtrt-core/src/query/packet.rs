@@ -1,25 +1,26 @@
-//! Rays that are asked together: a node is read once for all of them, and a triangle for eight. Each ray's hits are
-//! those that it has alone.
+//! Rays that are traced together: a node is read once for 64 of them, a triangle once for eight. Each has the hits
+//! that it has alone.
 //!
-//! Rays that have come apart go on one by one (after Benthin et al., "Combining Single and Packet-Ray Tracing for
+//! Rays that have gone different ways go on one by one (after Benthin et al., "Combining Single and Packet-Ray Tracing for
 //! Arbitrary Ray Distributions on the Intel MIC Architecture", TVCG 2012).
 
 mod nodes;
+mod visitors;
 
-use super::block::Block;
 use super::instances::Entry;
-use super::merged::{MergedLeaf, Space};
-use super::ray::{QueryError, Ray, Scale, ScaledRay};
-use super::search::{Collect, Instances, Limits, Local, MergedLeaves, Seen, skipped};
+use super::merged::Space;
+use super::ray::{QueryError, Ray, ScaledRay, Span, check_point};
+use super::search::{Collect, Limits, Seen, skipped};
 use super::source::Parts;
 use super::tree::Tree;
-use super::wide::{Visitor, WIDTH};
+use super::wide::WIDTH;
 use crate::kernel::ray::Ray as WorldRay;
 use crate::kernel::slab::RelativeBox;
-use crate::kernel::triangle::{Intersection, Triangle, intersect, passing};
-use crate::lane::{Lane, Mask, Row};
+use crate::kernel::triangle::passing;
+use crate::lane::Lane;
 use crate::scene::Bounds;
-use nodes::{Asked, Group, PacketVisitor, load, traverse};
+use nodes::{Asked, traverse};
+use visitors::{InstanceVisitor, MergedVisitor};
 
 /// The most rays of a packet.
 pub(super) const PACKET: usize = 64;
@@ -45,12 +46,24 @@ fn each(set: Set, mut visit: impl FnMut(usize)) {
     }
 }
 
-/// Rays that are asked together. What is not traced is in no set, and a copy of one that is.
+/// Whether rays start near to each other in a world with these bounds. Only then closest hits are found sooner
+/// together: the order in which a packet visits nodes is good for a ray if it is good for its neighbors.
+#[inline(always)]
+pub(super) fn start_nearby(rays: &[Ray], world: &Bounds) -> bool {
+    let starts = || rays.iter().map(|ray| ray.origin).filter(|origin| check_point(*origin).is_ok());
+    let mut apart = 0.0;
+    for (a, b) in starts().zip(starts().skip(1)) {
+        apart += (0..3).fold(0.0, |most, axis| Lane::max(most, Lane::abs(b[axis] - a[axis])));
+    }
+    apart <= NEARBY * rays.len() as f32 * world.side()
+}
+
+/// Rays that are traced together. A refused ray is in no set; in its place is a copy of another one.
 pub(super) struct Packet<'a> {
     asked: &'a [Ray],
     traced: Set,
     rays: [WorldRay<f32>; PACKET],
-    scales: [Scale; PACKET],
+    spans: [Span; PACKET],
     skip: [Option<u32>; PACKET],
 }
 
@@ -66,28 +79,16 @@ impl<'a> Packet<'a> {
             asked,
             traced: 0,
             rays: [first.ray; PACKET],
-            scales: [first.scale; PACKET],
+            spans: [first.span; PACKET],
             skip: [None; PACKET],
         };
         for (number, ray) in asked.iter().enumerate() {
-            let Ok(ScaledRay { ray: traced, scale }) = ray.scaled() else { continue };
+            let Ok(ScaledRay { ray: traced, span }) = ray.scaled() else { continue };
             packet.traced |= 1 << number;
-            (packet.rays[number], packet.scales[number]) = (traced, scale);
+            (packet.rays[number], packet.spans[number]) = (traced, span);
             packet.skip[number] = skipped(source, ray);
         }
         Some(packet)
-    }
-
-    /// Whether the rays start near to each other in a world with these bounds. Only then closest hits are found sooner
-    /// together: the order in which nodes are visited is best for one of them.
-    #[inline(always)]
-    pub fn start_nearby(&self, world: &Bounds) -> bool {
-        let mut apart = 0.0;
-        for pair in self.rays.windows(2) {
-            let (a, b) = (pair[0].origin.lane(0), pair[1].origin.lane(0));
-            apart += (0..3).fold(0.0, |most, axis| Lane::max(most, Lane::abs(b[axis] - a[axis])));
-        }
-        apart <= NEARBY * self.asked.len() as f32 * world.side()
     }
 
     /// The largest coordinate of a start.
@@ -102,19 +103,19 @@ impl<'a> Packet<'a> {
 
     /// What a ray has met, or why it is no ray.
     #[inline(always)]
-    pub fn answer<T>(&self, number: usize, answer: impl FnOnce(&Scale) -> T) -> Result<T, QueryError> {
+    pub fn answer<T>(&self, number: usize, answer: impl FnOnce(&Span) -> T) -> Result<T, QueryError> {
         if self.traced >> number & 1 == 1 {
-            return Ok(answer(&self.scales[number]));
+            return Ok(answer(&self.spans[number]));
         }
-        self.asked[number].scaled().map(|ScaledRay { scale, .. }| answer(&scale))
+        self.asked[number].scaled().map(|ScaledRay { span, .. }| answer(&span))
     }
 
     /// What collects the hits of each ray.
     #[inline(always)]
     pub fn collectors<C>(&self, collect: impl Fn(f32) -> C) -> [C; PACKET] {
-        self.scales.map(
+        self.spans.map(
             #[inline(always)]
-            |scale| collect(scale.to),
+            |span| collect(span.to),
         )
     }
 
@@ -132,13 +133,12 @@ impl<'a> Packet<'a> {
             let mut local = None;
             let rays = placed(&self.rays, self.traced, *is_identity, to_object, &mut local);
             let widening = widening(rays, &top.merged.bounds);
-            let mut asked = Asked::<L>::new(token, rays, self.traced, 0.0, widening, &self.scales, collect);
+            let mut asked = Asked::<L>::new(token, rays, self.traced, 0.0, widening, &self.spans, collect);
             let mut merged = MergedVisitor { rays, packet: self, world, collect };
             traverse(token, &top.merged.tree, None, &mut asked, &mut merged);
         }
         let magnitude = world.limits.magnitude;
-        let mut asked =
-            Asked::<L>::new(token, &self.rays, self.traced, magnitude, 0.0, &self.scales, collect);
+        let mut asked = Asked::<L>::new(token, &self.rays, self.traced, magnitude, 0.0, &self.spans, collect);
         let mut instances = InstanceVisitor { packet: self, world, collect };
         traverse(token, &top.tree, Some(&top.slacks), &mut asked, &mut instances);
     }
@@ -161,7 +161,7 @@ impl<'a> Packet<'a> {
 
     #[inline(always)]
     fn seen<'b, S, C>(&'b self, world: Searched<'b, S>, number: usize, collect: &'b mut C) -> Seen<'b, S, C> {
-        let (asked, from, skip) = (&self.asked[number], self.scales[number].from, self.skip[number]);
+        let (asked, from, skip) = (&self.asked[number], self.spans[number].from, self.skip[number]);
         let mask = asked.mask & world.limits.mask;
         let Searched { tree, source, .. } = world;
         Seen { tree, source, asked, mask, from, skip, collect }
@@ -218,209 +218,6 @@ fn widening(rays: &[WorldRay<f32>; PACKET], Bounds { low, high }: &Bounds) -> f3
     passing(reach, low, high)
 }
 
-/// Looks at leaves of meshes that stand in one space.
-struct MergedVisitor<'a, S, C> {
-    /// In that space.
-    rays: &'a [WorldRay<f32>; PACKET],
-    packet: &'a Packet<'a>,
-    world: Searched<'a, S>,
-    collect: &'a mut [C; PACKET],
-}
-
-impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for MergedVisitor<'_, S, C> {
-    #[inline(always)]
-    fn leaf(&mut self, token: L::Token, leaf: u32, _: u32, set: Set, asked: &mut Asked<L>) {
-        let top = &self.world.tree.instances;
-        let MergedLeaf { instance, block, triangles } = top.merged.leaves[leaf as usize];
-        let entry = &top.entries[instance as usize];
-        if entry.is_merged {
-            let Self { rays, packet, world, .. } = *self;
-            let set = packet.seeing(world, set, instance, entry);
-            TriangleVisitor { rays, packet, world, number: instance, collect: &mut *self.collect }
-                .leaf(token, block, triangles, set, asked);
-        }
-    }
-
-    #[inline(always)]
-    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>) {
-        let Self { rays, packet, world, .. } = *self;
-        each(
-            set,
-            #[inline(always)]
-            |ray| {
-                let local = Local::<L>::new(token, rays[ray]);
-                let mut seen = packet.seen(world, ray, &mut self.collect[ray]);
-                MergedLeaves::<L, S, _> { local: &local, seen: &mut seen }.search_outlined(token, node);
-            },
-        );
-        asked.limit(token, set, self.collect);
-    }
-}
-
-/// Looks at instances.
-struct InstanceVisitor<'a, S, C> {
-    packet: &'a Packet<'a>,
-    world: Searched<'a, S>,
-    collect: &'a mut [C; PACKET],
-}
-
-impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for InstanceVisitor<'_, S, C> {
-    #[inline(always)]
-    fn leaf(&mut self, token: L::Token, number: u32, count: u32, set: Set, asked: &mut Asked<L>) {
-        let Self { packet, world, .. } = *self;
-        let entry = &world.tree.instances.entries[number as usize];
-        if entry.is_sphere || set.count_ones() <= FEW {
-            each(
-                set,
-                #[inline(always)]
-                |ray| {
-                    let seen = packet.seen(world, ray, &mut self.collect[ray]);
-                    Instances::<L, S, _, true> { token, ray: packet.rays[ray], seen }.leaf(number, count);
-                },
-            );
-        } else {
-            let seeing = packet.seeing(world, set, number, entry);
-            let mesh = &world.tree.meshes[entry.mesh as usize];
-            let mut local = None;
-            let rays = placed(&packet.rays, seeing, entry.is_identity, &entry.to_object, &mut local);
-            let widening = widening(rays, &mesh.bounds);
-            let mut asked = Asked::<L>::new(token, rays, seeing, 0.0, widening, &packet.scales, self.collect);
-            let mut triangles = TriangleVisitor { rays, packet, world, number, collect: &mut *self.collect };
-            traverse(token, &mesh.tree, None, &mut asked, &mut triangles);
-        }
-        asked.limit(token, set, self.collect);
-    }
-
-    #[inline(always)]
-    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>) {
-        let Self { packet, world, .. } = *self;
-        each(
-            set,
-            #[inline(always)]
-            |ray| {
-                let (seen, ray) = (packet.seen(world, ray, &mut self.collect[ray]), packet.rays[ray]);
-                Instances::<L, S, _, true> { token, ray, seen }.search_outlined(node, world.limits.magnitude);
-            },
-        );
-        asked.limit(token, set, self.collect);
-    }
-}
-
-/// Looks at the triangles of one instance.
-struct TriangleVisitor<'a, S, C> {
-    /// In its space.
-    rays: &'a [WorldRay<f32>; PACKET],
-    packet: &'a Packet<'a>,
-    world: Searched<'a, S>,
-    number: u32,
-    collect: &'a mut [C; PACKET],
-}
-
-impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for TriangleVisitor<'_, S, C> {
-    #[inline(always)]
-    fn leaf(&mut self, token: L::Token, first: u32, count: u32, set: Set, asked: &mut Asked<L>) {
-        let tree = self.world.tree;
-        let entry = &tree.instances.entries[self.number as usize];
-        let blocks = tree.meshes[entry.mesh as usize].blocks(first, count);
-        let mut g = 0;
-        while g < GROUPS {
-            let here = set >> (g * WIDTH) & ((1 << WIDTH) - 1);
-            if here.count_ones() > FEW_LANES {
-                self.side_by_side::<L>(token, blocks, g * WIDTH, here as u32, &mut asked.groups[g]);
-            } else {
-                each(
-                    here << (g * WIDTH),
-                    #[inline(always)]
-                    |ray| {
-                        let local = Local::<L>::new(token, self.rays[ray]);
-                        let mut seen = self.packet.seen(self.world, ray, &mut self.collect[ray]);
-                        seen.triangles(self.number, entry, &local).leaf(first, count);
-                    },
-                );
-            }
-            g += 1;
-        }
-        asked.limit(token, set, self.collect);
-    }
-
-    #[inline(always)]
-    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>) {
-        let Self { packet, world, number, .. } = *self;
-        let entry = &world.tree.instances.entries[number as usize];
-        each(
-            set,
-            #[inline(always)]
-            |ray| {
-                let local = Local::<L>::new(token, self.rays[ray]);
-                let mut seen = packet.seen(world, ray, &mut self.collect[ray]);
-                seen.triangles(number, entry, &local).search_outlined(token, node);
-            },
-        );
-        asked.limit(token, set, self.collect);
-    }
-}
-
-impl<S: Parts, C: Collect> TriangleVisitor<'_, S, C> {
-    /// Tests each triangle of blocks against a group of rays, those of `set` among them. Its first ray is that with the
-    /// number `start`.
-    #[inline(always)]
-    fn side_by_side<L: Lane>(
-        &mut self,
-        token: L::Token,
-        blocks: &[Block],
-        start: usize,
-        set: u32,
-        group: &mut Group,
-    ) {
-        let mut lane = 0;
-        while lane < WIDTH {
-            let rays: WorldRay<L> = group.rays(token, lane);
-            for block in blocks {
-                let mut number_in_block = 0;
-                while number_in_block < block.count {
-                    let [a, b, c] = block.triangle(number_in_block as usize);
-                    let relative = Triangle::new(a, b, c).relative_to(rays.origin);
-                    let found = intersect(&rays, &relative, load(token, &group.limit, lane));
-                    let hit = found.mask.bits() & set >> lane;
-                    if hit != 0 {
-                        let (triangle, fronts) =
-                            (block.first + number_in_block, relative.front(found.t).bits());
-                        self.offer(triangle, start + lane, hit, &found, fronts, &mut group.limit[lane..]);
-                    }
-                    number_in_block += 1;
-                }
-            }
-            lane += L::WIDTH;
-        }
-    }
-
-    /// Offers a triangle to the rays of `hit`, a bit a lane, of which the first has the number `start`; takes over how
-    /// far they are still traced.
-    #[inline(always)]
-    fn offer<L: Lane>(
-        &mut self,
-        triangle: u32,
-        start: usize,
-        hit: u32,
-        found: &Intersection<L>,
-        fronts: u32,
-        limits: &mut [f32],
-    ) {
-        let (t, u, v) = (found.t.row(), found.u.row(), found.v.row());
-        each(
-            hit.into(),
-            #[inline(always)]
-            |lane| {
-                let found = Intersection { mask: true, t: t.at(lane), u: u.at(lane), v: v.at(lane) };
-                let ray = start + lane;
-                let mut seen = self.packet.seen(self.world, ray, &mut self.collect[ray]);
-                seen.offer(self.number, triangle, &found, fronts >> lane & 1 == 1);
-                limits[lane] = seen.collect.limit();
-            },
-        );
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -431,8 +228,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// Rays with all that can be asked, from near a point or from anywhere, in almost the same direction or in any. Some
-    /// are none.
+    /// Rays with options of all kinds. Starts differ by `spread`, directions by `angle`. Some rays are refused.
     fn rays(random: &mut Random, scene: &Scene, count: usize, spread: f32, angle: f32) -> Vec<Ray> {
         let from = random.vector(7.0);
         let along = (random.vector(3.0) - from).normalize();
@@ -483,8 +279,7 @@ mod tests {
                 refused += alone.iter().filter(|hit| hit.is_err()).count();
                 let alone: Vec<_> = rays.iter().map(|ray| world.occluded(ray)).collect();
                 assert_eq!(occluded(&world, &rays), alone);
-                let packet = Packet::new(&scene, &rays[..count.min(64)]).unwrap();
-                together += usize::from(packet.start_nearby(&scene.places().all()));
+                together += usize::from(start_nearby(&rays[..count.min(64)], &scene.places().all()));
             }
         }
         assert!(hits > 5000 && refused > 200 && together == 180, "{hits} {refused} {together}");

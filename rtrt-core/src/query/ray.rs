@@ -112,8 +112,8 @@ impl Ray {
         let start = V3::splat((), origin);
         if (1.0 / LONG..=LONG).contains(&largest) {
             let ray = WorldRay::new(start, V3::splat((), direction));
-            let scale = Scale { from: from.max(0.0), to: to.min(f32::MAX), unit: 1.0 };
-            return Ok(ScaledRay { ray, scale });
+            let span = Span { from: from.max(0.0), to: to.min(f32::MAX), unit: 1.0 };
+            return Ok(ScaledRay { ray, span });
         }
         // The reciprocal of the largest component's power of two.
         let exponent = f64::from(largest).to_bits() >> 52;
@@ -123,7 +123,7 @@ impl Ray {
         let limit = |t: f32| (f64::from(t) / factor).min(f64::from(f32::MAX)) as f32;
         Ok(ScaledRay {
             ray: WorldRay::new(start, V3::splat((), direction)),
-            scale: Scale { from: limit(from.max(0.0)), to: limit(to), unit: factor },
+            span: Span { from: limit(from.max(0.0)), to: limit(to), unit: factor },
         })
     }
 }
@@ -135,12 +135,12 @@ const LONG: f32 = 4_294_967_296.0;
 #[derive(Clone, Copy)]
 pub(crate) struct ScaledRay {
     pub ray: WorldRay<f32>,
-    pub scale: Scale,
+    pub span: Span,
 }
 
-/// What becomes of `t`.
+/// The range of a scaled ray, and the unit of its `t`.
 #[derive(Clone, Copy)]
-pub(crate) struct Scale {
+pub(crate) struct Span {
     /// The range of the scaled ray's `t`.
     pub from: f32,
     /// Its end.
@@ -149,7 +149,7 @@ pub(crate) struct Scale {
     pub unit: f64,
 }
 
-impl Scale {
+impl Span {
     /// The caller's `t`. One that is too large for a number is the largest.
     #[inline(always)]
     pub fn t(&self, t: f32) -> f32 {
@@ -217,14 +217,14 @@ mod tests {
     fn directions_keep_their_bits_at_any_length() {
         let ray = |length: f32| Ray::new([0.0; 3], [0.3 * length, -0.7 * length, 0.1 * length]);
         let plain = ray(1.0).scaled().unwrap();
-        assert_eq!((plain.scale.unit, plain.ray.direction.lane(0)), (1.0, [0.3, -0.7, 0.1]));
+        assert_eq!((plain.span.unit, plain.ray.direction.lane(0)), (1.0, [0.3, -0.7, 0.1]));
         for power in [-120, -40, 40, 120] {
             let length = f32::from_bits(((127 + power) as u32) << 23);
             let scaled = ray(length).scaled().unwrap();
             let direction = scaled.ray.direction.lane(0);
             assert_eq!(direction, [0.6, -1.4, 0.2], "{power}");
             // What is 5 of the scaled ray's away is at 10 units, and t counts in lengths.
-            assert_eq!(f64::from(scaled.scale.t(5.0)) * f64::from(length), 10.0_f64.min(f64::from(f32::MAX)));
+            assert_eq!(f64::from(scaled.span.t(5.0)) * f64::from(length), 10.0_f64.min(f64::from(f32::MAX)));
         }
         // Denormals too, and the longest.
         for length in [1e-45, 1e-40, f32::MAX] {

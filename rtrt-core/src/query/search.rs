@@ -63,7 +63,7 @@ pub(crate) fn search<L: Lane, S: Parts>(
 ) {
     let Limits { magnitude, mask } = limits;
     let skip = skipped(source, asked);
-    let mut seen = Seen { tree, source, asked, mask, from: scaled.scale.from, skip, collect };
+    let mut seen = Seen { tree, source, asked, mask, from: scaled.span.from, skip, collect };
     let merged = &tree.instances.merged;
     if !merged.leaves.is_empty() {
         let Space { is_identity, to_object, .. } = &merged.space;
@@ -126,7 +126,7 @@ impl<'a, S: Parts, C: Collect> Seen<'a, S, C> {
         self.skip != Some(number) && entry.mask & self.mask != 0
     }
 
-    /// What is left of the ray.
+    /// The range of `t` that is still searched.
     #[inline(always)]
     pub fn range(&self) -> Range {
         Range { from: self.from, limit: self.collect.limit() }

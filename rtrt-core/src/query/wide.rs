@@ -3,8 +3,8 @@
 //! They are made of trees with two children by opening the largest nodes. A child's interval is computed
 //! as [`slab`](crate::kernel::slab::slab) does, so nothing that a tree of any shape finds is lost.
 
+use super::rows::{cross, enter, load};
 use crate::kernel::ray::Ray;
-use crate::kernel::slab::STRETCH;
 use crate::kernel::traverse::STACK;
 use crate::lane::{Lane, Mask, Row};
 use crate::layout::Node;
@@ -73,6 +73,17 @@ impl WideNode {
         self.first[slot] = first;
     }
 
+    /// The lower and upper planes along an axis of the children from `first` on, `pad` farther apart on both sides.
+    #[inline(always)]
+    pub fn slab<L: Lane>(&self, token: L::Token, pad: Option<L>, first: usize, axis: usize) -> [L; 2] {
+        let low = load::<L>(token, &self.planes[axis], first);
+        let high = load::<L>(token, &self.planes[3 + axis], first);
+        match pad {
+            Some(pad) => [low - pad, high + pad],
+            None => [low, high],
+        }
+    }
+
     /// The box of a child; empty if nothing is in it.
     pub fn bounds(&self, slot: usize) -> Bounds {
         let at = |plane: usize| self.planes[plane][slot];
@@ -139,28 +150,25 @@ impl<L: Lane> Asked<L> {
     }
 
     /// The children that the ray may hit within its range.
-    ///
-    /// Along each axis the plane at which the ray enters has the smaller `t`: products with a number of
-    /// one sign are ordered as their other factors, or the other way round.
     #[inline(always)]
     fn enter(&self, node: &WideNode, slack: Option<&[f32; WIDTH]>, range: Range) -> Entered {
         let like = self.magnitude;
+        let token = like.token();
         let (from, limit) = (like.broadcast(range.from), like.broadcast(range.limit));
         let mut entered = Entered { mask: 0, near: [0.0; WIDTH] };
         let mut first = 0;
         while first < WIDTH {
             let pad = slack.map(
                 #[inline(always)]
-                |slack| self.load(slack, first) * self.magnitude,
+                |slack| load::<L>(token, slack, first) * self.magnitude,
             );
-            let [x, y, z] = [
+            let slabs = [
                 self.cross(node, pad, first, 0),
                 self.cross(node, pad, first, 1),
                 self.cross(node, pad, first, 2),
             ];
-            let near = x[0].min(x[1]).max(y[0].min(y[1])).max(z[0].min(z[1])).max(from);
-            let far = x[0].max(x[1]).min(y[0].max(y[1])).min(z[0].max(z[1])) * STRETCH;
-            entered.mask |= (!near.gt(far) & near.le(limit)).bits() << first;
+            let (near, is_entered) = enter(slabs, from, limit);
+            entered.mask |= is_entered.bits() << first;
             let row = near.row();
             let mut lane = 0;
             while lane < L::WIDTH {
@@ -172,26 +180,11 @@ impl<L: Lane> Asked<L> {
         entered
     }
 
-    /// Where the ray crosses the lower planes of the children from `first` on along an axis, and the upper ones.
+    /// Where the ray enters and leaves the slabs of the children from `first` on along an axis.
     #[inline(always)]
-    fn cross(&self, node: &WideNode, pad: Option<L>, first: usize, axis: usize) -> [L; 2] {
-        let (mut low, mut high) =
-            (self.load(&node.planes[axis], first), self.load(&node.planes[3 + axis], first));
-        if let Some(pad) = pad {
-            (low, high) = (low - pad, high + pad);
-        }
-        let inverse = self.inverse[axis];
-        [(low - self.origins[0][axis]) * inverse, (high - self.origins[1][axis]) * inverse]
-    }
-
-    /// The numbers of the children from `first` on.
-    #[inline(always)]
-    fn load(&self, row: &[f32; WIDTH], first: usize) -> L {
-        L::from_fn(
-            self.magnitude.token(),
-            #[inline(always)]
-            |lane| row[first + lane],
-        )
+    fn cross(&self, node: &WideNode, pad: Option<L>, first: usize, axis: usize) -> (L, L) {
+        let planes = node.slab(self.magnitude.token(), pad, first, axis);
+        cross(planes, [self.origins[0][axis], self.origins[1][axis]], self.inverse[axis])
     }
 }
 

@@ -1,8 +1,8 @@
 //! The world: what rays are asked of.
 
 use super::collect::{Any, Closest, Filtered, Sorted};
-use super::packet::{PACKET, Packet, Searched};
-use super::ray::{QueryError, Ray, Scale, ScaledRay};
+use super::packet::{PACKET, Packet, Searched, start_nearby};
+use super::ray::{QueryError, Ray, ScaledRay, Span};
 use super::search::{Collect, Found, Limits, search};
 use super::source::Source;
 use super::surface::{self, Surface};
@@ -99,9 +99,9 @@ impl<'a, S: Source> World<'a, S> {
     #[inline(always)]
     pub fn closest_with<L: Lane>(&self, token: L::Token, ray: &Ray) -> Result<Option<Hit>, QueryError> {
         let scaled = ray.scaled()?;
-        let mut closest = Closest::new(scaled.scale.to);
+        let mut closest = Closest::new(scaled.span.to);
         self.search::<L>(token, ray, &scaled, &mut closest);
-        Ok(closest.found().map(|found| self.hit(&scaled.scale, &found)))
+        Ok(closest.found().map(|found| self.hit(&scaled.span, &found)))
     }
 
     /// Whether a ray hits anything.
@@ -119,7 +119,7 @@ impl<'a, S: Source> World<'a, S> {
     #[inline(always)]
     pub fn occluded_with<L: Lane>(&self, token: L::Token, ray: &Ray) -> Result<bool, QueryError> {
         let scaled = ray.scaled()?;
-        let mut any = Any::new(scaled.scale.to);
+        let mut any = Any::new(scaled.span.to);
         self.search::<L>(token, ray, &scaled, &mut any);
         Ok(any.is_hit)
     }
@@ -142,15 +142,12 @@ impl<'a, S: Source> World<'a, S> {
     ) {
         let bounds = self.source.places().all();
         for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
-            let packet = Packet::new(self.source, rays);
-            if let Some(packet) = &packet
-                && packet.start_nearby(&bounds)
-            {
+            let packet = if start_nearby(rays, &bounds) { Packet::new(self.source, rays) } else { None };
+            if let Some(packet) = &packet {
                 let mut all = packet.collectors(Closest::new);
                 self.search_packet::<L, _>(token, packet, &mut all);
                 for ((number, closest), hit) in all.iter().enumerate().zip(hits).take(rays.len()) {
-                    *hit =
-                        packet.answer(number, |scale| closest.found().map(|found| self.hit(scale, &found)));
+                    *hit = packet.answer(number, |span| closest.found().map(|found| self.hit(span, &found)));
                 }
             } else {
                 for (ray, hit) in rays.iter().zip(hits) {
@@ -160,8 +157,8 @@ impl<'a, S: Source> World<'a, S> {
         }
     }
 
-    /// Whether each ray hits anything, as [`World::occluded`] finds it; otherwise as [`World::closest_each`], but that
-    /// rays from anywhere take less time, too.
+    /// Whether each ray hits anything, as [`World::occluded`] finds it. 64 rays that follow one another in the slices are
+    /// traced together, wherever they start. Errors and lengths are those of [`World::closest_each`].
     pub fn occluded_each(&self, rays: &[Ray], occluded: &mut [Result<bool, QueryError>]) {
         self.occluded_each_with::<Plain<4>>((), rays, occluded);
     }
@@ -201,9 +198,9 @@ impl<'a, S: Source> World<'a, S> {
         accept: impl FnMut(&Hit) -> bool,
     ) -> Result<Option<Hit>, QueryError> {
         let scaled = ray.scaled()?;
-        let mut closest = self.filtered(&scaled.scale, Closest::new(scaled.scale.to), accept);
+        let mut closest = self.filtered(&scaled.span, Closest::new(scaled.span.to), accept);
         self.search::<Plain<4>>((), ray, &scaled, &mut closest);
-        Ok(closest.inner.found().map(|found| self.hit(&scaled.scale, &found)))
+        Ok(closest.inner.found().map(|found| self.hit(&scaled.span, &found)))
     }
 
     /// Whether there is a hit that `accept` accepts. It is called in no particular order, until then.
@@ -212,7 +209,7 @@ impl<'a, S: Source> World<'a, S> {
     /// As for [`World::closest`].
     pub fn occluded_where(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Result<bool, QueryError> {
         let scaled = ray.scaled()?;
-        let mut any = self.filtered(&scaled.scale, Any::new(scaled.scale.to), accept);
+        let mut any = self.filtered(&scaled.span, Any::new(scaled.span.to), accept);
         self.search::<Plain<4>>((), ray, &scaled, &mut any);
         Ok(any.inner.is_hit)
     }
@@ -237,12 +234,12 @@ impl<'a, S: Source> World<'a, S> {
         accept: impl FnMut(&Hit) -> bool,
     ) -> Result<usize, QueryError> {
         let scaled = ray.scaled()?;
-        let sorted = Sorted::new(hits, scaled.scale.to, self.source);
-        let mut sorted = self.filtered(&scaled.scale, sorted, accept);
+        let sorted = Sorted::new(hits, scaled.span.to, self.source);
+        let mut sorted = self.filtered(&scaled.span, sorted, accept);
         self.search::<Plain<4>>((), ray, &scaled, &mut sorted);
         let count = sorted.inner.count;
         for hit in &mut hits[..count] {
-            hit.t = scaled.scale.t(hit.t);
+            hit.t = scaled.span.t(hit.t);
         }
         Ok(count)
     }
@@ -302,18 +299,18 @@ impl<'a, S: Source> World<'a, S> {
 
     /// A hit, with the caller's `t`.
     #[inline(always)]
-    fn hit(&self, scale: &Scale, found: &Found) -> Hit {
+    fn hit(&self, span: &Span, found: &Found) -> Hit {
         let &Found { t, instance, triangle, u, v } = found;
-        Hit { t: scale.t(t), instance: self.source.numbered(instance), triangle, u, v }
+        Hit { t: span.t(t), instance: self.source.numbered(instance), triangle, u, v }
     }
 
     fn filtered<'f, C: Collect>(
         &'f self,
-        scale: &'f Scale,
+        span: &'f Span,
         inner: C,
         mut accept: impl FnMut(&Hit) -> bool + 'f,
     ) -> Filtered<C, impl FnMut(&Found) -> bool + 'f> {
-        Filtered { inner, accept: move |found: &Found| accept(&self.hit(scale, found)) }
+        Filtered { inner, accept: move |found: &Found| accept(&self.hit(span, found)) }
     }
 }
 

@@ -364,6 +364,21 @@ mod tests {
     }
 
     #[test]
+    fn each_normal_stays_in_its_place() {
+        // Four columns and two rows of blocks of two by two texels.
+        let slope = |x: u32, y: u32| [128 + 20 * (x / 2) as u8, 128 + 50 * (y / 2) as u8, 200, 255];
+        let texels = normals(8, 4, (0..4).flat_map(|y| (0..8).flat_map(move |x| slope(x, y))).collect());
+        let level = &texels[32..][..8];
+        for (i, &texel) in (0..).zip(level) {
+            let (direction, length) = unit(decode_normal(texel)).unwrap();
+            let [x, y, z, _] = slope(i % 4 * 2, i / 4 * 2).map(|c| f32::from(c) / 127.5 - 1.0);
+            let (expected, _) = unit([x, y, z]).unwrap();
+            let cosine: f32 = (0..3).map(|axis| direction[axis] * expected[axis]).sum();
+            assert!(cosine > 0.9998 && length > 0.99, "{i}: {direction:?} {expected:?}");
+        }
+    }
+
+    #[test]
     fn what_is_not_seen_colors_nothing() {
         let (clear, faint, green) = ([255, 0, 0, 0], [0, 0, 255, 51], [0, 255, 0, 255]);
         let rgba = [[clear, green], [faint, green], [clear, clear], [clear, clear]].concat().concat();

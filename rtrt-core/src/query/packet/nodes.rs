@@ -3,29 +3,13 @@
 use super::{FEW, GROUPS, PACKET, Set, each};
 use crate::kernel::ray::Ray as WorldRay;
 use crate::kernel::shear::Shear;
-use crate::kernel::slab::STRETCH;
 use crate::kernel::tiles::{Sign, separate_origins};
 use crate::kernel::traverse::STACK;
-use crate::lane::{Lane, Mask, Select, V3};
-use crate::query::ray::Scale;
+use crate::lane::{Lane, Mask, Select};
+use crate::query::ray::Span;
+use crate::query::rows::{cross, enter, load, load_v3};
 use crate::query::search::Collect;
 use crate::query::wide::{Child, SHALLOW, WIDTH, WideNode, WideTree};
-
-/// The numbers of a row from `first` on.
-#[inline(always)]
-pub(super) fn load<L: Lane>(token: L::Token, row: &[f32; WIDTH], first: usize) -> L {
-    L::from_fn(
-        token,
-        #[inline(always)]
-        |lane| row[first + lane],
-    )
-}
-
-/// The vectors of three rows from `first` on.
-#[inline(always)]
-fn load_v3<L: Lane>(token: L::Token, [x, y, z]: &[[f32; WIDTH]; 3], first: usize) -> V3<L> {
-    V3 { x: load(token, x, first), y: load(token, y, first), z: load(token, z, first) }
-}
 
 /// Three numbers, each in all lanes.
 #[inline(always)]
@@ -74,7 +58,7 @@ pub(super) struct Asked<L> {
 }
 
 impl<L: Lane> Asked<L> {
-    /// The rays of a set. `magnitude` and `widening` are those of [`super::wide::Asked::new`]; `scales` have the starts
+    /// The rays of a set. `magnitude` and `widening` are those of [`super::wide::Asked::new`]; `spans` have the starts
     /// of their ranges.
     #[inline(always)]
     pub fn new<C: Collect>(
@@ -83,7 +67,7 @@ impl<L: Lane> Asked<L> {
         set: Set,
         magnitude: f32,
         widening: f32,
-        scales: &[Scale; PACKET],
+        spans: &[Span; PACKET],
         collect: &[C; PACKET],
     ) -> Self {
         let mut groups = [Group::NOBODY; GROUPS];
@@ -105,7 +89,7 @@ impl<L: Lane> Asked<L> {
                     group.origins[1][axis][lane] = origin[axis] - widening;
                     axis += 1;
                 }
-                group.from[lane] = scales[g * WIDTH + lane].from;
+                group.from[lane] = spans[g * WIDTH + lane].from;
                 lane += 1;
             }
             let mut first = 0;
@@ -159,12 +143,13 @@ impl<L: Lane> Asked<L> {
                 #[inline(always)]
                 |slack| load::<L>(token, slack, first) * L::splat(token, self.magnitude),
             );
-            let (x0, x1) = self.cross(token, node, pad, first, 0);
-            let (y0, y1) = self.cross(token, node, pad, first, 1);
-            let (z0, z1) = self.cross(token, node, pad, first, 2);
-            let near = x0.max(y0).max(z0).max(L::splat(token, 0.0));
-            let far = x1.min(y1).min(z1) * STRETCH;
-            mask |= (!near.gt(far) & near.le(L::splat(token, self.limit))).bits() << first;
+            let slabs = [
+                self.cross(token, node, pad, first, 0),
+                self.cross(token, node, pad, first, 1),
+                self.cross(token, node, pad, first, 2),
+            ];
+            let (from, limit) = (L::splat(token, 0.0), L::splat(token, self.limit));
+            mask |= enter(slabs, from, limit).1.bits() << first;
             first += L::WIDTH;
         }
         mask
@@ -173,11 +158,7 @@ impl<L: Lane> Asked<L> {
     /// Bounds on where the rays cross the planes of the children from `first` on along an axis.
     #[inline(always)]
     fn cross(&self, token: L::Token, node: &WideNode, pad: Option<L>, first: usize, axis: usize) -> (L, L) {
-        let mut low = load::<L>(token, &node.planes[axis], first);
-        let mut high = load::<L>(token, &node.planes[3 + axis], first);
-        if let Some(pad) = pad {
-            (low, high) = (low - pad, high + pad);
-        }
+        let [low, high] = node.slab(token, pad, first, axis);
         let to = [low - self.origins[0][axis], high - self.origins[1][axis]];
         separate_origins(self.signs[axis], to, self.inverse[0][axis], self.inverse[1][axis])
     }
@@ -205,12 +186,13 @@ impl<L: Lane> Asked<L> {
                 let group = &self.groups[g];
                 let mut first = 0;
                 while first < WIDTH {
-                    let (x0, x1) = group.cross(token, &low, &high, first, 0);
-                    let (y0, y1) = group.cross(token, &low, &high, first, 1);
-                    let (z0, z1) = group.cross(token, &low, &high, first, 2);
-                    let near = x0.max(y0).max(z0).max(load(token, &group.from, first));
-                    let far = x1.min(y1).min(z1) * STRETCH;
-                    let is_entered = !near.gt(far) & near.le(load(token, &group.limit, first));
+                    let slabs = [
+                        group.cross(token, [low[0], high[0]], first, 0),
+                        group.cross(token, [low[1], high[1]], first, 1),
+                        group.cross(token, [low[2], high[2]], first, 2),
+                    ];
+                    let (from, limit) = (load(token, &group.from, first), load(token, &group.limit, first));
+                    let (near, is_entered) = enter(slabs, from, limit);
                     first_near = first_near.min(is_entered.select(near, first_near));
                     entered |= u64::from(is_entered.bits()) << (shift + first as u32);
                     first += L::WIDTH;
@@ -258,20 +240,12 @@ impl Group {
         WorldRay { origin, direction, inverse, shear: Shear::new(direction, inverse) }
     }
 
-    /// Where the rays from `first` on cross the planes of a box along an axis: where they enter and where they leave.
+    /// Where the rays from `first` on enter and leave the slab between two planes across an axis.
     #[inline(always)]
-    fn cross<L: Lane>(
-        &self,
-        token: L::Token,
-        low: &[L; 3],
-        high: &[L; 3],
-        first: usize,
-        axis: usize,
-    ) -> (L, L) {
-        let inverse: L = load(token, &self.inverse[axis], first);
-        let p = (low[axis] - load::<L>(token, &self.origins[0][axis], first)) * inverse;
-        let q = (high[axis] - load::<L>(token, &self.origins[1][axis], first)) * inverse;
-        (p.min(q), p.max(q))
+    fn cross<L: Lane>(&self, token: L::Token, planes: [L; 2], first: usize, axis: usize) -> (L, L) {
+        let [lower, upper] = &self.origins;
+        let origins = [load(token, &lower[axis], first), load(token, &upper[axis], first)];
+        cross(planes, origins, load(token, &self.inverse[axis], first))
     }
 }
 
