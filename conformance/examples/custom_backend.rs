@@ -219,7 +219,10 @@ fn run(
             let shaded = |ray| share::shaded(ray, &hits[ray as usize]);
             let color = |RayIndex(ray)| colors[if frame.is_shared == 1 { shaded(ray) } else { ray } as usize];
             let through = |ray: RayIndex| colors[(ray.0 + frame.rays) as usize];
-            pixels[at] = resolve::resolve::<f32>((), frame, |_| grid.first_ray(unit), color, through).0;
+            let first = grid.first_ray(unit);
+            let color = |_| resolve::average(frame.side, first, color);
+            let through = |_| resolve::average(frame.side, first, through);
+            pixels[at] = resolve::resolve::<f32>((), frame, color, through).0;
         }
         Pass::EndCovered => {}
         // It filters every block, draws nothing, and prepares and bins before all passes.

@@ -100,7 +100,7 @@ fn frame(
     let deferred = picture.deferred.ok_or("no deferred buffers")?;
     let grid = Grid { width: SIZE[0], height: SIZE[1], side: samples.isqrt() };
     let color = |number| {
-        let [r, g, b, _] = average(grid.side, grid.first_ray(number), &|ray| deferred.colors[ray.0 as usize]);
+        let [r, g, b, _] = average(grid.side, grid.first_ray(number), |ray| deferred.colors[ray.0 as usize]);
         [r, g, b].map(f64::from)
     };
     Ok((0..SIZE[0] * SIZE[1]).map(color).collect())

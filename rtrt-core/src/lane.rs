@@ -45,6 +45,7 @@ pub trait Bits:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
+    + Mul<Output = Self>
     + BitAnd<Output = Self>
     + BitOr<Output = Self>
     + Shl<u32, Output = Self>
@@ -250,6 +251,7 @@ macro_rules! word_operator {
 word_operator! {
     Add add Word, a b => a.wrapping_add(b.0);
     Sub sub Word, a b => a.wrapping_sub(b.0);
+    Mul mul Word, a b => a.wrapping_mul(b.0);
     BitAnd bitand Word, a b => a & b.0;
     BitOr bitor Word, a b => a | b.0;
     Shl shl u32, a b => a << b;

@@ -18,7 +18,7 @@ use rtrt_core::schedule::{Pass, Step, Unit};
 use rtrt_core::stage::context::Context;
 use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, common, edges_at};
 use rtrt_core::stage::penumbra_filter::filter_penumbra;
-use rtrt_core::stage::resolve::resolve;
+use rtrt_core::stage::resolve::{average, resolve};
 
 /// What a block leaves from one barrier to the next. Words of rays are plane after plane: the first word
 /// of all of its rays, then the second.
@@ -199,23 +199,63 @@ pub fn resolve_block<L: Wide>(
     // Behind the colors is what goes through colored layers.
     let (colors, throughs) = colors.split_at(RAYS);
     let places = &FIRST_RAYS[frame.side.trailing_zeros() as usize];
-    for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_mut(L::WIDTH)) {
+    let first_ray = |pixel: usize| RayIndex(places[pixel % RAYS].into());
+    let through = |pixel| {
+        average(
+            frame.side,
+            first_ray(pixel),
+            #[inline(always)]
+            |ray| throughs[ray.0 as usize % RAYS],
+        )
+    };
+    if frame.side == 1 && frame.is_shared == 0 {
+        return resolve_pixels::<L>(
+            token,
+            frame,
+            tile,
+            #[inline(always)]
+            |pixel| colors[first_ray(pixel).0 as usize % RAYS],
+            through,
+        );
+    }
+    resolve_pixels::<L>(
+        token,
+        frame,
+        tile,
+        #[inline(always)]
+        |pixel| {
+            average(
+                frame.side,
+                first_ray(pixel),
+                #[inline(always)]
+                |ray| {
+                    let ray = ray.0 as usize % RAYS;
+                    colors[if frame.is_shared == 1 { shaded[ray].into() } else { ray }]
+                },
+            )
+        },
+        through,
+    );
+}
+
+/// Makes the pixels of a block of the colors of each, and of what goes through its layers.
+#[inline(always)]
+fn resolve_pixels<L: Wide>(
+    token: L::Token,
+    frame: &Frame,
+    tile: &mut [u32],
+    color: impl Fn(usize) -> [f32; 4],
+    through: impl Fn(usize) -> [f32; 4],
+) {
+    for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_exact_mut(L::WIDTH)) {
         let bits = resolve::<L>(
             token,
             frame,
             #[inline(always)]
-            |lane| RayIndex(places[(first + lane) % RAYS].into()),
+            |lane| color(first + lane),
             #[inline(always)]
-            |ray| {
-                let ray = ray.0 as usize % RAYS;
-                colors[if frame.is_shared == 1 { shaded[ray].into() } else { ray }]
-            },
-            #[inline(always)]
-            |ray| throughs[ray.0 as usize % RAYS],
+            |lane| through(first + lane),
         );
-        let bits = bits.row();
-        for (lane, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = bits.at(lane);
-        }
+        L::store(bits, pixels);
     }
 }

@@ -3,7 +3,8 @@
 use crate::index;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::layout::{Frame, Hit};
-use rtrt_core::stage;
+use rtrt_core::stage::resolve::average;
+use rtrt_core::stage::{self, share};
 use spirv_std::glam::UVec3;
 use spirv_std::spirv;
 
@@ -20,15 +21,20 @@ pub fn resolve(
     let grid = frame.grid();
     let [first, count] = grid.pixels(RayIndex(frame.first_ray), frame.rays);
     if index < count {
-        let first = |_: usize| grid.first_ray(first + index);
+        let first = grid.first_ray(first + index);
         let color = |ray: RayIndex| {
             let mut ray = ray.0 - frame.first_ray;
             if frame.is_shared == 1 {
-                ray = stage::share::shaded(ray, &hits[ray as usize]);
+                ray = share::shaded(ray, &hits[ray as usize]);
             }
             colors[ray as usize]
         };
-        let through = |ray: RayIndex| colors[(ray.0 - frame.first_ray + frame.rays) as usize];
-        pixels[index as usize] = stage::resolve::resolve::<f32>((), frame, first, color, through).0;
+        let color = average(frame.side, first, color);
+        let mut through = [0.0; 4];
+        if frame.has_colored_layers() {
+            let of_ray = |ray: RayIndex| colors[(ray.0 - frame.first_ray + frame.rays) as usize];
+            through = average(frame.side, first, of_ray);
+        }
+        pixels[index as usize] = stage::resolve::resolve::<f32>((), frame, |_| color, |_| through).0;
     }
 }

@@ -166,7 +166,7 @@ impl<'a> Pixels<'a> {
 
     /// The mean over the sub-rays of a pixel.
     fn mean(&self, number: u32, read: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
-        let [x, y, z, _] = average(self.grid.side, self.grid.first_ray(number), &|ray| {
+        let [x, y, z, _] = average(self.grid.side, self.grid.first_ray(number), |ray| {
             let [x, y, z] = read(self.shaded(ray));
             [x, y, z, 0.0]
         });
@@ -183,7 +183,7 @@ impl<'a> Pixels<'a> {
 
     /// [`Layers::color`].
     pub fn color(&self, number: u32) -> [f32; 4] {
-        average(self.grid.side, self.grid.first_ray(number), &|ray| self.deferred.colors[self.shaded(ray)])
+        average(self.grid.side, self.grid.first_ray(number), |ray| self.deferred.colors[self.shaded(ray)])
     }
 
     /// [`Layers::depth`].

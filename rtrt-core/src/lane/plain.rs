@@ -39,6 +39,7 @@ lanewise! {
     Plain Mul mul, a b => a * b;
     PlainBits Add add, a b => a.wrapping_add(b);
     PlainBits Sub sub, a b => a.wrapping_sub(b);
+    PlainBits Mul mul, a b => a.wrapping_mul(b);
     PlainBits BitAnd bitand, a b => a & b;
     PlainBits BitOr bitor, a b => a | b;
     PlainMask BitAnd bitand, a b => a && b;

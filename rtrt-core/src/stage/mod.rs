@@ -54,7 +54,7 @@ mod tests {
                 super::shade::shade(frame, &maps, direction, &beyond, &seen, &incoming, L::splat((), 1.0))
             };
             let numbers = color.record().map(|channel| channel.lane(0));
-            let pixel = super::resolve::resolve::<L>((), frame, |_| RayIndex(0), |_| numbers, |_| [0.0; 4]);
+            let pixel = super::resolve::resolve::<L>((), frame, |_| numbers, |_| [0.0; 4]);
             let sum = |v: V3<L>| (v.x.to_bits() + v.y.to_bits() + v.z.to_bits()).0;
             let (t, u) = (closest.t.to_bits().0, closest.u.to_bits().0);
             let numbers = numbers.map(f32::to_bits);

@@ -15,21 +15,20 @@ use crate::num::{recip, srgb_byte_encode, to_integer};
 /// ```
 ///
 /// Sub-rays' colors are multiplied by their alphas. With [`Backdrop::Nothing`] a pixel keeps its alpha, by which
-/// its color is not multiplied. `first(lane)` is the [first ray](crate::grid::Grid::first_ray) of a pixel, and `color(ray)`
-/// the color that a ray brought back. In frames with [colored layers](Frame::has_colored_layers) a share a channel takes the place of
-/// `1 − alpha`: `through(ray)`, what the layers of a ray let through.
+/// its color is not multiplied. `color(lane)` is the [`average`] of the colors that a pixel's rays brought back. In frames with
+/// [colored layers](Frame::has_colored_layers) a share a channel takes the place of `1 − alpha`: `through(lane)`, the
+/// average of what the layers of its rays let through.
 #[inline(always)]
 pub fn resolve<L: Lane>(
     token: L::Token,
     frame: &Frame,
-    first: impl Fn(usize) -> RayIndex,
-    color: impl Fn(RayIndex) -> [f32; 4],
-    through: impl Fn(RayIndex) -> [f32; 4],
+    color: impl Fn(usize) -> [f32; 4],
+    through: impl Fn(usize) -> [f32; 4],
 ) -> L::Bits {
     let [[r, g, b, a]] = L::gather_fours(
         token,
         #[inline(always)]
-        |lane| [average(frame.side, first(lane), &color)],
+        |lane| [color(lane)],
     );
     let one = a.broadcast(1.0);
     let is_covered = a.ge(one);
@@ -46,7 +45,7 @@ pub fn resolve<L: Lane>(
             let [[x, y, z, _]] = L::gather_fours(
                 token,
                 #[inline(always)]
-                |lane| [average(frame.side, first(lane), &through)],
+                |lane| [through(lane)],
             );
             rest = V3 { x, y, z };
         }
@@ -74,7 +73,7 @@ pub fn displayed<L: Lane>(exposure: f32, operator: u32, light: V3<L>) -> V3<L> {
 
 /// The average color of the pixel with this first ray, linear RGB and alpha, of `side` × `side` sub-rays.
 #[inline(always)]
-pub fn average(side: u32, first: RayIndex, color: &impl Fn(RayIndex) -> [f32; 4]) -> [f32; 4] {
+pub fn average(side: u32, first: RayIndex, color: impl Fn(RayIndex) -> [f32; 4]) -> [f32; 4] {
     if side == 1 {
         return color(first);
     }
@@ -113,7 +112,7 @@ mod tests {
         let pixel = |colors: [[f32; 4]; 4]| {
             let color =
                 |ray: RayIndex| colors[(0..4).find(|i| grid.index([i % 2, i / 2]) == ray).unwrap() as usize];
-            resolve::<f32>((), &frame, |_| RayIndex(0), color, |_| [0.0; 4]).0.to_le_bytes()
+            resolve::<f32>((), &frame, |_| average(2, RayIndex(0), color), |_| [0.0; 4]).0.to_le_bytes()
         };
         let color = [0.25, 0.5, 0.75];
         let [r, g, b] = color.map(|value| srgb_byte_encode(value).0 as u8);
@@ -130,7 +129,7 @@ mod tests {
             let backdrop = Backdrop::Nothing as u32;
             let frame = Frame { exposure: 4.0, tone_map: map, backdrop, ..one() };
             let pixel = |c: [f32; 4]| {
-                resolve::<f32>((), &frame, |_| RayIndex(0), |_| c, |_| [0.0; 4]).0.to_le_bytes()
+                resolve::<f32>((), &frame, |_| c, |_| [0.0; 4]).0.to_le_bytes()
             };
             let V3 { x, y, z } = tone_map::<f32>(map, V3::splat((), color.map(|c| 4.0 * c)));
             let [r, g, b] = [x, y, z].map(|c| srgb_byte_encode(c).0 as u8);
@@ -146,7 +145,7 @@ mod tests {
             let background = Frame { background_r: 0.25, background_g: 0.5, background_b: 1.0, ..one() };
             let frame = Frame { exposure: 64.0, tone_map: map as u32, ..background };
             let pixel = |c: [f32; 4]| {
-                resolve::<f32>((), &frame, |_| RayIndex(0), |_| c, |_| [0.0; 4]).0.to_le_bytes()
+                resolve::<f32>((), &frame, |_| c, |_| [0.0; 4]).0.to_le_bytes()
             };
             assert_eq!(pixel([0.0; 4]), [r, g, b, 255]);
             // A black surface that covers half of it.
@@ -161,7 +160,7 @@ mod tests {
         let frame = Frame { layers: 1, extensions: MaterialRecord::TRANSMITS, ..background };
         let through = [0.75, 0.25, 0.0, 0.0];
         let covered = 1.0 - 1.0 / 3.0;
-        let pixel = resolve::<f32>((), &frame, |_| RayIndex(0), |_| [0.0, 0.0, 0.0, covered], |_| through);
+        let pixel = resolve::<f32>((), &frame, |_| [0.0, 0.0, 0.0, covered], |_| through);
         let [r, g, b] = [0.75, 0.25, 0.0].map(|c| srgb_byte_encode(c).0 as u8);
         assert_eq!(pixel.0.to_le_bytes(), [r, g, b, 255]);
     }

@@ -89,7 +89,7 @@ macro_rules! lane {
         pub struct $mask<S: Simd>($m<S>);
 
         pass!($float: Neg neg; Add add; Sub sub; Mul mul; Add add f32; Sub sub f32; Mul mul f32;);
-        pass!($bits: Add add; Sub sub; BitAnd bitand; BitOr bitor; Shl shl u32; Shr shr u32;);
+        pass!($bits: Add add; Sub sub; Mul mul; BitAnd bitand; BitOr bitor; Shl shl u32; Shr shr u32;);
         pass!($mask: BitAnd bitand; BitOr bitor; Not not;);
 
         impl<S: Simd> Mask for $mask<S> {
