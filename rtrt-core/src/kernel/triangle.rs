@@ -70,21 +70,35 @@ impl Triangle {
     }
 }
 
-/// A triangle relative to the origin of rays.
+/// A triangle relative to the origin of rays: one for all lanes, or with `E = O` each lane's own.
 #[derive(Clone, Copy)]
-pub struct RelativeTriangle<O> {
+pub struct RelativeTriangle<O, E = f32> {
     /// From the origin to the corners.
     corners: [V3<O>; 3],
     /// First to second corner.
-    ab: [f32; 3],
+    ab: [E; 3],
     /// First to third corner.
-    ac: [f32; 3],
+    ac: [E; 3],
 }
 
-impl<O: Lane> RelativeTriangle<O> {
+#[cfg(feature = "alloc")]
+impl<L: Lane> RelativeTriangle<L, L> {
+    /// Each lane's triangle with these corners.
+    #[inline(always)]
+    pub(crate) fn of([a, b, c]: [V3<L>; 3], origin: V3<L>) -> Self {
+        let (ab, ac) = (b - a, c - a);
+        Self {
+            corners: [a - origin, b - origin, c - origin],
+            ab: [ab.x, ab.y, ab.z],
+            ac: [ac.x, ac.y, ac.z],
+        }
+    }
+}
+
+impl<O: Lane + Mul<E, Output = O>, E: Lane> RelativeTriangle<O, E> {
     /// `ac × ab`.
     #[inline(always)]
-    fn across(&self) -> [f32; 3] {
+    fn across(&self) -> [E; 3] {
         let (ab, ac) = (&self.ab, &self.ac);
         [ac[1] * ab[2] - ac[2] * ab[1], ac[2] * ab[0] - ac[0] * ab[2], ac[0] * ab[1] - ac[1] * ab[0]]
     }
@@ -153,6 +167,19 @@ pub(crate) fn may_meet<L: Lane>(places: &[[L; 2]; 3]) -> L::Mask {
     let [u, v, w] = sides(places);
     let noise = u.broadcast(NOISE);
     u.min(v).min(w).gt(-noise) | u.max(v).max(w).lt(noise)
+}
+
+/// The lanes whose ray may meet the triangle, and not behind its origin: all that [`intersect`] it. `along` is the
+/// direction's coordinate [along](crate::kernel::shear::Shear::along) the axis of its shear.
+#[cfg(feature = "alloc")]
+#[inline(always)]
+pub(crate) fn may_meet_ahead<L: Lane>(ray: &Ray<L>, along: L, seen: &RelativeTriangle<L, L>) -> L::Mask {
+    let [u, v, w] = sides(&ray.shear.flatten(ray, &seen.corners));
+    let (least, most, noise) = (u.min(v).min(w), u.max(v).max(w), u.broadcast(NOISE));
+    let (is_counterclockwise, is_clockwise) = (least.gt(-noise), most.lt(noise));
+    let distance = seen.distance(&seen.v());
+    let is_ahead = distance.flip_sign(is_clockwise.select(along, -along).sign_bit()).gt(u.broadcast(0.0));
+    (is_counterclockwise & is_clockwise) | ((is_counterclockwise | is_clockwise) & is_ahead)
 }
 
 /// Where the ray meets the triangle, at some 2⁻⁹⁰ < `t` ≤ `limit`, from either side.

@@ -3,7 +3,7 @@
 use super::rows::load_v3;
 use super::wide::WIDTH;
 use crate::kernel::ray::Ray;
-use crate::kernel::triangle::may_meet;
+use crate::kernel::triangle::{RelativeTriangle, may_meet_ahead};
 use crate::lane::{Lane, Mask, V3};
 
 /// Up to eight triangles.
@@ -36,7 +36,9 @@ impl Block {
     #[inline(always)]
     pub fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {
         let lane = lane & (WIDTH - 1);
-        self.corners.map(|[x, y, z]| [x[lane], y[lane], z[lane]])
+        let [a, b, c] = &self.corners;
+        let corner = |[x, y, z]: &[[f32; WIDTH]; 3]| [x[lane], y[lane], z[lane]];
+        [corner(a), corner(b), corner(c)]
     }
 
     /// The numbers and corners of its triangles.
@@ -54,16 +56,19 @@ impl Block {
 /// A ray, ready to ask the triangles of blocks, as many at a time as there are lanes.
 pub(crate) struct AskedBlock<L> {
     ray: Ray<L>,
+    /// The direction's coordinate along the axis that it follows most.
+    along: L,
 }
 
 impl<L: Lane> AskedBlock<L> {
     #[inline(always)]
     pub fn new(token: L::Token, ray: &Ray<f32>) -> Self {
-        Self { ray: ray.splat(token) }
+        let ray = ray.splat(token);
+        Self { ray, along: ray.shear.along(ray.direction) }
     }
 
-    /// The triangles that pass the first test of [`intersect`](crate::kernel::triangle::intersect): all that
-    /// the ray hits, and few more. The operations are those of that function, in the same order.
+    /// The triangles that pass two tests of [`intersect`](crate::kernel::triangle::intersect), the first one and that they
+    /// are not behind the ray: all that the ray hits, and few more.
     #[inline(always)]
     pub fn may_hit(&self, block: &Block) -> u32 {
         let ray = &self.ray;
@@ -72,11 +77,12 @@ impl<L: Lane> AskedBlock<L> {
         let mut first = 0;
         while first < WIDTH {
             let corners = [
-                block.corner(token, 0, first) - ray.origin,
-                block.corner(token, 1, first) - ray.origin,
-                block.corner(token, 2, first) - ray.origin,
+                block.corner(token, 0, first),
+                block.corner(token, 1, first),
+                block.corner(token, 2, first),
             ];
-            hit |= may_meet(&ray.shear.flatten(ray, &corners)).bits() << first;
+            let seen = RelativeTriangle::of(corners, ray.origin);
+            hit |= may_meet_ahead(ray, self.along, &seen).bits() << first;
             first += L::WIDTH;
         }
         hit & ((1 << block.count) - 1)

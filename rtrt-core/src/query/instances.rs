@@ -4,7 +4,8 @@ use super::merged::Merged;
 use super::source::Parts;
 use super::tree::MeshTree;
 use super::wear::Wear;
-use super::wide::{Child, WIDTH, WideNode, WideTree, widened};
+use super::wide::{Child, WIDTH, WideNode, WideTree};
+use super::widen::widened;
 use crate::layout::{Instance, NONE};
 use crate::scene::{Bounds, Bvh, Join};
 use alloc::vec;
@@ -32,6 +33,16 @@ pub(crate) struct InstanceTree {
     /// So many instances it had when it was built.
     built: usize,
     wear: Wear,
+}
+
+/// Where a search of the tree starts.
+pub(crate) enum Start {
+    /// At the root.
+    Root,
+    /// At the only instance: a leaf, and whether it holds it.
+    Leaf(u32, u32),
+    /// Nowhere: all instances are hidden or merged.
+    Nowhere,
 }
 
 /// What a search needs of an instance.
@@ -84,6 +95,16 @@ impl Default for InstanceTree {
 }
 
 impl InstanceTree {
+    /// Where a search starts.
+    #[inline(always)]
+    pub fn start(&self) -> Start {
+        let root = &self.tree.nodes[0];
+        if let (1, Child::Leaf(number, count)) = (self.entries.len(), root.child(0)) {
+            return Start::Leaf(number, count);
+        }
+        if root.is_empty() { Start::Nowhere } else { Start::Root }
+    }
+
     /// Its bytes.
     pub fn bytes(&self) -> usize {
         let Self { tree, slacks, parents, places, merged, entries, .. } = self;

@@ -6,7 +6,8 @@
 
 use super::source::{MeshVersion, Parts};
 use super::tree::MeshTree;
-use super::wide::{Child, WIDTH, WideTree, widened};
+use super::wide::{Child, WIDTH, WideTree};
+use super::widen::widened;
 use crate::layout::Instance;
 use crate::scene::{Bounds, Bvh, Join};
 use alloc::vec;

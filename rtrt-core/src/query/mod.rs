@@ -61,6 +61,7 @@ mod surface;
 mod tree;
 mod wear;
 mod wide;
+mod widen;
 mod world;
 
 pub use device::{Changed, DeviceChanges, DeviceWorld};

@@ -20,6 +20,12 @@ pub(super) fn load_v3<L: Lane>(token: L::Token, [x, y, z]: &[[f32; WIDTH]; 3], f
     V3 { x: load(token, x, first), y: load(token, y, first), z: load(token, z, first) }
 }
 
+/// Three numbers, each in all lanes.
+#[inline(always)]
+pub(super) fn splat<L: Lane>(token: L::Token, [x, y, z]: [f32; 3]) -> [L; 3] {
+    [L::splat(token, x), L::splat(token, y), L::splat(token, z)]
+}
+
 /// Where rays enter and leave the slab between a lower and an upper plane across an axis. `origins` are what the two
 /// planes are measured from.
 ///

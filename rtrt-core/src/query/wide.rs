@@ -1,13 +1,12 @@
 //! Trees of nodes with eight children, which a ray asks all at once.
 //!
-//! They are made of trees with two children by opening the largest nodes. A child's interval is computed
-//! as [`slab`](crate::kernel::slab::slab) does, so nothing that a tree of any shape finds is lost.
+//! A child's interval is computed as [`slab`](crate::kernel::slab::slab) does, so nothing that a tree of any shape finds
+//! is lost.
 
-use super::rows::{cross, enter, load};
+use super::rows::{cross, enter, load, splat};
 use crate::kernel::ray::Ray;
 use crate::kernel::traverse::STACK;
 use crate::lane::{Lane, Mask, Row};
-use crate::layout::Node;
 use crate::scene::Bounds;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -16,8 +15,10 @@ use alloc::vec::Vec;
 pub(crate) const WIDTH: usize = 8;
 /// The bits of a slot.
 const SLOT: u32 = WIDTH as u32 - 1;
+/// The levels that trees over few things have at most.
+const FLAT: usize = 3;
 /// The levels that most trees have at most.
-pub(crate) const SHALLOW: usize = 12;
+pub(crate) const SHALLOW: usize = 9;
 /// The count of a child that is a node.
 const INNER: u32 = u32::MAX;
 /// Where children are that are not there: no ray comes so far.
@@ -55,6 +56,22 @@ impl WideNode {
             INNER => Child::Node(self.first[slot]),
             count => Child::Leaf(self.first[slot], count),
         }
+    }
+
+    /// What a child is, in numbers: a node, and [`INNER`]; or the first of a leaf's things, and how many there are.
+    #[inline(always)]
+    pub fn held(&self, slot: u32) -> (u32, u32) {
+        let slot = (slot & SLOT) as usize;
+        (self.first[slot], self.count[slot])
+    }
+
+    /// Makes a child be this, in this box.
+    pub fn set_child(&mut self, slot: usize, child: &Child, bounds: &Bounds) {
+        (self.first[slot], self.count[slot]) = match *child {
+            Child::Node(node) => (node, INNER),
+            Child::Leaf(first, count) => (first, count),
+        };
+        self.set_bounds(slot, bounds);
     }
 
     /// Makes a leaf hold its thing, in this box; or nothing, if the box is empty.
@@ -102,6 +119,12 @@ impl WideNode {
         }
     }
 
+    /// Whether nothing is in any child.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.planes[0].iter().all(|&plane| plane == NOWHERE)
+    }
+
     /// Half of the surfaces of the boxes of all children, summed.
     pub fn area(&self) -> f64 {
         (0..WIDTH).map(|slot| f64::from(self.bounds(slot).area())).sum()
@@ -135,16 +158,26 @@ struct Entered {
     near: [f32; WIDTH],
 }
 
+impl Entered {
+    /// The key of a child. Numbers that are not negative are ordered as their bits.
+    #[inline(always)]
+    fn key(&self, slot: u32) -> u32 {
+        self.near[slot as usize & SLOT as usize].to_bits() & !SLOT | slot
+    }
+}
+
 impl<L: Lane> Asked<L> {
     /// `magnitude` widens the boxes by that much of their slack; 0 for nodes that have none. `passing` widens
     /// all.
     #[inline(always)]
     pub fn new(token: L::Token, ray: &Ray<f32>, magnitude: f32, passing: f32) -> Self {
-        let each = |v: [f32; 3]| v.map(|c| L::splat(token, c));
-        let (origin, inverse) = (ray.origin.lane(0), ray.inverse.lane(0));
+        let ([x, y, z], inverse) = (ray.origin.lane(0), ray.inverse.lane(0));
         Self {
-            origins: [each(origin.map(|c| c + passing)), each(origin.map(|c| c - passing))],
-            inverse: each(inverse),
+            origins: [
+                splat(token, [x + passing, y + passing, z + passing]),
+                splat(token, [x - passing, y - passing, z - passing]),
+            ],
+            inverse: splat(token, inverse),
             magnitude: L::splat(token, magnitude),
         }
     }
@@ -188,13 +221,11 @@ impl<L: Lane> Asked<L> {
     }
 }
 
-/// The children of a node that wait, farthest first. A key is where the ray enters, its last three bits
-/// replaced by the slot.
+/// A child of a node that waits. Its key is where the ray enters it, the last three bits replaced by the slot.
 #[derive(Clone, Copy)]
 struct Waiting {
+    key: u32,
     node: u32,
-    count: u32,
-    keys: [u32; WIDTH],
 }
 
 /// Something that looks at the leaves which a ray comes through.
@@ -208,87 +239,82 @@ pub(crate) trait Visitor {
 #[inline(always)]
 pub(crate) fn traverse<L: Lane>(
     tree: &WideTree,
-    mut index: u32,
+    node: u32,
     slacks: Option<&[[f32; WIDTH]]>,
     asked: &Asked<L>,
     mut range: Range,
     visitor: &mut impl Visitor,
 ) {
-    const NO_NODE: Waiting = Waiting { node: 0, count: 0, keys: [0; WIDTH] };
+    const NOTHING: Waiting = Waiting { key: 0, node: 0 };
+    /// All children of a node but one may wait.
+    const REST: usize = WIDTH - 1;
     let nodes = &tree.nodes;
     // A stack is cleared for each search: most trees need a short one.
-    let (mut short, mut long);
-    let stack: &mut [Waiting] = if tree.depth <= SHALLOW {
-        short = [NO_NODE; SHALLOW];
+    let (mut tiny, mut short, mut long);
+    let stack: &mut [Waiting] = if tree.depth <= FLAT {
+        tiny = [NOTHING; REST * FLAT];
+        &mut tiny
+    } else if tree.depth <= SHALLOW {
+        short = [NOTHING; REST * SHALLOW];
         &mut short
     } else {
-        long = [NO_NODE; STACK];
+        long = [NOTHING; REST * STACK];
         &mut long
     };
     let mut depth = 0;
+    // What comes next: a node, or the things of a leaf.
+    let (mut first, mut count) = (node, INNER);
     loop {
-        let node = &nodes[index as usize];
-        let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);
-        let (mut parent, mut slot) = (node, 0);
-        let mut is_entered = entered.mask != 0;
-        if is_entered {
-            let waiting = &mut stack[depth];
-            waiting.node = index;
-            slot = nearest(&entered, waiting);
-            depth += usize::from(waiting.count > 0);
-        }
         // The next node: leaves on the way are looked at.
-        index = loop {
-            if is_entered {
-                match parent.child(slot) {
-                    Child::Node(child) => break child,
-                    Child::Leaf(first, count) => {
-                        range.limit = visitor.leaf(first, count);
-                        if range.limit < range.from {
-                            return;
-                        }
-                    }
+        let index = loop {
+            if count == INNER {
+                break first;
+            }
+            if count != 0 {
+                range.limit = visitor.leaf(first, count);
+                if range.limit < range.from {
+                    return;
                 }
             }
-            if depth == 0 {
-                return;
-            }
-            let top = &mut stack[depth - 1];
-            top.count -= 1;
-            let key = top.keys[top.count as usize & (WIDTH - 1)];
-            // If it is too far by now, so are the others.
-            is_entered = key & !SLOT <= range.limit.to_bits();
-            (parent, slot) = (&nodes[top.node as usize], (key & SLOT) as usize);
-            depth -= usize::from(top.count == 0 || !is_entered);
+            let Waiting { key, node } = loop {
+                if depth == 0 {
+                    return;
+                }
+                depth -= 1;
+                let waiting = stack[depth];
+                if waiting.key & !SLOT <= range.limit.to_bits() {
+                    break waiting;
+                }
+            };
+            (first, count) = nodes[node as usize].held(key & SLOT);
         };
-    }
-}
-
-/// The nearest of the children that are entered, of which there must be one; the others wait, in order.
-#[inline(always)]
-fn nearest(entered: &Entered, waiting: &mut Waiting) -> usize {
-    // Numbers that are not negative are ordered as their bits.
-    let key = |slot: u32| entered.near[slot as usize & (WIDTH - 1)].to_bits() & !SLOT | slot;
-    let keys = &mut waiting.keys;
-    let mut count = 0;
-    let mut remaining = entered.mask;
-    let mut nearest = key(remaining.trailing_zeros());
-    remaining &= remaining - 1;
-    while remaining != 0 {
-        let other = key(remaining.trailing_zeros());
-        remaining &= remaining - 1;
-        let farther = other.max(nearest);
-        nearest = other.min(nearest);
-        let mut at = count;
-        while at > 0 && keys[at - 1] < farther {
-            keys[at] = keys[at - 1];
-            at -= 1;
+        let node = &nodes[index as usize];
+        let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);
+        (first, count) = (0, 0);
+        if entered.mask != 0 {
+            let mut slot = entered.mask.trailing_zeros();
+            let mut remaining = entered.mask & (entered.mask - 1);
+            if remaining != 0 {
+                let bottom = depth;
+                let mut nearest = entered.key(slot);
+                while remaining != 0 {
+                    let other = entered.key(remaining.trailing_zeros());
+                    remaining &= remaining - 1;
+                    let key = other.max(nearest);
+                    nearest = other.min(nearest);
+                    let mut at = depth;
+                    while at > bottom && stack[at - 1].key < key {
+                        stack[at] = stack[at - 1];
+                        at -= 1;
+                    }
+                    stack[at] = Waiting { key, node: index };
+                    depth += 1;
+                }
+                slot = nearest & SLOT;
+            }
+            (first, count) = node.held(slot);
         }
-        keys[at] = farther;
-        count += 1;
     }
-    waiting.count = count as u32;
-    (nearest & SLOT) as usize
 }
 
 /// A tree with eight children a node.
@@ -328,71 +354,4 @@ impl WideTree {
         let leaves = self.nodes.iter().flat_map(|node| node.count).filter(|count| *count != INNER);
         leaves.map(|count| count.div_ceil(WIDTH as u32) as usize).sum()
     }
-}
-
-/// The things below a node of two.
-#[derive(Clone, Copy)]
-struct Held {
-    first: u32,
-    count: u32,
-    /// Whether their numbers follow one another.
-    is_range: bool,
-}
-
-/// What each node holds.
-fn held(nodes: &[Node]) -> Vec<Held> {
-    let mut held = vec![Held { first: 0, count: 0, is_range: true }; nodes.len()];
-    for (index, node) in nodes.iter().enumerate().rev() {
-        held[index] = if node.is_leaf() {
-            Held { first: node.first, count: node.triangles(), is_range: true }
-        } else {
-            let (a, b) = (held[node.first as usize], held[node.first as usize + 1]);
-            let (a, b) = if a.first < b.first { (a, b) } else { (b, a) };
-            let is_range = a.is_range && b.is_range && a.first + a.count == b.first;
-            Held { first: a.first, count: a.count + b.count, is_range }
-        };
-    }
-    held
-}
-
-/// The tree that is made of one with two children a node, by opening the nodes with the largest surfaces.
-/// Nodes that hold no more than `leaf` things become leaves.
-pub(crate) fn widened(nodes: &[Node], leaf: u32) -> WideTree {
-    let held = held(nodes);
-    let is_leaf = |node: usize| nodes[node].is_leaf() || (held[node].is_range && held[node].count <= leaf);
-    let WideTree { nodes: mut wide, mut depth } = WideTree::default();
-    // A node of two, the wide one that it becomes, and that one's level.
-    let mut todo = vec![(0, 0, 1)];
-    while let Some((narrow, index, level)) = todo.pop() {
-        depth = depth.max(level);
-        let mut open = [narrow; WIDTH];
-        let mut count = 1;
-        if held[narrow].count == 0 {
-            continue;
-        }
-        while count < WIDTH {
-            let area = |&at: &usize| Bounds::around(&nodes[open[at]]).area();
-            let inner = (0..count).filter(|&at| !is_leaf(open[at]));
-            let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
-            let first = nodes[open[largest]].first as usize;
-            (open[largest], open[count]) = (first, first + 1);
-            count += 1;
-        }
-        let start = todo.len();
-        for (slot, &child) in open[..count].iter().enumerate() {
-            let node = &nodes[child];
-            let (first, count) = if is_leaf(child) {
-                (held[child].first, held[child].count)
-            } else {
-                wide.push(WideNode::EMPTY);
-                todo.push((child, wide.len() - 1, level + 1));
-                (wide.len() as u32 - 1, INNER)
-            };
-            (wide[index].first[slot], wide[index].count[slot]) = (first, count);
-            wide[index].set_bounds(slot, &Bounds::around(node));
-        }
-        // The first child's subtree follows first.
-        todo[start..].reverse();
-    }
-    WideTree { nodes: wide, depth }
 }

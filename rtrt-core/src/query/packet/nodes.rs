@@ -7,15 +7,9 @@ use crate::kernel::tiles::{Sign, separate_origins};
 use crate::kernel::traverse::STACK;
 use crate::lane::{Lane, Mask, Select};
 use crate::query::ray::Span;
-use crate::query::rows::{cross, enter, load, load_v3};
+use crate::query::rows::{cross, enter, load, load_v3, splat};
 use crate::query::search::Collect;
 use crate::query::wide::{Child, SHALLOW, WIDTH, WideNode, WideTree};
-
-/// Three numbers, each in all lanes.
-#[inline(always)]
-fn splat<L: Lane>(token: L::Token, [x, y, z]: [f32; 3]) -> [L; 3] {
-    [L::splat(token, x), L::splat(token, y), L::splat(token, z)]
-}
 
 /// Rays side by side.
 #[derive(Clone, Copy)]

@@ -1,0 +1,154 @@
+//! How trees with eight children a node are made of trees with two.
+//!
+//! Of all such trees whose nodes are nodes of the old one that with the least cost is chosen (after Ylitie, Karras and
+//! Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, section 3.1): a ray
+//! visits a box about as often as its surface is large.
+
+use super::wide::{Child, WIDTH, WideNode, WideTree};
+use crate::layout::Node;
+use crate::scene::Bounds;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// What eight things of a leaf cost, in visits of a node.
+const LEAF: f32 = 1.5;
+
+/// What a tree of two becomes.
+struct Widening<'a> {
+    nodes: &'a [Node],
+    /// The most things of a leaf.
+    leaf: u32,
+    held: Vec<Held>,
+    /// What the things below each node cost as a child of a wide node, as up to two children, and so on.
+    costs: Vec<[f32; WIDTH - 1]>,
+}
+
+/// The things below a node.
+#[derive(Clone, Copy)]
+struct Held {
+    first: u32,
+    count: u32,
+    /// Whether their numbers follow one another.
+    is_range: bool,
+}
+
+/// What each node holds.
+fn held(nodes: &[Node]) -> Vec<Held> {
+    let mut held = vec![Held { first: 0, count: 0, is_range: true }; nodes.len()];
+    for (index, node) in nodes.iter().enumerate().rev() {
+        held[index] = if node.is_leaf() {
+            Held { first: node.first, count: node.triangles(), is_range: true }
+        } else {
+            let (a, b) = (held[node.first as usize], held[node.first as usize + 1]);
+            let (a, b) = if a.first < b.first { (a, b) } else { (b, a) };
+            let is_range = a.is_range && b.is_range && a.first + a.count == b.first;
+            Held { first: a.first, count: a.count + b.count, is_range }
+        };
+    }
+    held
+}
+
+/// The cheapest tree whose leaves hold up to `leaf` things, or as many as a leaf of two.
+pub(crate) fn widened(nodes: &[Node], leaf: u32) -> WideTree {
+    let mut widening = Widening { nodes, leaf, held: held(nodes), costs: vec![[0.0; WIDTH - 1]; nodes.len()] };
+    for index in (0..nodes.len()).rev() {
+        widening.costs[index] = widening.cost(index);
+    }
+    widening.tree()
+}
+
+impl Widening<'_> {
+    fn area(&self, index: usize) -> f32 {
+        Bounds::around(&self.nodes[index]).area()
+    }
+
+    /// The cost of a node as a leaf; infinite if it cannot be one.
+    fn leaf_cost(&self, index: usize) -> f32 {
+        let Held { count, is_range, .. } = self.held[index];
+        if self.nodes[index].is_leaf() || (is_range && count <= self.leaf) {
+            return self.area(index) * LEAF * count.div_ceil(WIDTH as u32) as f32;
+        }
+        f32::INFINITY
+    }
+
+    /// The least cost of the two children of a node as `count` children of a wide one, and how many of them are the
+    /// first one's.
+    fn split(&self, index: usize, count: usize) -> (f32, usize) {
+        let first = self.nodes[index].first as usize;
+        let [a, b] = [&self.costs[first], &self.costs[first + 1]];
+        let mut best = (f32::INFINITY, 1);
+        for of_first in 1..count {
+            let cost = a[of_first - 1] + b[count - of_first - 1];
+            if cost < best.0 {
+                best = (cost, of_first);
+            }
+        }
+        best
+    }
+
+    fn cost(&self, index: usize) -> [f32; WIDTH - 1] {
+        let as_leaf = self.leaf_cost(index);
+        let mut costs = [as_leaf; WIDTH - 1];
+        if !self.nodes[index].is_leaf() {
+            costs[0] = as_leaf.min(self.area(index) + self.split(index, WIDTH).0);
+            for count in 2..WIDTH {
+                costs[count - 1] = costs[count - 2].min(self.split(index, count).0);
+            }
+        }
+        costs
+    }
+
+    /// Finds the nodes of two that become the children of a wide one, of which there are at most `count`, below a node
+    /// of two.
+    fn children(&self, index: usize, count: usize, children: &mut Vec<usize>) {
+        let costs = &self.costs[index];
+        // As many as help.
+        let count = (1..count).rev().take_while(|&fewer| costs[fewer - 1] <= costs[fewer]).last().unwrap_or(count);
+        if count == 1 || self.nodes[index].is_leaf() {
+            children.push(index);
+        } else {
+            self.split_children(index, count, children);
+        }
+    }
+
+    fn split_children(&self, index: usize, count: usize, children: &mut Vec<usize>) {
+        let (first, (_, of_first)) = (self.nodes[index].first as usize, self.split(index, count));
+        self.children(first, of_first, children);
+        self.children(first + 1, count - of_first, children);
+    }
+
+    fn tree(&self) -> WideTree {
+        let WideTree { nodes: mut wide, mut depth } = WideTree::default();
+        let is_leaf = |index: usize| self.leaf_cost(index) <= self.costs[index][0];
+        // A node of two, the wide one that it becomes, and that one's level.
+        let mut todo = vec![(0, 0, 1)];
+        let mut children = Vec::with_capacity(WIDTH);
+        while let Some((narrow, index, level)) = todo.pop() {
+            depth = depth.max(level);
+            children.clear();
+            if is_leaf(narrow) {
+                // The root.
+                children.push(narrow);
+            } else {
+                self.split_children(narrow, WIDTH, &mut children);
+            }
+            let start = todo.len();
+            for (slot, &child) in children.iter().enumerate() {
+                let Held { first, count, .. } = self.held[child];
+                let what = if is_leaf(child) {
+                    Child::Leaf(first, count)
+                } else {
+                    wide.push(WideNode::EMPTY);
+                    todo.push((child, wide.len() - 1, level + 1));
+                    Child::Node(wide.len() as u32 - 1)
+                };
+                if count > 0 {
+                    wide[index].set_child(slot, &what, &Bounds::around(&self.nodes[child]));
+                }
+            }
+            // The first child's subtree follows first.
+            todo[start..].reverse();
+        }
+        WideTree { nodes: wide, depth }
+    }
+}
