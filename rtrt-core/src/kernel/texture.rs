@@ -357,7 +357,7 @@ mod tests {
         assert_eq!(at(-0.05, Wrap::Mirror), [0, 0]);
         assert_eq!(at(f32::NAN, Wrap::Repeat), [3, 0]);
         assert_eq!(of(0.3, 1.0, Wrap::Repeat), [0, 0]);
-        }
+    }
 
     #[test]
     fn a_filter_counts_where_texels_are_larger_or_smaller_than_pixels() {

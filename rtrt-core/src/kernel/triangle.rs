@@ -87,11 +87,7 @@ impl<L: Lane> RelativeTriangle<L, L> {
     #[inline(always)]
     pub(crate) fn of([a, b, c]: [V3<L>; 3], origin: V3<L>) -> Self {
         let (ab, ac) = (b - a, c - a);
-        Self {
-            corners: [a - origin, b - origin, c - origin],
-            ab: [ab.x, ab.y, ab.z],
-            ac: [ac.x, ac.y, ac.z],
-        }
+        Self { corners: [a - origin, b - origin, c - origin], ab: [ab.x, ab.y, ab.z], ac: [ac.x, ac.y, ac.z] }
     }
 }
 

@@ -76,11 +76,8 @@ impl<L: Lane> AskedBlock<L> {
         let mut hit = 0;
         let mut first = 0;
         while first < WIDTH {
-            let corners = [
-                block.corner(token, 0, first),
-                block.corner(token, 1, first),
-                block.corner(token, 2, first),
-            ];
+            let corners =
+                [block.corner(token, 0, first), block.corner(token, 1, first), block.corner(token, 2, first)];
             let seen = RelativeTriangle::of(corners, ray.origin);
             hit |= may_meet_ahead(ray, self.along, &seen).bits() << first;
             first += L::WIDTH;

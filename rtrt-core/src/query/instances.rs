@@ -39,7 +39,7 @@ pub(crate) struct InstanceTree {
 pub(crate) enum Start {
     /// At the root.
     Root,
-    /// At the only instance: a leaf, and whether it holds it.
+    /// At the only instance: its number, and 1, or 0 if it is hidden or merged.
     Leaf(u32, u32),
     /// Nowhere: all instances are hidden or merged.
     Nowhere,

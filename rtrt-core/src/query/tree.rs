@@ -128,17 +128,3 @@ impl Tree {
         meshes + self.instances.bytes()
     }
 }
-impl Tree {
-    #[allow(missing_docs)]
-    pub fn stats(&self) -> alloc::string::String {
-        let mut s = alloc::string::String::new();
-        let mut one = |name: &str, t: &WideTree| {
-            let (mut kids, mut leaves, mut hist) = (0, 0, [0; 9]);
-            for n in &t.nodes { for slot in 0..WIDTH { match n.child(slot) { Child::Node(_) => kids += 1, Child::Leaf(_, 0) => {}, Child::Leaf(_, c) => { kids += 1; leaves += 1; hist[(c as usize).min(8)] += 1; } } } }
-            s += &alloc::format!("{name}: nodes {} depth {} kids/node {:.2} leaves {} hist {:?}\n", t.nodes.len(), t.depth, kids as f64 / t.nodes.len() as f64, leaves, hist);
-        };
-        for m in &self.meshes { one("mesh", &m.tree); }
-        one("merged", &self.instances.merged.tree);
-        s
-    }
-}

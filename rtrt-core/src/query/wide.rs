@@ -276,45 +276,56 @@ pub(crate) fn traverse<L: Lane>(
                     return;
                 }
             }
-            let Waiting { key, node } = loop {
-                if depth == 0 {
-                    return;
-                }
-                depth -= 1;
-                let waiting = stack[depth];
-                if waiting.key & !SLOT <= range.limit.to_bits() {
-                    break waiting;
-                }
-            };
+            let Some(Waiting { key, node }) = next(stack, &mut depth, range.limit) else { return };
             (first, count) = nodes[node as usize].held(key & SLOT);
         };
         let node = &nodes[index as usize];
         let entered = asked.enter(node, slacks.map(|slacks| &slacks[index as usize]), range);
         (first, count) = (0, 0);
         if entered.mask != 0 {
-            let mut slot = entered.mask.trailing_zeros();
-            let mut remaining = entered.mask & (entered.mask - 1);
-            if remaining != 0 {
-                let bottom = depth;
-                let mut nearest = entered.key(slot);
-                while remaining != 0 {
-                    let other = entered.key(remaining.trailing_zeros());
-                    remaining &= remaining - 1;
-                    let key = other.max(nearest);
-                    nearest = other.min(nearest);
-                    let mut at = depth;
-                    while at > bottom && stack[at - 1].key < key {
-                        stack[at] = stack[at - 1];
-                        at -= 1;
-                    }
-                    stack[at] = Waiting { key, node: index };
-                    depth += 1;
-                }
-                slot = nearest & SLOT;
-            }
+            let slot = nearest(&entered, index, stack, &mut depth);
             (first, count) = node.held(slot);
         }
     }
+}
+
+/// The nearest of the children that are entered, of which there must be one; the others wait, the nearest of them on top.
+#[inline(always)]
+fn nearest(entered: &Entered, node: u32, stack: &mut [Waiting], depth: &mut usize) -> u32 {
+    let slot = entered.mask.trailing_zeros();
+    let mut remaining = entered.mask & (entered.mask - 1);
+    if remaining == 0 {
+        return slot;
+    }
+    let bottom = *depth;
+    let mut nearest = entered.key(slot);
+    while remaining != 0 {
+        let other = entered.key(remaining.trailing_zeros());
+        remaining &= remaining - 1;
+        let key = other.max(nearest);
+        nearest = other.min(nearest);
+        let mut at = *depth;
+        while at > bottom && stack[at - 1].key < key {
+            stack[at] = stack[at - 1];
+            at -= 1;
+        }
+        stack[at] = Waiting { key, node };
+        *depth += 1;
+    }
+    nearest & SLOT
+}
+
+/// The topmost child that is not too far.
+#[inline(always)]
+fn next(stack: &[Waiting], depth: &mut usize, limit: f32) -> Option<Waiting> {
+    while *depth > 0 {
+        *depth -= 1;
+        let waiting = stack[*depth];
+        if waiting.key & !SLOT <= limit.to_bits() {
+            return Some(waiting);
+        }
+    }
+    None
 }
 
 /// A tree with eight children a node.

@@ -50,7 +50,8 @@ fn held(nodes: &[Node]) -> Vec<Held> {
 
 /// The cheapest tree whose leaves hold up to `leaf` things, or as many as a leaf of two.
 pub(crate) fn widened(nodes: &[Node], leaf: u32) -> WideTree {
-    let mut widening = Widening { nodes, leaf, held: held(nodes), costs: vec![[0.0; WIDTH - 1]; nodes.len()] };
+    let mut widening =
+        Widening { nodes, leaf, held: held(nodes), costs: vec![[0.0; WIDTH - 1]; nodes.len()] };
     for index in (0..nodes.len()).rev() {
         widening.costs[index] = widening.cost(index);
     }
@@ -103,7 +104,8 @@ impl Widening<'_> {
     fn children(&self, index: usize, count: usize, children: &mut Vec<usize>) {
         let costs = &self.costs[index];
         // As many as help.
-        let count = (1..count).rev().take_while(|&fewer| costs[fewer - 1] <= costs[fewer]).last().unwrap_or(count);
+        let count =
+            (1..count).rev().take_while(|&fewer| costs[fewer - 1] <= costs[fewer]).last().unwrap_or(count);
         if count == 1 || self.nodes[index].is_leaf() {
             children.push(index);
         } else {
@@ -150,5 +152,73 @@ impl Widening<'_> {
             todo[start..].reverse();
         }
         WideTree { nodes: wide, depth }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::query::fixture::Random;
+    use crate::scene::{Bvh, Sequential};
+
+    fn boxes(random: &mut Random, count: usize) -> Vec<Bounds> {
+        let mut one = || {
+            let (low, size) = (random.vector(9.0), random.vector(0.5).abs());
+            Bounds { low: low.into(), high: (low + size).into() }
+        };
+        (0..count).map(|_| one()).collect()
+    }
+
+    /// The things in leaves below a wide node, and what they and the nodes cost.
+    fn walk(wide: &WideTree, index: usize, most: u32, things: &mut Vec<u32>) -> f32 {
+        let node = &wide.nodes[index];
+        let mut cost = 0.0;
+        for slot in 0..WIDTH {
+            let area = node.bounds(slot).area();
+            cost += match node.child(slot) {
+                Child::Leaf(_, 0) => 0.0,
+                Child::Leaf(first, count) => {
+                    assert!(count <= most);
+                    things.extend(first..first + count);
+                    area * LEAF
+                }
+                Child::Node(child) => {
+                    assert!(child as usize > index);
+                    area + walk(wide, child as usize, most, things)
+                }
+            };
+        }
+        cost
+    }
+
+    #[test]
+    fn the_tree_has_the_least_cost_and_each_thing_once() {
+        let mut random = Random(5);
+        for count in [1, 2, 7, 8, 9, 40, 700] {
+            for most in [1, 8] {
+                let Bvh { nodes, .. } = Bvh::over(&boxes(&mut random, count), 1, &Sequential);
+                let wide = widened(&nodes, most);
+                let mut things = vec![];
+                let cost = walk(&wide, 0, most, &mut things);
+                things.sort_unstable();
+                assert!(things.into_iter().eq(0..count as u32));
+                let costs = vec![[0.0; WIDTH - 1]; nodes.len()];
+                let mut least = Widening { nodes: &nodes, leaf: most, held: held(&nodes), costs };
+                for index in (0..nodes.len()).rev() {
+                    least.costs[index] = least.cost(index);
+                }
+                let is_leaf = least.leaf_cost(0) <= least.costs[0][0];
+                let root = if is_leaf { 0.0 } else { least.area(0) };
+                let expected = least.costs[0][0] - root;
+                assert!((cost - expected).abs() <= 1e-4 * expected, "{count} {most}: {cost} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_one_node_without_children() {
+        let Bvh { nodes, .. } = Bvh::over(&[], 1, &Sequential);
+        let wide = widened(&nodes, 1);
+        assert!(wide.nodes.len() == 1 && wide.nodes[0].is_empty() && wide.depth == 1);
     }
 }

@@ -128,9 +128,7 @@ mod tests {
         for map in ToneMap::ALL.map(|(_, map)| map as u32) {
             let backdrop = Backdrop::Nothing as u32;
             let frame = Frame { exposure: 4.0, tone_map: map, backdrop, ..one() };
-            let pixel = |c: [f32; 4]| {
-                resolve::<f32>((), &frame, |_| c, |_| [0.0; 4]).0.to_le_bytes()
-            };
+            let pixel = |c: [f32; 4]| resolve::<f32>((), &frame, |_| c, |_| [0.0; 4]).0.to_le_bytes();
             let V3 { x, y, z } = tone_map::<f32>(map, V3::splat((), color.map(|c| 4.0 * c)));
             let [r, g, b] = [x, y, z].map(|c| srgb_byte_encode(c).0 as u8);
             assert_eq!(pixel([0.09, 0.18, 0.36, 1.0]), [r, g, b, 255]);
@@ -144,9 +142,7 @@ mod tests {
         for (_, map) in ToneMap::ALL {
             let background = Frame { background_r: 0.25, background_g: 0.5, background_b: 1.0, ..one() };
             let frame = Frame { exposure: 64.0, tone_map: map as u32, ..background };
-            let pixel = |c: [f32; 4]| {
-                resolve::<f32>((), &frame, |_| c, |_| [0.0; 4]).0.to_le_bytes()
-            };
+            let pixel = |c: [f32; 4]| resolve::<f32>((), &frame, |_| c, |_| [0.0; 4]).0.to_le_bytes();
             assert_eq!(pixel([0.0; 4]), [r, g, b, 255]);
             // A black surface that covers half of it.
             let [.., blue, alpha] = pixel([0.0, 0.0, 0.0, 0.5]);
