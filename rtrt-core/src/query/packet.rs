@@ -5,21 +5,20 @@
 //! Arbitrary Ray Distributions on the Intel MIC Architecture", TVCG 2012).
 
 mod nodes;
+mod rays;
 mod visitors;
 
-use super::instances::Entry;
+use super::instances::{Entry, Start};
 use super::merged::Space;
-use super::ray::{QueryError, Ray, ScaledRay, Span, check_point};
+use super::ray::{QueryError, Ray, ScaledRay, Span};
 use super::search::{Collect, Limits, Seen, skipped};
 use super::source::Parts;
 use super::tree::Tree;
 use super::wide::WIDTH;
-use crate::kernel::ray::Ray as WorldRay;
-use crate::kernel::slab::RelativeBox;
-use crate::kernel::triangle::passing;
 use crate::lane::Lane;
-use crate::scene::Bounds;
+use crate::scene::{Bounds, COORDINATE_LIMIT};
 use nodes::{Asked, traverse};
+use rays::Rays;
 use visitors::{InstanceVisitor, MergedVisitor};
 
 /// The most rays of a packet.
@@ -50,10 +49,13 @@ fn each(set: Set, mut visit: impl FnMut(usize)) {
 /// together: the order in which a packet visits nodes is good for a ray if it is good for its neighbors.
 #[inline(always)]
 pub(super) fn start_nearby(rays: &[Ray], world: &Bounds) -> bool {
-    let starts = || rays.iter().map(|ray| ray.origin).filter(|origin| check_point(*origin).is_ok());
     let mut apart = 0.0;
-    for (a, b) in starts().zip(starts().skip(1)) {
-        apart += (0..3).fold(0.0, |most, axis| Lane::max(most, Lane::abs(b[axis] - a[axis])));
+    for pair in rays.windows(2) {
+        let (a, b) = (&pair[0].origin, &pair[1].origin);
+        let (x, y) = (Lane::abs(b[0] - a[0]), Lane::abs(b[1] - a[1]));
+        let most = Lane::max(Lane::max(x, y), Lane::abs(b[2] - a[2]));
+        // The start of a refused ray may be anywhere, or nowhere.
+        apart += if most <= 2.0 * COORDINATE_LIMIT { most } else { 0.0 };
     }
     apart <= NEARBY * rays.len() as f32 * world.side()
 }
@@ -62,7 +64,7 @@ pub(super) fn start_nearby(rays: &[Ray], world: &Bounds) -> bool {
 pub(super) struct Packet<'a> {
     asked: &'a [Ray],
     traced: Set,
-    rays: [WorldRay<f32>; PACKET],
+    rays: Rays,
     spans: [Span; PACKET],
     skip: [Option<u32>; PACKET],
 }
@@ -70,35 +72,45 @@ pub(super) struct Packet<'a> {
 impl<'a> Packet<'a> {
     /// `None` if the rays are too few or too many, or all are refused.
     #[inline(always)]
-    pub fn new(source: &impl Parts, asked: &'a [Ray]) -> Option<Self> {
+    pub fn new<L: Lane>(token: L::Token, source: &impl Parts, asked: &'a [Ray]) -> Option<Self> {
         if asked.len() <= FEW as usize || asked.len() > PACKET {
             return None;
         }
-        let first = asked.iter().find_map(|ray| ray.scaled().ok())?;
-        let mut packet = Self {
-            asked,
-            traced: 0,
-            rays: [first.ray; PACKET],
-            spans: [first.span; PACKET],
-            skip: [None; PACKET],
-        };
+        const NOTHING: Span = Span { from: 0.0, to: 0.0, unit: 1.0 };
+        let mut packet =
+            Self { asked, traced: 0, rays: Rays::NONE, spans: [NOTHING; PACKET], skip: [None; PACKET] };
+        let (mut there, mut with_range) = (0, 0);
         for (number, ray) in asked.iter().enumerate() {
-            let Ok(ScaledRay { ray: traced, span }) = ray.scaled() else { continue };
-            packet.traced |= 1 << number;
-            (packet.rays[number], packet.spans[number]) = (traced, span);
+            there |= 1 << number;
+            with_range |= Set::from(!(ray.from.is_nan() || ray.to.is_nan())) << number;
+            packet.rays.set(number, ray.origin, ray.direction);
+            packet.spans[number] = Span { from: ray.from.max(0.0), to: ray.to.min(f32::MAX), unit: 1.0 };
             packet.skip[number] = skipped(source, ray);
         }
+        packet.traced = packet.rays.usual::<L>(token) & with_range;
+        each(there & !packet.traced, |number| packet.scale(number));
+        if packet.traced == 0 {
+            return None;
+        }
+        packet.rays.fill(packet.traced);
+        packet.rays.prepare::<L>(token);
         Some(packet)
+    }
+
+    /// Takes over a ray with an unusual length, if it is not refused.
+    #[inline(never)]
+    fn scale(&mut self, number: usize) {
+        if let Ok(ScaledRay { ray, span }) = self.asked[number].scaled() {
+            self.rays.set(number, ray.origin.lane(0), ray.direction.lane(0));
+            self.spans[number] = span;
+            self.traced |= 1 << number;
+        }
     }
 
     /// The largest coordinate of a start.
     #[inline(always)]
-    pub fn reach(&self) -> f32 {
-        let mut most = 0.0;
-        for ray in &self.rays {
-            most = ray.origin.lane(0).into_iter().fold(most, |most, c| Lane::max(most, Lane::abs(c)));
-        }
-        most
+    pub fn reach<L: Lane>(&self, token: L::Token) -> f32 {
+        self.rays.reach::<L>(token)
     }
 
     /// What a ray has met, or why it is no ray.
@@ -131,16 +143,23 @@ impl<'a> Packet<'a> {
         if !top.merged.leaves.is_empty() {
             let Space { is_identity, to_object, .. } = &top.merged.space;
             let mut local = None;
-            let rays = placed(&self.rays, self.traced, *is_identity, to_object, &mut local);
-            let widening = widening(rays, &top.merged.bounds);
+            let rays = self.rays.placed::<L>(token, self.traced, *is_identity, to_object, &mut local);
+            let widening = rays.widening::<L>(token, &top.merged.bounds);
             let mut asked = Asked::<L>::new(token, rays, self.traced, 0.0, widening, &self.spans, collect);
             let mut merged = MergedVisitor { rays, packet: self, world, collect };
             traverse(token, &top.merged.tree, None, &mut asked, &mut merged);
         }
-        let magnitude = world.limits.magnitude;
-        let mut asked = Asked::<L>::new(token, &self.rays, self.traced, magnitude, 0.0, &self.spans, collect);
         let mut instances = InstanceVisitor { packet: self, world, collect };
-        traverse(token, &top.tree, Some(&top.slacks), &mut asked, &mut instances);
+        match top.start() {
+            Start::Nowhere | Start::Leaf(_, 0) => {}
+            Start::Leaf(number, _) => instances.instance::<L>(token, number, self.traced),
+            Start::Root => {
+                let (rays, magnitude) = (&self.rays, world.limits.magnitude);
+                let mut asked =
+                    Asked::<L>::new(token, rays, self.traced, magnitude, 0.0, &self.spans, instances.collect);
+                traverse(token, &top.tree, Some(&top.slacks), &mut asked, &mut instances);
+            }
+        }
     }
 
     /// The rays of a set that see an instance.
@@ -183,40 +202,6 @@ impl<S> Clone for Searched<'_, S> {
 }
 
 impl<S> Copy for Searched<'_, S> {}
-
-/// The rays of a set in the space of an object, perhaps in `local`; the others are copies of the first.
-#[inline(always)]
-fn placed<'a>(
-    rays: &'a [WorldRay<f32>; PACKET],
-    set: Set,
-    is_identity: bool,
-    to_object: &[[f32; 4]; 3],
-    local: &'a mut Option<[WorldRay<f32>; PACKET]>,
-) -> &'a [WorldRay<f32>; PACKET] {
-    if is_identity {
-        return rays;
-    }
-    let first = rays[set.trailing_zeros() as usize & (PACKET - 1)].transformed(to_object);
-    let local = local.insert([first; PACKET]);
-    each(
-        set,
-        #[inline(always)]
-        |number| local[number] = rays[number].transformed(to_object),
-    );
-    local
-}
-
-/// How much wider boxes within these bounds have to be for all rays.
-#[inline(always)]
-fn widening(rays: &[WorldRay<f32>; PACKET], Bounds { low, high }: &Bounds) -> f32 {
-    let mut reach = 0.0;
-    let mut number = 0;
-    while number < PACKET {
-        reach = Lane::max(reach, RelativeBox::new(rays[number].origin, low, high).reach());
-        number += 1;
-    }
-    passing(reach, low, high)
-}
 
 #[cfg(test)]
 mod tests {
@@ -318,7 +303,7 @@ mod tests {
         let scene = Scene::new();
         let ray = Ray::new([0.0; 3], [1.0, 0.0, 0.0]);
         let none = Ray::new([0.0; 3], [0.0; 3]);
-        let is_packet = |rays: &[Ray]| Packet::new(&scene, rays).is_some();
+        let is_packet = |rays: &[Ray]| Packet::new::<f32>((), &scene, rays).is_some();
         assert!(is_packet(&[ray; 17]) && is_packet(&[ray; 64]));
         assert!(
             !is_packet(&[ray; 16]) && !is_packet(&[ray; 65]) && !is_packet(&[none; 17]) && !is_packet(&[])

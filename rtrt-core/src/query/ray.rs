@@ -129,7 +129,7 @@ impl Ray {
 }
 
 /// The longest direction that is left as it is: 2³².
-const LONG: f32 = 4_294_967_296.0;
+pub(super) const LONG: f32 = 4_294_967_296.0;
 
 /// A ray whose direction has a moderate length.
 #[derive(Clone, Copy)]

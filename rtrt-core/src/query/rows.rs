@@ -2,7 +2,7 @@
 
 use super::wide::WIDTH;
 use crate::kernel::slab::STRETCH;
-use crate::lane::{Lane, V3};
+use crate::lane::{Lane, Row, V3};
 
 /// The numbers of a row from `first` on.
 #[inline(always)]
@@ -18,6 +18,26 @@ pub(super) fn load<L: Lane>(token: L::Token, row: &[f32; WIDTH], first: usize) -
 #[inline(always)]
 pub(super) fn load_v3<L: Lane>(token: L::Token, [x, y, z]: &[[f32; WIDTH]; 3], first: usize) -> V3<L> {
     V3 { x: load(token, x, first), y: load(token, y, first), z: load(token, z, first) }
+}
+
+/// Puts vectors into three rows from `first` on.
+#[inline(always)]
+pub(super) fn store_v3<L: Lane>(vector: V3<L>, rows: &mut [[f32; WIDTH]; 3], first: usize) {
+    let [x, y, z] = rows;
+    store(vector.x, x, first);
+    store(vector.y, y, first);
+    store(vector.z, z, first);
+}
+
+/// Puts numbers into a row from `first` on.
+#[inline(always)]
+pub(super) fn store<L: Lane>(numbers: L, row: &mut [f32; WIDTH], first: usize) {
+    let numbers = numbers.row();
+    let mut lane = 0;
+    while lane < L::WIDTH {
+        row[first + lane] = numbers.at(lane);
+        lane += 1;
+    }
 }
 
 /// Three numbers, each in all lanes.

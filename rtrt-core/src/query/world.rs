@@ -142,7 +142,8 @@ impl<'a, S: Source> World<'a, S> {
     ) {
         let bounds = self.source.places().all();
         for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
-            let packet = if start_nearby(rays, &bounds) { Packet::new(self.source, rays) } else { None };
+            let is_nearby = start_nearby(rays, &bounds);
+            let packet = if is_nearby { Packet::new::<L>(token, self.source, rays) } else { None };
             if let Some(packet) = &packet {
                 let mut all = packet.collectors(Closest::new);
                 self.search_packet::<L, _>(token, packet, &mut all);
@@ -172,7 +173,7 @@ impl<'a, S: Source> World<'a, S> {
         occluded: &mut [Result<bool, QueryError>],
     ) {
         for (rays, occluded) in rays.chunks(PACKET).zip(occluded.chunks_mut(PACKET)) {
-            let packet = Packet::new(self.source, rays);
+            let packet = Packet::new::<L>(token, self.source, rays);
             if let Some(packet) = &packet {
                 let mut all = packet.collectors(Any::new);
                 self.search_packet::<L, _>(token, packet, &mut all);
@@ -288,7 +289,7 @@ impl<'a, S: Source> World<'a, S> {
     ) {
         const { assert!(L::WIDTH <= 8) };
         let Self { tree, source, mask, magnitude } = *self;
-        let limits = Limits { magnitude: magnitude.max(packet.reach()), mask };
+        let limits = Limits { magnitude: magnitude.max(packet.reach::<L>(token)), mask };
         packet.search::<L, S, C>(token, Searched { tree, source, limits }, collect);
     }
 

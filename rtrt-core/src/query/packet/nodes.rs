@@ -1,24 +1,20 @@
 //! How a packet asks nodes: first with bounds of all rays, then with those rays that came so far.
 
+use super::rays::Rays;
 use super::{FEW, GROUPS, PACKET, Set, each};
-use crate::kernel::ray::Ray as WorldRay;
-use crate::kernel::shear::Shear;
 use crate::kernel::tiles::{Sign, separate_origins};
 use crate::kernel::traverse::STACK;
-use crate::lane::{Lane, Mask, Select};
+use crate::lane::{Lane, Mask, Select, V3};
 use crate::query::ray::Span;
-use crate::query::rows::{cross, enter, load, load_v3, splat};
+use crate::query::rows::{cross, enter, load, splat, store};
 use crate::query::search::Collect;
 use crate::query::wide::{Child, SHALLOW, WIDTH, WideNode, WideTree};
 
-/// Rays side by side.
+/// How rays side by side ask nodes.
 #[derive(Clone, Copy)]
 pub(super) struct Group {
-    origin: [[f32; WIDTH]; 3],
-    direction: [[f32; WIDTH]; 3],
     /// The starts, moved by as much as boxes are wider: what lower planes are measured from, and upper ones.
     origins: [[[f32; WIDTH]; 3]; 2],
-    inverse: [[f32; WIDTH]; 3],
     from: [f32; WIDTH],
     /// How far each ray is still traced; −1 for one that is not.
     pub limit: [f32; WIDTH],
@@ -26,18 +22,12 @@ pub(super) struct Group {
 
 impl Group {
     /// Rays that are not traced.
-    const NOBODY: Self = Self {
-        origin: [[0.0; WIDTH]; 3],
-        direction: [[0.0; WIDTH]; 3],
-        origins: [[[0.0; WIDTH]; 3]; 2],
-        inverse: [[0.0; WIDTH]; 3],
-        from: [0.0; WIDTH],
-        limit: [-1.0; WIDTH],
-    };
+    const NOBODY: Self = Self { origins: [[[0.0; WIDTH]; 3]; 2], from: [0.0; WIDTH], limit: [-1.0; WIDTH] };
 }
 
 /// The rays of a packet in one space, ready to ask nodes.
-pub(super) struct Asked<L> {
+pub(super) struct Asked<'a, L> {
+    pub rays: &'a Rays,
     pub groups: [Group; GROUPS],
     /// The rays that are still traced.
     active: Set,
@@ -51,13 +41,13 @@ pub(super) struct Asked<L> {
     magnitude: f32,
 }
 
-impl<L: Lane> Asked<L> {
+impl<'a, L: Lane> Asked<'a, L> {
     /// The rays of a set. `magnitude` and `widening` are those of [`super::wide::Asked::new`]; `spans` have the starts
     /// of their ranges.
     #[inline(always)]
     pub fn new<C: Collect>(
         token: L::Token,
-        rays: &[WorldRay<f32>; PACKET],
+        rays: &'a Rays,
         set: Set,
         magnitude: f32,
         widening: f32,
@@ -66,38 +56,32 @@ impl<L: Lane> Asked<L> {
     ) -> Self {
         let mut groups = [Group::NOBODY; GROUPS];
         let (mut least, mut most) = ([L::splat(token, f32::MAX); 6], [L::splat(token, -f32::MAX); 6]);
+        let by = L::splat(token, widening);
         let mut g = 0;
         while g < GROUPS {
             let group = &mut groups[g];
-            let mut lane = 0;
-            while lane < WIDTH {
-                let ray = &rays[g * WIDTH + lane];
-                let (origin, direction) = (ray.origin.lane(0), ray.direction.lane(0));
-                let inverse = ray.inverse.lane(0);
-                let mut axis = 0;
-                while axis < 3 {
-                    group.origin[axis][lane] = origin[axis];
-                    group.direction[axis][lane] = direction[axis];
-                    group.inverse[axis][lane] = inverse[axis];
-                    group.origins[0][axis][lane] = origin[axis] + widening;
-                    group.origins[1][axis][lane] = origin[axis] - widening;
-                    axis += 1;
-                }
-                group.from[lane] = spans[g * WIDTH + lane].from;
-                lane += 1;
-            }
             let mut first = 0;
             while first < WIDTH {
+                let V3 { x, y, z } = rays.origins::<L>(token, g * WIDTH + first);
+                let origin = [x, y, z];
                 let mut axis = 0;
                 while axis < 3 {
-                    let inverse = load(token, &group.inverse[axis], first);
-                    least[axis] = least[axis].min(load(token, &group.origins[1][axis], first));
-                    most[axis] = most[axis].max(load(token, &group.origins[0][axis], first));
+                    let (lower, upper) = (origin[axis] + by, origin[axis] - by);
+                    store(lower, &mut group.origins[0][axis], first);
+                    store(upper, &mut group.origins[1][axis], first);
+                    let inverse = rays.inverse(token, g * WIDTH + first, axis);
+                    least[axis] = least[axis].min(upper);
+                    most[axis] = most[axis].max(lower);
                     least[3 + axis] = least[3 + axis].min(inverse);
                     most[3 + axis] = most[3 + axis].max(inverse);
                     axis += 1;
                 }
                 first += L::WIDTH;
+            }
+            let mut lane = 0;
+            while lane < WIDTH {
+                group.from[lane] = spans[g * WIDTH + lane].from;
+                lane += 1;
             }
             g += 1;
         }
@@ -115,6 +99,7 @@ impl<L: Lane> Asked<L> {
         );
         let [x, y, z] = inverse;
         let mut asked = Self {
+            rays,
             groups,
             active: set,
             limit: -1.0,
@@ -181,9 +166,9 @@ impl<L: Lane> Asked<L> {
                 let mut first = 0;
                 while first < WIDTH {
                     let slabs = [
-                        group.cross(token, [low[0], high[0]], first, 0),
-                        group.cross(token, [low[1], high[1]], first, 1),
-                        group.cross(token, [low[2], high[2]], first, 2),
+                        self.cross_group(token, [low[0], high[0]], g, first, 0),
+                        self.cross_group(token, [low[1], high[1]], g, first, 1),
+                        self.cross_group(token, [low[2], high[2]], g, first, 2),
                     ];
                     let (from, limit) = (load(token, &group.from, first), load(token, &group.limit, first));
                     let (near, is_entered) = enter(slabs, from, limit);
@@ -195,6 +180,14 @@ impl<L: Lane> Asked<L> {
             g += 1;
         }
         (entered & set, first_near.smallest())
+    }
+
+    /// Where the rays of a group from `first` on enter and leave the slab between two planes across an axis.
+    #[inline(always)]
+    fn cross_group(&self, token: L::Token, planes: [L; 2], g: usize, first: usize, axis: usize) -> (L, L) {
+        let [lower, upper] = &self.groups[g].origins;
+        let origins = [load(token, &lower[axis], first), load(token, &upper[axis], first)];
+        cross(planes, origins, self.rays.inverse(token, g * WIDTH + first, axis))
     }
 
     /// Takes over how far rays are still traced.
@@ -224,25 +217,6 @@ impl<L: Lane> Asked<L> {
     }
 }
 
-impl Group {
-    /// The rays from `first` on.
-    #[inline(always)]
-    pub fn rays<L: Lane>(&self, token: L::Token, first: usize) -> WorldRay<L> {
-        let (origin, direction) =
-            (load_v3(token, &self.origin, first), load_v3(token, &self.direction, first));
-        let inverse = load_v3(token, &self.inverse, first);
-        WorldRay { origin, direction, inverse, shear: Shear::new(direction, inverse) }
-    }
-
-    /// Where the rays from `first` on enter and leave the slab between two planes across an axis.
-    #[inline(always)]
-    fn cross<L: Lane>(&self, token: L::Token, planes: [L; 2], first: usize, axis: usize) -> (L, L) {
-        let [lower, upper] = &self.origins;
-        let origins = [load(token, &lower[axis], first), load(token, &upper[axis], first)];
-        cross(planes, origins, load(token, &self.inverse[axis], first))
-    }
-}
-
 /// A child that waits.
 #[derive(Clone, Copy)]
 struct Waiting {
@@ -256,9 +230,9 @@ struct Waiting {
 /// Something that looks at what rays come through.
 pub(super) trait PacketVisitor<L: Lane> {
     /// Looks at a leaf.
-    fn leaf(&mut self, token: L::Token, first: u32, count: u32, set: Set, asked: &mut Asked<L>);
+    fn leaf(&mut self, token: L::Token, first: u32, count: u32, set: Set, asked: &mut Asked<'_, L>);
     /// Follows few rays one by one from a node on.
-    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>);
+    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<'_, L>);
 }
 
 /// Shows a visitor the leaves that rays may hit within their limits, roughly from near to far.
@@ -267,7 +241,7 @@ pub(super) fn traverse<L: Lane>(
     token: L::Token,
     tree: &WideTree,
     slacks: Option<&[[f32; WIDTH]]>,
-    asked: &mut Asked<L>,
+    asked: &mut Asked<'_, L>,
     visitor: &mut impl PacketVisitor<L>,
 ) {
     const NOTHING: Waiting = Waiting { near: 0.0, node: 0, slot: 0, set: 0 };

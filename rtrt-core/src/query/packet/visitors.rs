@@ -1,11 +1,12 @@
 //! What a packet does with the leaves that it comes through: instances, and triangles.
 
 use super::nodes::{Asked, Group, PacketVisitor, traverse};
-use super::{FEW, FEW_LANES, GROUPS, PACKET, Packet, Searched, Set, each, placed, widening};
-use crate::kernel::ray::Ray as WorldRay;
+use super::rays::Rays;
+use super::{FEW, FEW_LANES, GROUPS, PACKET, Packet, Searched, Set, each};
 use crate::kernel::triangle::{Intersection, Triangle, intersect};
 use crate::lane::{Lane, Mask, Row};
 use crate::query::block::Block;
+use crate::query::instances::Entry;
 use crate::query::merged::MergedLeaf;
 use crate::query::rows::load;
 use crate::query::search::{Collect, Instances, Local, MergedLeaves};
@@ -15,7 +16,7 @@ use crate::query::wide::{Visitor, WIDTH};
 /// Looks at leaves of meshes that stand in one space.
 pub(super) struct MergedVisitor<'a, S, C> {
     /// In that space.
-    pub rays: &'a [WorldRay<f32>; PACKET],
+    pub rays: &'a Rays,
     pub packet: &'a Packet<'a>,
     pub world: Searched<'a, S>,
     pub collect: &'a mut [C; PACKET],
@@ -23,7 +24,7 @@ pub(super) struct MergedVisitor<'a, S, C> {
 
 impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for MergedVisitor<'_, S, C> {
     #[inline(always)]
-    fn leaf(&mut self, token: L::Token, leaf: u32, _: u32, set: Set, asked: &mut Asked<L>) {
+    fn leaf(&mut self, token: L::Token, leaf: u32, _: u32, set: Set, asked: &mut Asked<'_, L>) {
         let top = &self.world.tree.instances;
         let MergedLeaf { instance, block, triangles } = top.merged.leaves[leaf as usize];
         let entry = &top.entries[instance as usize];
@@ -36,13 +37,13 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for MergedVisitor<'_, S, C>
     }
 
     #[inline(always)]
-    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>) {
+    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<'_, L>) {
         let Self { rays, packet, world, .. } = *self;
         each(
             set,
             #[inline(always)]
             |ray| {
-                let local = Local::<L>::new(token, rays[ray]);
+                let local = Local::<L>::new(token, rays.ray(ray));
                 let mut seen = packet.seen(world, ray, &mut self.collect[ray]);
                 MergedLeaves::<L, S, _> { local: &local, seen: &mut seen }.search_outlined(token, node);
             },
@@ -60,7 +61,30 @@ pub(super) struct InstanceVisitor<'a, S, C> {
 
 impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for InstanceVisitor<'_, S, C> {
     #[inline(always)]
-    fn leaf(&mut self, token: L::Token, number: u32, count: u32, set: Set, asked: &mut Asked<L>) {
+    fn leaf(&mut self, token: L::Token, number: u32, _: u32, set: Set, asked: &mut Asked<'_, L>) {
+        self.instance::<L>(token, number, set);
+        asked.limit(token, set, self.collect);
+    }
+
+    #[inline(always)]
+    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<'_, L>) {
+        let Self { packet, world, .. } = *self;
+        each(
+            set,
+            #[inline(always)]
+            |ray| {
+                let (seen, ray) = (packet.seen(world, ray, &mut self.collect[ray]), packet.rays.ray(ray));
+                Instances::<L, S, _, true> { token, ray, seen }.search_outlined(node, world.limits.magnitude);
+            },
+        );
+        asked.limit(token, set, self.collect);
+    }
+}
+
+impl<S: Parts, C: Collect> InstanceVisitor<'_, S, C> {
+    /// Shows an instance to the rays of a set.
+    #[inline(always)]
+    pub fn instance<L: Lane>(&mut self, token: L::Token, number: u32, set: Set) {
         let Self { packet, world, .. } = *self;
         let entry = &world.tree.instances.entries[number as usize];
         if entry.is_sphere || set.count_ones() <= FEW {
@@ -69,41 +93,39 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for InstanceVisitor<'_, S, 
                 #[inline(always)]
                 |ray| {
                     let seen = packet.seen(world, ray, &mut self.collect[ray]);
-                    Instances::<L, S, _, true> { token, ray: packet.rays[ray], seen }.leaf(number, count);
+                    Instances::<L, S, _, true> { token, ray: packet.rays.ray(ray), seen }.leaf(number, 1);
                 },
             );
-        } else {
-            let seeing = packet.seeing(world, set, number, entry);
-            let mesh = &world.tree.meshes[entry.mesh as usize];
-            let mut local = None;
-            let rays = placed(&packet.rays, seeing, entry.is_identity, &entry.to_object, &mut local);
-            let widening = widening(rays, &mesh.bounds);
-            let mut asked = Asked::<L>::new(token, rays, seeing, 0.0, widening, &packet.spans, self.collect);
-            let mut triangles = TriangleVisitor { rays, packet, world, number, collect: &mut *self.collect };
-            traverse(token, &mesh.tree, None, &mut asked, &mut triangles);
+            return;
         }
-        asked.limit(token, set, self.collect);
+        let seeing = packet.seeing(world, set, number, entry);
+        if seeing != 0 {
+            L::outlined(
+                token,
+                #[inline(always)]
+                || self.mesh::<L>(token, number, entry, seeing),
+            );
+        }
     }
 
+    /// Shows the mesh of an instance to the rays of a set, of which there must be some.
     #[inline(always)]
-    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>) {
+    fn mesh<L: Lane>(&mut self, token: L::Token, number: u32, entry: &Entry, set: Set) {
         let Self { packet, world, .. } = *self;
-        each(
-            set,
-            #[inline(always)]
-            |ray| {
-                let (seen, ray) = (packet.seen(world, ray, &mut self.collect[ray]), packet.rays[ray]);
-                Instances::<L, S, _, true> { token, ray, seen }.search_outlined(node, world.limits.magnitude);
-            },
-        );
-        asked.limit(token, set, self.collect);
+        let mesh = &world.tree.meshes[entry.mesh as usize];
+        let mut local = None;
+        let rays = packet.rays.placed::<L>(token, set, entry.is_identity, &entry.to_object, &mut local);
+        let widening = rays.widening::<L>(token, &mesh.bounds);
+        let mut asked = Asked::<L>::new(token, rays, set, 0.0, widening, &packet.spans, self.collect);
+        let mut triangles = TriangleVisitor { rays, packet, world, number, collect: &mut *self.collect };
+        traverse(token, &mesh.tree, None, &mut asked, &mut triangles);
     }
 }
 
 /// Looks at the triangles of one instance.
 struct TriangleVisitor<'a, S, C> {
     /// In its space.
-    rays: &'a [WorldRay<f32>; PACKET],
+    rays: &'a Rays,
     packet: &'a Packet<'a>,
     world: Searched<'a, S>,
     number: u32,
@@ -112,7 +134,7 @@ struct TriangleVisitor<'a, S, C> {
 
 impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for TriangleVisitor<'_, S, C> {
     #[inline(always)]
-    fn leaf(&mut self, token: L::Token, first: u32, count: u32, set: Set, asked: &mut Asked<L>) {
+    fn leaf(&mut self, token: L::Token, first: u32, count: u32, set: Set, asked: &mut Asked<'_, L>) {
         let tree = self.world.tree;
         let entry = &tree.instances.entries[self.number as usize];
         let blocks = tree.meshes[entry.mesh as usize].blocks(first, count);
@@ -126,7 +148,7 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for TriangleVisitor<'_, S, 
                     here << (g * WIDTH),
                     #[inline(always)]
                     |ray| {
-                        let local = Local::<L>::new(token, self.rays[ray]);
+                        let local = Local::<L>::new(token, self.rays.ray(ray));
                         let mut seen = self.packet.seen(self.world, ray, &mut self.collect[ray]);
                         seen.triangles(self.number, entry, &local).leaf(first, count);
                     },
@@ -138,14 +160,14 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for TriangleVisitor<'_, S, 
     }
 
     #[inline(always)]
-    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<L>) {
+    fn few(&mut self, token: L::Token, node: u32, set: Set, asked: &mut Asked<'_, L>) {
         let Self { packet, world, number, .. } = *self;
         let entry = &world.tree.instances.entries[number as usize];
         each(
             set,
             #[inline(always)]
             |ray| {
-                let local = Local::<L>::new(token, self.rays[ray]);
+                let local = Local::<L>::new(token, self.rays.ray(ray));
                 let mut seen = packet.seen(world, ray, &mut self.collect[ray]);
                 seen.triangles(number, entry, &local).search_outlined(token, node);
             },
@@ -168,7 +190,7 @@ impl<S: Parts, C: Collect> TriangleVisitor<'_, S, C> {
     ) {
         let mut lane = 0;
         while lane < WIDTH {
-            let rays: WorldRay<L> = group.rays(token, lane);
+            let rays = self.rays.lanes::<L>(token, start + lane);
             for block in blocks {
                 let mut number_in_block = 0;
                 while number_in_block < block.count {
