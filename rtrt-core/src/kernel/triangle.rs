@@ -5,7 +5,7 @@
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{RelativeBox, slab};
 use crate::lane::{Lane, Mask, Select, V3};
-use crate::num::{TINY, flush, recip};
+use crate::num::{FLOOR, TINY, flush, recip};
 use core::ops::Mul;
 
 /// Products of two coordinates of the plane that are smaller than this in magnitude may be flushed, or be of places
@@ -113,10 +113,16 @@ impl<O: Lane + Mul<E, Output = O>, E: Lane> RelativeTriangle<O, E> {
         V3 { x: a.z * ab[1] - a.y * ab[2], y: a.x * ab[2] - a.z * ab[0], z: a.y * ab[0] - a.x * ab[1] }
     }
 
-    /// `ac · v`, for this `v`.
+    /// `ac · v`, for this `v`; 0 where it is less than [`FLOOR`].
     #[inline(always)]
     fn distance(&self, v: &V3<O>) -> O {
-        flush(v.x * self.ac[0] + v.y * self.ac[1] + v.z * self.ac[2])
+        flush(self.unflushed_distance(v))
+    }
+
+    /// `ac · v`.
+    #[inline(always)]
+    fn unflushed_distance(&self, v: &V3<O>) -> O {
+        v.x * self.ac[0] + v.y * self.ac[1] + v.z * self.ac[2]
     }
 
     /// Whether the origin is in front of the triangle, where its corners are counterclockwise: `(o − a) · (ab × ac) > 0`. `like` is a value of the rays.
@@ -173,8 +179,8 @@ pub(crate) fn may_meet_ahead<L: Lane>(ray: &Ray<L>, along: L, seen: &RelativeTri
     let [u, v, w] = sides(&ray.shear.flatten(ray, &seen.corners));
     let (least, most, noise) = (u.min(v).min(w), u.max(v).max(w), u.broadcast(NOISE));
     let (is_counterclockwise, is_clockwise) = (least.gt(-noise), most.lt(noise));
-    let distance = seen.distance(&seen.v());
-    let is_ahead = distance.flip_sign(is_clockwise.select(along, -along).sign_bit()).gt(u.broadcast(0.0));
+    let distance = seen.unflushed_distance(&seen.v());
+    let is_ahead = distance.flip_sign(is_clockwise.select(along, -along).sign_bit()).ge(u.broadcast(FLOOR));
     (is_counterclockwise & is_clockwise) | ((is_counterclockwise | is_clockwise) & is_ahead)
 }
 

@@ -16,12 +16,14 @@ pub(crate) struct Block {
     pub first: u32,
     /// How many there are.
     pub count: u32,
+    /// A bit for each.
+    there: u32,
 }
 
 impl Block {
     /// The block of the triangles with these corners.
     pub fn new(first: u32, count: u32, corners: impl Fn(u32) -> [[f32; 3]; 3]) -> Self {
-        let mut block = Self { corners: [[[0.0; WIDTH]; 3]; 3], first, count };
+        let mut block = Self { corners: [[[0.0; WIDTH]; 3]; 3], first, count, there: (1 << count) - 1 };
         for lane in 0..count {
             for (rows, corner) in block.corners.iter_mut().zip(corners(first + lane)) {
                 for (row, coordinate) in rows.iter_mut().zip(corner) {
@@ -82,7 +84,7 @@ impl<L: Lane> AskedBlock<L> {
             hit |= may_meet_ahead(ray, self.along, &seen).bits() << first;
             first += L::WIDTH;
         }
-        hit & ((1 << block.count) - 1)
+        hit & block.there
     }
 }
 

@@ -17,9 +17,9 @@ use alloc::vec::Vec;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MergedLeaf {
     pub instance: u32,
-    /// The first of its blocks.
+    /// The first of its blocks, and how many they are.
     pub block: u32,
-    pub triangles: u32,
+    pub count: u32,
 }
 
 /// A transform.
@@ -169,9 +169,9 @@ impl Merged {
             let tree = &meshes[mesh];
             for node in &tree.tree.nodes {
                 for slot in 0..WIDTH {
-                    let Child::Leaf(block, triangles) = node.child(slot) else { continue };
-                    if triangles > 0 {
-                        leaves.push(MergedLeaf { instance, block, triangles });
+                    let Child::Leaf(block, count) = node.child(slot) else { continue };
+                    if count > 0 {
+                        leaves.push(MergedLeaf { instance, block, count });
                         boxes.push(node.bounds(slot));
                     }
                 }

@@ -181,12 +181,12 @@ impl<L: Lane, S: Parts, C: Collect> Visitor for MergedLeaves<'_, '_, L, S, C> {
             return self.seen.collect.limit();
         }
         let top = &self.seen.tree.instances;
-        let MergedLeaf { instance, block, triangles } = top.merged.leaves[leaf as usize];
+        let MergedLeaf { instance, block, count } = top.merged.leaves[leaf as usize];
         let entry = &top.entries[instance as usize];
         if !entry.is_merged || !self.seen.sees(instance, entry) {
             return self.seen.collect.limit();
         }
-        self.seen.triangles(instance, entry, self.local).leaf(block, triangles)
+        self.seen.triangles(instance, entry, self.local).leaf(block, count)
     }
 }
 

@@ -34,10 +34,10 @@ impl<S: Source> World<'_, S> {
         let space = Placed::new(&top.merged.space.to_world, &top.merged.space.to_object);
         let placed = |bounds: &Bounds, _| space.bounds(bounds);
         walk(&top.merged.tree, None, seeker, placed, |seeker, leaf, _| {
-            let MergedLeaf { instance: number, block, triangles } = top.merged.leaves[leaf as usize];
+            let MergedLeaf { instance: number, block, count } = top.merged.leaves[leaf as usize];
             let instance = self.source.numbered(number);
             if top.entries[number as usize].is_merged && sees(number) && seeker.accepts(instance) {
-                seeker.triangles(instance, &space, self.mesh(number).blocks(block, triangles));
+                seeker.triangles(instance, &space, self.mesh(number).blocks(block, count));
             }
             true
         });

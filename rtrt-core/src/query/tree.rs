@@ -47,22 +47,24 @@ impl MeshTree {
         for node in &mut tree.nodes {
             for slot in 0..WIDTH {
                 let Child::Leaf(first, count) = node.child(slot) else { continue };
-                node.set_first(slot, blocks.len() as u32);
+                let before = blocks.len();
                 let starts = (first..first + count).step_by(WIDTH);
                 blocks.extend(starts.map(|start| {
                     let held = (first + count - start).min(WIDTH as u32);
                     Block::new(start, held, |triangle| source.mesh_triangle(mesh, triangle))
                 }));
+                let leaf = Child::Leaf(before as u32, (blocks.len() - before) as u32);
+                node.set_child(slot, &leaf, &node.bounds(slot));
             }
         }
         let bounds = tree.nodes[0].all_bounds();
         Self { version, tree, blocks, bounds }
     }
 
-    /// The blocks of a leaf that starts at the block `first` and holds so many triangles.
+    /// The blocks of a leaf.
     #[inline(always)]
-    pub fn blocks(&self, first: u32, triangles: u32) -> &[Block] {
-        &self.blocks[first as usize..][..triangles.div_ceil(WIDTH as u32) as usize]
+    pub fn blocks(&self, first: u32, count: u32) -> &[Block] {
+        &self.blocks[first as usize..][..count as usize]
     }
 }
 

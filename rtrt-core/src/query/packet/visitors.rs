@@ -26,13 +26,13 @@ impl<L: Lane, S: Parts, C: Collect> PacketVisitor<L> for MergedVisitor<'_, S, C>
     #[inline(always)]
     fn leaf(&mut self, token: L::Token, leaf: u32, _: u32, set: Set, asked: &mut Asked<'_, L>) {
         let top = &self.world.tree.instances;
-        let MergedLeaf { instance, block, triangles } = top.merged.leaves[leaf as usize];
+        let MergedLeaf { instance, block, count } = top.merged.leaves[leaf as usize];
         let entry = &top.entries[instance as usize];
         if entry.is_merged {
             let Self { rays, packet, world, .. } = *self;
             let set = packet.seeing(world, set, instance, entry);
             TriangleVisitor { rays, packet, world, number: instance, collect: &mut *self.collect }
-                .leaf(token, block, triangles, set, asked);
+                .leaf(token, block, count, set, asked);
         }
     }
 
