@@ -247,6 +247,7 @@ fn resolve_pixels<L: Wide>(
     color: impl Fn(usize) -> [f32; 4],
     through: impl Fn(usize) -> [f32; 4],
 ) {
+    debug_assert!(tile.len().is_multiple_of(L::WIDTH));
     for (first, pixels) in (0..).step_by(L::WIDTH).zip(tile.chunks_exact_mut(L::WIDTH)) {
         let bits = resolve::<L>(
             token,

@@ -200,7 +200,7 @@ fn read<L: Lane>(token: L::Token, texels: &[u32], places: L::Bits) -> L::Bits {
 
 /// Where levels begin whose numbers are at these places: mostly the same in all lanes.
 #[inline(always)]
-fn start<L: Lane>(token: L::Token, texels: &[u32], places: L::Bits) -> L::Bits {
+fn first_of_level<L: Lane>(token: L::Token, texels: &[u32], places: L::Bits) -> L::Bits {
     let place = places.lane(0);
     if L::WIDTH > 1 && !(!places.eq(places.broadcast(place))).any() {
         return places.broadcast(texels[place as usize]);
@@ -220,7 +220,7 @@ struct Site<L: Lane> {
 
 impl<L: Lane> Site<L> {
     /// The texels around `uv` in a level of textures whose finest have this size; the nearest alone in the lanes of
-    /// `nearest`. `first` is the place of the place of the finest's texels: those of levels follow one another.
+    /// `nearest`. `first` is that of [`Texture`](crate::layout::Texture).
     #[inline(always)]
     fn new(
         texels: &[u32],
@@ -232,7 +232,7 @@ impl<L: Lane> Site<L> {
         nearest: L::Mask,
     ) -> Self {
         let level = to_integer(level);
-        let start = start::<L>(size[0].token(), texels, first + level);
+        let start = first_of_level::<L>(size[0].token(), texels, first + level);
         // 2 to the power of -level: sizes are below 2^15, so the product and its floor are exact.
         let shrunk = L::from_bits(level.broadcast(127 << 23) - (level << 23));
         let (width, height) = (floor(size[0] * shrunk), floor(size[1] * shrunk));
@@ -357,6 +357,7 @@ mod tests {
         assert_eq!(at(-0.05, Wrap::Mirror), [0, 0]);
         assert_eq!(at(f32::NAN, Wrap::Repeat), [3, 0]);
         assert_eq!(of(0.3, 1.0, Wrap::Repeat), [0, 0]);
+        assert_eq!(of(0.3, 0.0, Wrap::Repeat), [0, 0]);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 use crate::kernel::ray::Ray;
 use crate::kernel::slab::{RelativeBox, slab};
 use crate::lane::{Lane, Mask, Select, V3};
-use crate::num::{FLOOR, TINY, flush, recip};
+use crate::num::{TINY, flush, recip};
 use core::ops::Mul;
 
 /// Products of two coordinates of the plane that are smaller than this in magnitude may be flushed, or be of places
@@ -113,7 +113,7 @@ impl<O: Lane + Mul<E, Output = O>, E: Lane> RelativeTriangle<O, E> {
         V3 { x: a.z * ab[1] - a.y * ab[2], y: a.x * ab[2] - a.z * ab[0], z: a.y * ab[0] - a.x * ab[1] }
     }
 
-    /// `ac · v`, for this `v`; 0 where it is less than [`FLOOR`].
+    /// `ac · v`, for this `v`; 0 where it is less than [`FLOOR`](crate::num::FLOOR).
     #[inline(always)]
     fn distance(&self, v: &V3<O>) -> O {
         flush(self.unflushed_distance(v))
@@ -166,9 +166,16 @@ fn sides<L: Lane>([a, b, c]: &[[L; 2]; 3]) -> [L; 3] {
 /// The lanes whose ray may meet the triangle with its corners at these places of the plane: all that do.
 #[inline(always)]
 pub(crate) fn may_meet<L: Lane>(places: &[[L; 2]; 3]) -> L::Mask {
-    let [u, v, w] = sides(places);
+    let [is_counterclockwise, is_clockwise] = orientations(&sides(places));
+    is_counterclockwise | is_clockwise
+}
+
+/// Whether the triangle with the origin on these [`sides`] of its edges may go around it counterclockwise, and whether
+/// it may clockwise.
+#[inline(always)]
+fn orientations<L: Lane>([u, v, w]: &[L; 3]) -> [L::Mask; 2] {
     let noise = u.broadcast(NOISE);
-    u.min(v).min(w).gt(-noise) | u.max(v).max(w).lt(noise)
+    [u.min(*v).min(*w).gt(-noise), u.max(*v).max(*w).lt(noise)]
 }
 
 /// The lanes whose ray may meet the triangle, and not behind its origin: all that [`intersect`] it. `along` is the
@@ -176,11 +183,14 @@ pub(crate) fn may_meet<L: Lane>(places: &[[L; 2]; 3]) -> L::Mask {
 #[cfg(feature = "alloc")]
 #[inline(always)]
 pub(crate) fn may_meet_ahead<L: Lane>(ray: &Ray<L>, along: L, seen: &RelativeTriangle<L, L>) -> L::Mask {
-    let [u, v, w] = sides(&ray.shear.flatten(ray, &seen.corners));
-    let (least, most, noise) = (u.min(v).min(w), u.max(v).max(w), u.broadcast(NOISE));
-    let (is_counterclockwise, is_clockwise) = (least.gt(-noise), most.lt(noise));
+    let sides = sides(&ray.shear.flatten(ray, &seen.corners));
+    let [is_counterclockwise, is_clockwise] = orientations(&sides);
+    // As `windings` has it, also where numbers are too large to be.
+    let (u, noise) = (sides[0], along.broadcast(NOISE));
+    let turns_back = u.lt(-noise) | (is_clockwise & !u.gt(noise));
     let distance = seen.unflushed_distance(&seen.v());
-    let is_ahead = distance.flip_sign(is_clockwise.select(along, -along).sign_bit()).ge(u.broadcast(FLOOR));
+    let towards = distance.flip_sign(turns_back.select(along, -along).sign_bit());
+    let is_ahead = towards.ge(along.broadcast(crate::num::FLOOR));
     (is_counterclockwise & is_clockwise) | ((is_counterclockwise | is_clockwise) & is_ahead)
 }
 

@@ -39,8 +39,8 @@ pub(crate) struct InstanceTree {
 pub(crate) enum Start {
     /// At the root.
     Root,
-    /// At the only instance: its number, and 1, or 0 if it is hidden or merged.
-    Leaf(u32, u32),
+    /// At the only instance, with this number.
+    Leaf(u32),
     /// Nowhere: all instances are hidden or merged.
     Nowhere,
 }
@@ -99,10 +99,11 @@ impl InstanceTree {
     #[inline(always)]
     pub fn start(&self) -> Start {
         let root = &self.tree.nodes[0];
-        if let (1, Child::Leaf(number, count)) = (self.entries.len(), root.child(0)) {
-            return Start::Leaf(number, count);
+        match root.child(0) {
+            _ if root.is_empty() => Start::Nowhere,
+            Child::Leaf(number, _) if self.entries.len() == 1 => Start::Leaf(number),
+            _ => Start::Root,
         }
-        if root.is_empty() { Start::Nowhere } else { Start::Root }
     }
 
     /// Its bytes.

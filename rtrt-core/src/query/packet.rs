@@ -76,15 +76,19 @@ impl<'a> Packet<'a> {
         if asked.len() <= FEW as usize || asked.len() > PACKET {
             return None;
         }
-        const NOTHING: Span = Span { from: 0.0, to: 0.0, unit: 1.0 };
-        let mut packet =
-            Self { asked, traced: 0, rays: Rays::NONE, spans: [NOTHING; PACKET], skip: [None; PACKET] };
+        let mut packet = Self {
+            asked,
+            traced: 0,
+            rays: Rays::NONE,
+            spans: [Span::new(0.0, 0.0); PACKET],
+            skip: [None; PACKET],
+        };
         let (mut there, mut with_range) = (0, 0);
         for (number, ray) in asked.iter().enumerate() {
             there |= 1 << number;
             with_range |= Set::from(!(ray.from.is_nan() || ray.to.is_nan())) << number;
             packet.rays.set(number, ray.origin, ray.direction);
-            packet.spans[number] = Span { from: ray.from.max(0.0), to: ray.to.min(f32::MAX), unit: 1.0 };
+            packet.spans[number] = Span::new(ray.from, ray.to);
             packet.skip[number] = skipped(source, ray);
         }
         packet.traced = packet.rays.usual::<L>(token) & with_range;
@@ -151,8 +155,8 @@ impl<'a> Packet<'a> {
         }
         let mut instances = InstanceVisitor { packet: self, world, collect };
         match top.start() {
-            Start::Nowhere | Start::Leaf(_, 0) => {}
-            Start::Leaf(number, _) => instances.instance::<L>(token, number, self.traced),
+            Start::Nowhere => {}
+            Start::Leaf(number) => instances.instance::<L>(token, number, self.traced),
             Start::Root => {
                 let (rays, magnitude) = (&self.rays, world.limits.magnitude);
                 let mut asked =

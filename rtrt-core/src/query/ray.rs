@@ -112,8 +112,7 @@ impl Ray {
         let start = V3::splat((), origin);
         if (1.0 / LONG..=LONG).contains(&largest) {
             let ray = WorldRay::new(start, V3::splat((), direction));
-            let span = Span { from: from.max(0.0), to: to.min(f32::MAX), unit: 1.0 };
-            return Ok(ScaledRay { ray, span });
+            return Ok(ScaledRay { ray, span: Span::new(from, to) });
         }
         // The reciprocal of the largest component's power of two.
         let exponent = f64::from(largest).to_bits() >> 52;
@@ -123,7 +122,7 @@ impl Ray {
         let limit = |t: f32| (f64::from(t) / factor).min(f64::from(f32::MAX)) as f32;
         Ok(ScaledRay {
             ray: WorldRay::new(start, V3::splat((), direction)),
-            span: Span { from: limit(from.max(0.0)), to: limit(to), unit: factor },
+            span: Span { unit: factor, ..Span::new(limit(from), limit(to)) },
         })
     }
 }
@@ -150,6 +149,13 @@ pub(crate) struct Span {
 }
 
 impl Span {
+    /// That of a ray which stays as it is.
+    #[inline(always)]
+    pub fn new(from: f32, to: f32) -> Self {
+        // The sum is never −0, whose bits are not in order with other numbers'.
+        Self { from: from.max(0.0) + 0.0, to: to.min(f32::MAX), unit: 1.0 }
+    }
+
     /// The caller's `t`. One that is too large for a number is the largest.
     #[inline(always)]
     pub fn t(&self, t: f32) -> f32 {
@@ -247,6 +253,15 @@ mod tests {
         let ray = Ray::new([0.0; 3], [1.0; 3]);
         assert!(matches!(refused(ray.until(f32::NAN)), Some(QueryError::Range { .. })));
         assert_eq!(refused(ray.until(-1.0)), None);
+    }
+
+    #[test]
+    fn a_range_from_minus_zero_starts_at_zero() {
+        for length in [1.0, 1e20, 1e-20] {
+            let ray = Ray::new([0.0; 3], [0.0, length, 0.0]);
+            let from = |from| ray.starting(from).scaled().unwrap().span.from.to_bits();
+            assert_eq!([from(-0.0), from(0.0), from(-1.0)], [0; 3]);
+        }
     }
 
     #[test]

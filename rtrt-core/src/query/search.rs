@@ -75,8 +75,8 @@ pub(crate) fn search<L: Lane, S: Parts>(
     }
     match tree.instances.start() {
         Start::Nowhere => {}
-        Start::Leaf(number, count) => {
-            Instances::<L, S, _, false> { token, ray: scaled.ray, seen }.leaf(number, count);
+        Start::Leaf(number) => {
+            Instances::<L, S, _, false> { token, ray: scaled.ray, seen }.leaf(number, 1);
         }
         Start::Root => Instances::<L, S, _, true> { token, ray: scaled.ray, seen }.search(0, magnitude),
     }
@@ -176,10 +176,7 @@ pub(super) struct MergedLeaves<'a, 'b, L: Lane, S, C> {
 
 impl<L: Lane, S: Parts, C: Collect> Visitor for MergedLeaves<'_, '_, L, S, C> {
     #[inline(always)]
-    fn leaf(&mut self, leaf: u32, count: u32) -> f32 {
-        if count == 0 {
-            return self.seen.collect.limit();
-        }
+    fn leaf(&mut self, leaf: u32, _: u32) -> f32 {
         let top = &self.seen.tree.instances;
         let MergedLeaf { instance, block, count } = top.merged.leaves[leaf as usize];
         let entry = &top.entries[instance as usize];
@@ -219,11 +216,7 @@ pub(super) struct Instances<'a, L: Lane, S, C, const OUTLINED: bool> {
 
 impl<L: Lane, S: Parts, C: Collect, const OUTLINED: bool> Visitor for Instances<'_, L, S, C, OUTLINED> {
     #[inline(always)]
-    fn leaf(&mut self, number: u32, count: u32) -> f32 {
-        // What is hidden or merged is not in its leaf.
-        if count == 0 {
-            return self.seen.collect.limit();
-        }
+    fn leaf(&mut self, number: u32, _: u32) -> f32 {
         let tree = self.seen.tree;
         let entry = &tree.instances.entries[number as usize];
         if !self.seen.sees(number, entry) {

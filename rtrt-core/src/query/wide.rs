@@ -230,7 +230,7 @@ struct Waiting {
 
 /// Something that looks at the leaves which a ray comes through.
 pub(crate) trait Visitor {
-    /// Looks at a leaf; returns how far the ray is still traced. Below 0, the search ends.
+    /// Looks at a leaf that holds something; returns how far the ray is still traced. Below 0, the search ends.
     fn leaf(&mut self, first: u32, count: u32) -> f32;
 }
 
@@ -360,7 +360,7 @@ impl WideTree {
         Some(number)
     }
 
-    /// The blocks that the things of all leaves fill.
+    /// The blocks that the triangles of all leaves fill, while leaves count triangles.
     pub fn blocks(&self) -> usize {
         let leaves = self.nodes.iter().flat_map(|node| node.count).filter(|count| *count != INNER);
         leaves.map(|count| count.div_ceil(WIDTH as u32) as usize).sum()

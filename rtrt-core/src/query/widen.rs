@@ -72,28 +72,29 @@ impl Widening<'_> {
         f32::INFINITY
     }
 
-    /// The least cost of the two children of a node as `count` children of a wide one, and how many of them are the
-    /// first one's.
-    fn split(&self, index: usize, count: usize) -> (f32, usize) {
+    /// Whether a node becomes a leaf, if it is a child of a wide one.
+    fn is_leaf(&self, index: usize) -> bool {
+        self.leaf_cost(index) <= self.costs[index][0]
+    }
+
+    /// The cost of the two children of a node as `count` children of a wide one, of which so many are the first one's.
+    fn split_cost(&self, index: usize, count: usize, of_first: usize) -> f32 {
         let first = self.nodes[index].first as usize;
-        let [a, b] = [&self.costs[first], &self.costs[first + 1]];
-        let mut best = (f32::INFINITY, 1);
-        for of_first in 1..count {
-            let cost = a[of_first - 1] + b[count - of_first - 1];
-            if cost < best.0 {
-                best = (cost, of_first);
-            }
-        }
-        best
+        self.costs[first][of_first - 1] + self.costs[first + 1][count - of_first - 1]
+    }
+
+    /// The least such cost.
+    fn split(&self, index: usize, count: usize) -> f32 {
+        (1..count).fold(f32::INFINITY, |least, of_first| least.min(self.split_cost(index, count, of_first)))
     }
 
     fn cost(&self, index: usize) -> [f32; WIDTH - 1] {
         let as_leaf = self.leaf_cost(index);
         let mut costs = [as_leaf; WIDTH - 1];
         if !self.nodes[index].is_leaf() {
-            costs[0] = as_leaf.min(self.area(index) + self.split(index, WIDTH).0);
+            costs[0] = as_leaf.min(self.area(index) + self.split(index, WIDTH));
             for count in 2..WIDTH {
-                costs[count - 1] = costs[count - 2].min(self.split(index, count).0);
+                costs[count - 1] = costs[count - 2].min(self.split(index, count));
             }
         }
         costs
@@ -102,33 +103,35 @@ impl Widening<'_> {
     /// Finds the nodes of two that become the children of a wide one, of which there are at most `count`, below a node
     /// of two.
     fn children(&self, index: usize, count: usize, children: &mut Vec<usize>) {
-        let costs = &self.costs[index];
-        // As many as help.
-        let count =
-            (1..count).rev().take_while(|&fewer| costs[fewer - 1] <= costs[fewer]).last().unwrap_or(count);
-        if count == 1 || self.nodes[index].is_leaf() {
-            children.push(index);
-        } else {
-            self.split_children(index, count, children);
+        let least = self.costs[index][count - 1];
+        let is_split = !self.nodes[index].is_leaf() && self.leaf_cost(index) > least;
+        // As many as help, and no fewer if that costs the same.
+        match (2..=count).rev().find(|&count| is_split && self.split(index, count) <= least) {
+            Some(count) => self.split_children(index, count, children),
+            None => children.push(index),
         }
     }
 
     fn split_children(&self, index: usize, count: usize, children: &mut Vec<usize>) {
-        let (first, (_, of_first)) = (self.nodes[index].first as usize, self.split(index, count));
+        let first = self.nodes[index].first as usize;
+        // Of the same costs, as of boxes in one place, the most even split counts.
+        let uneven = |of_first: &usize| count.abs_diff(2 * of_first);
+        let cost = |of_first: &usize| self.split_cost(index, count, *of_first);
+        let splits = (1..count).min_by(|a, b| cost(a).total_cmp(&cost(b)).then(uneven(a).cmp(&uneven(b))));
+        let of_first = splits.unwrap_or(1);
         self.children(first, of_first, children);
         self.children(first + 1, count - of_first, children);
     }
 
     fn tree(&self) -> WideTree {
         let WideTree { nodes: mut wide, mut depth } = WideTree::default();
-        let is_leaf = |index: usize| self.leaf_cost(index) <= self.costs[index][0];
         // A node of two, the wide one that it becomes, and that one's level.
         let mut todo = vec![(0, 0, 1)];
         let mut children = Vec::with_capacity(WIDTH);
         while let Some((narrow, index, level)) = todo.pop() {
             depth = depth.max(level);
             children.clear();
-            if is_leaf(narrow) {
+            if self.is_leaf(narrow) {
                 // The root.
                 children.push(narrow);
             } else {
@@ -137,7 +140,7 @@ impl Widening<'_> {
             let start = todo.len();
             for (slot, &child) in children.iter().enumerate() {
                 let Held { first, count, .. } = self.held[child];
-                let what = if is_leaf(child) {
+                let what = if self.is_leaf(child) {
                     Child::Leaf(first, count)
                 } else {
                     wide.push(WideNode::EMPTY);
@@ -213,6 +216,14 @@ mod tests {
                 assert!((cost - expected).abs() <= 1e-4 * expected, "{count} {most}: {cost} {expected}");
             }
         }
+    }
+
+    #[test]
+    fn boxes_in_one_place_make_a_shallow_tree() {
+        let point = Bounds { low: [0.0; 3], high: [0.0; 3] };
+        let Bvh { nodes, .. } = Bvh::over(&[point; 1000], 1, &Sequential);
+        let wide = widened(&nodes, 1);
+        assert!(wide.depth <= 5 && wide.nodes.len() <= 600, "{} {}", wide.depth, wide.nodes.len());
     }
 
     #[test]

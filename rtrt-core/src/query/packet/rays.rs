@@ -51,7 +51,7 @@ impl Rays {
 
     /// Puts a copy of a ray in place of another.
     #[inline(always)]
-    pub fn copy(&mut self, from: usize, to: usize) {
+    fn copy(&mut self, from: usize, to: usize) {
         let (copied, from) = (self.groups[from / WIDTH % GROUPS], from % WIDTH);
         let (group, lane) = (&mut self.groups[to / WIDTH % GROUPS], to % WIDTH);
         let mut axis = 0;
@@ -211,6 +211,7 @@ impl Rays {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::plain::Plain;
     use crate::query::Ray;
     use crate::query::fixture::Random;
 
@@ -245,6 +246,7 @@ mod tests {
                 rays.set(number, ray.origin, ray.direction);
             }
             let usual = rays.usual::<f32>(());
+            assert_eq!(rays.usual::<Plain<8>>(()), usual);
             rays.prepare::<f32>(());
             for (number, ray) in asked.iter().enumerate() {
                 let is_usual = usual >> number & 1 == 1;
