@@ -11,20 +11,20 @@ use std::ops::{Add, Mul, Neg, Sub};
 /// What a lookup takes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Cost {
-    /// Texels read.
-    texels: u32,
+    /// Words read: where a texture and each of its levels begin, and texels.
+    words: u32,
     /// Operations on numbers, comparisons among them.
     operations: u32,
 }
 
 thread_local! {
     /// What this thread has spent.
-    static SPENT: Cell<Cost> = const { Cell::new(Cost { texels: 0, operations: 0 }) };
+    static SPENT: Cell<Cost> = const { Cell::new(Cost { words: 0, operations: 0 }) };
 }
 
-fn spend(texels: u32, operations: u32) {
+fn spend(words: u32, operations: u32) {
     let spent = SPENT.get();
-    SPENT.set(Cost { texels: spent.texels + texels, operations: spent.operations + operations });
+    SPENT.set(Cost { words: spent.words + words, operations: spent.operations + operations });
 }
 
 /// A lane of width 1 that counts what is done with it.
@@ -80,6 +80,7 @@ impl Lane for Counting {
         f(0).map(|four| four.map(Self))
     }
     fn bits_from_fn((): (), f: impl Fn(usize) -> u32) -> Word {
+        spend(1, 0);
         Word(f(0))
     }
     fn gather_bits((): (), f: impl Fn(usize) -> [u32; 4]) -> [Word; 4] {
@@ -128,7 +129,7 @@ fn cost(scene: &Scene, uv: [f32; 2], footprint: f32) -> Cost {
 fn a_larger_texture_costs_no_more() {
     let (small, large) = (paved(16), paved(4096));
     let [finest, mixed] = [1e-9, 0.3].map(|footprint| cost(&small, [0.2, 0.7], footprint));
-    assert_eq!((finest.texels, mixed.texels), (4, 8));
+    assert_eq!((finest.words, mixed.words), (1 + 5, 1 + 2 * 5));
     assert!(finest.operations > 50 && mixed.operations > finest.operations, "{finest:?} {mixed:?}");
     for step in 0..2000_u16 {
         let footprint = 2_f32.powf(f32::from(step) * 0.01 - 18.0);

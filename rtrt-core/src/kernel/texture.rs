@@ -342,6 +342,9 @@ fn lerp<L: Lane>(a: [L; 4], b: [L; 4], share: L) -> [L; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::plain::{Plain, PlainBits};
+    use crate::scene::{Content, Image, Material, Scene};
+    use std::vec;
 
     #[test]
     fn neighbors_wrap_as_asked() {
@@ -358,6 +361,72 @@ mod tests {
         assert_eq!(at(f32::NAN, Wrap::Repeat), [3, 0]);
         assert_eq!(of(0.3, 1.0, Wrap::Repeat), [0, 0]);
         assert_eq!(of(0.3, 0.0, Wrap::Repeat), [0, 0]);
+    }
+
+    /// Floors of textures of several sizes, and a material without one.
+    #[test]
+    fn lanes_read_the_textures_of_their_own_materials() {
+        let mut seed = 3_u32;
+        let mut below = |most: usize| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as usize % most
+        };
+        let mut scene = Scene::new();
+        let mut numbers = vec![0];
+        for size in [[4, 4], [8, 2], [1, 1], [64, 64]] {
+            let rgba = (0..size[0] * size[1] * 4).map(|_| below(256) as u8).collect();
+            let image = Image { width: size[0], height: size[1], rgba };
+            let map = scene.add_texture(&image, [Wrap::Repeat, Wrap::Mirror]).unwrap();
+            let material = scene.add_material(Material::default().base_color_map(map)).unwrap();
+            numbers.push(material.number() + 1);
+        }
+        numbers.push(scene.add_material(Material::default()).unwrap().number() + 1);
+        let maps = scene.maps();
+        for round in 0..400 {
+            // From one material in all lanes to any in each.
+            let same = numbers[1 + below(numbers.len() - 1)];
+            let material: [u32; 8] =
+                core::array::from_fn(
+                    |_| {
+                        if below(400) < round { numbers[below(numbers.len())] } else { same }
+                    },
+                );
+            let mut one = || core::array::from_fn::<f32, 8, _>(|_| below(6001) as f32 / 1000.0 - 3.0);
+            let (u, v, footprint) = (one(), one(), one().map(Lane::abs));
+            let tex_coords = TexCoords { uv: [[Plain(u), Plain(v)]; 2], footprint: [Plain(footprint); 2] };
+            let chosen = MaterialLookup::new(PlainBits(material));
+            let colors = sample::<Plain<8>, { MaterialRecord::COLOR }, true>(&maps, &chosen, &tex_coords);
+            for lane in (0..8).filter(|&lane| material[lane] > 0) {
+                let tex_coords = TexCoords { uv: [[u[lane], v[lane]]; 2], footprint: [footprint[lane]; 2] };
+                let chosen = MaterialLookup::new(Word(material[lane]));
+                let alone = sample::<f32, { MaterialRecord::COLOR }, true>(&maps, &chosen, &tex_coords);
+                assert_eq!(colors.map(|channel| channel.0[lane]), alone, "{material:?} {lane}");
+            }
+        }
+    }
+
+    /// Four texels of one channel: 0, 1 / 255, 2 / 255 and 3 / 255, row by row.
+    #[test]
+    fn rows_and_columns_are_mixed_by_their_shares() {
+        let mut scene = Scene::new();
+        let rgba = (0..4).flat_map(|texel| [texel, 0, 0, 255]).collect();
+        let image = Image { width: 2, height: 2, rgba };
+        let map = scene.add_map(&image, [Wrap::Clamp; 2], Content::Numbers).unwrap();
+        let material = scene.add_material(Material::default().base_color_map(map)).unwrap();
+        let red = |uv: [f32; 2]| {
+            let tex_coords = TexCoords { uv: [uv; 2], footprint: [0.0; 2] };
+            let chosen = MaterialLookup::new(Word(material.number() + 1));
+            255.0 * sample::<f32, { MaterialRecord::COLOR }, false>(&scene.maps(), &chosen, &tex_coords)[0]
+        };
+        let near = |uv, value: f32| assert!((red(uv) - value).abs() < 1e-5, "{uv:?} {} {value}", red(uv));
+        near([0.0, 0.0], 0.0);
+        near([1.0, 0.0], 1.0);
+        near([0.0, 1.0], 2.0);
+        near([1.0, 1.0], 3.0);
+        near([0.5, 0.25], 0.5);
+        near([0.25, 0.5], 1.0);
+        near([0.5, 0.5], 1.5);
+        near([0.625, 0.375], 0.75 + 2.0 * 0.25);
     }
 
     #[test]

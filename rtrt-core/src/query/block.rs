@@ -101,6 +101,19 @@ mod tests {
     }
 
     #[test]
+    fn triangles_too_small_to_tell_their_winding_may_be_hit() {
+        let s = f32::from_bits((127 - 33) << 23);
+        let [a, b, c] = [[-s, -s, 0.0], [2.0 * s, -s, 0.0], [-s, 2.0 * s, 0.0]];
+        for (corners, z) in [([a, b, c], 1.0), ([a, c, b], 1.0), ([a, b, c], -1.0), ([a, c, b], -1.0)] {
+            let ray = Ray::<f32>::new(V3::splat((), [0.0, 0.0, z]), V3::splat((), [0.0, 0.0, -z]));
+            let triangle = Triangle::new(corners[0], corners[1], corners[2]);
+            assert!(intersect(&ray, &triangle.relative_to(ray.origin), f32::MAX).mask);
+            let block = Block::new(0, 1, |_| corners);
+            assert_eq!(AskedBlock::<Plain<8>>::new((), &ray).may_hit(&block), 1);
+        }
+    }
+
+    #[test]
     fn what_is_hit_may_be_hit_and_little_else() {
         let (mut seed, mut hits, mut candidates) = (1, 0, 0);
         for round in 0..20_000 {
