@@ -53,11 +53,10 @@ impl Ray<f32> {
     /// The same ray in all lanes.
     #[inline(always)]
     pub(crate) fn splat<L: Lane>(&self, token: L::Token) -> Ray<L> {
-        let each = |v: V3<f32>| V3::splat(token, v.lane(0));
         Ray {
-            origin: each(self.origin),
-            direction: each(self.direction),
-            inverse: each(self.inverse),
+            origin: V3::splat(token, self.origin.lane(0)),
+            direction: V3::splat(token, self.direction.lane(0)),
+            inverse: V3::splat(token, self.inverse.lane(0)),
             shear: self.shear.splat(token),
         }
     }

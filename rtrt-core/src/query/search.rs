@@ -76,7 +76,11 @@ pub(crate) fn search<L: Lane, S: Parts>(
     match tree.instances.start() {
         Start::Nowhere => {}
         Start::Leaf(number) => {
-            Instances::<L, S, _, false> { token, ray: scaled.ray, seen }.leaf(number, 1);
+            let top = &tree.instances;
+            let (root, pad) = (&top.tree.nodes[0], top.slacks[0][0] * magnitude);
+            if Asked::<f32>::new((), &scaled.ray, 0.0, 0.0).enters(root, pad, 0, seen.range()) {
+                Instances::<L, S, _, false> { token, ray: scaled.ray, seen }.leaf(number, 1);
+            }
         }
         Start::Root => Instances::<L, S, _, true> { token, ray: scaled.ray, seen }.search(0, magnitude),
     }

@@ -213,6 +213,17 @@ impl<L: Lane> Asked<L> {
         entered
     }
 
+    /// Whether the ray may hit what the children from `first` on hold within its range.
+    #[inline(always)]
+    pub fn enters(&self, node: &WideNode, pad: L, first: usize, range: Range) -> L::Mask {
+        let slabs = [
+            self.cross(node, Some(pad), first, 0),
+            self.cross(node, Some(pad), first, 1),
+            self.cross(node, Some(pad), first, 2),
+        ];
+        enter(slabs, pad.broadcast(range.from), pad.broadcast(range.limit)).1
+    }
+
     /// Where the ray enters and leaves the slabs of the children from `first` on along an axis.
     #[inline(always)]
     fn cross(&self, node: &WideNode, pad: Option<L>, first: usize, axis: usize) -> (L, L) {
