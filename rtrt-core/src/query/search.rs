@@ -78,7 +78,8 @@ pub(crate) fn search<L: Lane, S: Parts>(
         Start::Leaf(number) => {
             let top = &tree.instances;
             let (root, pad) = (&top.tree.nodes[0], top.slacks[0][0] * magnitude);
-            if Asked::<f32>::new((), &scaled.ray, 0.0, 0.0).enters(root, pad, 0, seen.range()) {
+            let (asked, Range { from, limit }) = (Asked::<f32>::new((), &scaled.ray, 0.0, 0.0), seen.range());
+            if asked.enter_from(root, Some(pad), 0, [from, limit]).1 {
                 Instances::<L, S, _, false> { token, ray: scaled.ray, seen }.leaf(number, 1);
             }
         }

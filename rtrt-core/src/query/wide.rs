@@ -195,12 +195,7 @@ impl<L: Lane> Asked<L> {
                 #[inline(always)]
                 |slack| load::<L>(token, slack, first) * self.magnitude,
             );
-            let slabs = [
-                self.cross(node, pad, first, 0),
-                self.cross(node, pad, first, 1),
-                self.cross(node, pad, first, 2),
-            ];
-            let (near, is_entered) = enter(slabs, from, limit);
+            let (near, is_entered) = self.enter_from(node, pad, first, [from, limit]);
             entered.mask |= is_entered.bits() << first;
             let row = near.row();
             let mut lane = 0;
@@ -213,15 +208,21 @@ impl<L: Lane> Asked<L> {
         entered
     }
 
-    /// Whether the ray may hit what the children from `first` on hold within its range.
+    /// Where the ray enters the children from `first` on, and which of them it may hit between two `t`.
     #[inline(always)]
-    pub fn enters(&self, node: &WideNode, pad: L, first: usize, range: Range) -> L::Mask {
+    pub fn enter_from(
+        &self,
+        node: &WideNode,
+        pad: Option<L>,
+        first: usize,
+        [from, limit]: [L; 2],
+    ) -> (L, L::Mask) {
         let slabs = [
-            self.cross(node, Some(pad), first, 0),
-            self.cross(node, Some(pad), first, 1),
-            self.cross(node, Some(pad), first, 2),
+            self.cross(node, pad, first, 0),
+            self.cross(node, pad, first, 1),
+            self.cross(node, pad, first, 2),
         ];
-        enter(slabs, pad.broadcast(range.from), pad.broadcast(range.limit)).1
+        enter(slabs, from, limit)
     }
 
     /// Where the ray enters and leaves the slabs of the children from `first` on along an axis.
