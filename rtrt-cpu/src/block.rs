@@ -213,8 +213,13 @@ pub fn resolve_block<L: Wide>(
             token,
             frame,
             tile,
+            // Lanes are pixels of a row, whose rays follow the first one's at the same distances everywhere.
             #[inline(always)]
-            |pixel| colors[first_ray(pixel).0 as usize % RAYS],
+            |first, lane| {
+                let span = const { number([L::WIDTH as u32 - 1, 0]) as usize + 1 };
+                let rays = &colors[first_ray(first).0 as usize..][..span];
+                rays[number([lane as u32, 0]) as usize]
+            },
             through,
         );
     }
@@ -223,10 +228,10 @@ pub fn resolve_block<L: Wide>(
         frame,
         tile,
         #[inline(always)]
-        |pixel| {
+        |first, lane| {
             average(
                 frame.side,
-                first_ray(pixel),
+                first_ray(first + lane),
                 #[inline(always)]
                 |ray| {
                     let ray = ray.0 as usize % RAYS;
@@ -238,13 +243,14 @@ pub fn resolve_block<L: Wide>(
     );
 }
 
-/// Makes the pixels of a block of the colors of each, and of what goes through its layers.
+/// Makes the pixels of a block of the colors of each, given the first of its group and its lane, and of what goes through
+/// its layers.
 #[inline(always)]
 fn resolve_pixels<L: Wide>(
     token: L::Token,
     frame: &Frame,
     tile: &mut [u32],
-    color: impl Fn(usize) -> [f32; 4],
+    color: impl Fn(usize, usize) -> [f32; 4],
     through: impl Fn(usize) -> [f32; 4],
 ) {
     debug_assert!(tile.len().is_multiple_of(L::WIDTH));
@@ -253,7 +259,7 @@ fn resolve_pixels<L: Wide>(
             token,
             frame,
             #[inline(always)]
-            |lane| color(first + lane),
+            |lane| color(first, lane),
             #[inline(always)]
             |lane| through(first + lane),
         );

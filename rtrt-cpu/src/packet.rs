@@ -1,9 +1,16 @@
 //! The steps of a packet, which need no other packet. Each runs outlined, so that it is compiled once for
-//! each instruction set.
+//! each instruction set, and is a file, so that it is a unit of compilation ([`Lane::outlined`]).
 
-use crate::cells::{self, RAYS};
+mod ambient;
+mod light;
+mod record;
+mod shade;
+mod shadow;
+mod surface;
+mod trace;
+
+use crate::cells::RAYS;
 use crate::clock::Clock;
-
 use crate::context::FrameContext;
 use crate::instant::Instant;
 use crate::records::Records;
@@ -11,17 +18,16 @@ use crate::wide::Wide;
 use alloc::vec::Vec;
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
 use rtrt_core::kernel::closest_hit::ClosestHit;
-use rtrt_core::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
+use rtrt_core::lane::{Bits, Lane, Mask, Select, V3, groups};
 use rtrt_core::layout::{Frame, Hit, NONE};
 use rtrt_core::schedule::{Pass, Step};
+use rtrt_core::stage::ambient::Record;
 use rtrt_core::stage::context::Context;
-use rtrt_core::stage::light::{IncomingLight, ShadowTerms};
-use rtrt_core::stage::occlusion::Arrival;
-use rtrt_core::stage::peel::{LayerSum, is_covered, peel};
-use rtrt_core::stage::shade::shade;
+use rtrt_core::stage::light::IncomingLight;
+use rtrt_core::stage::peel::is_covered;
+use rtrt_core::stage::share;
 use rtrt_core::stage::surface::Surfaces;
-use rtrt_core::stage::visibility::{directions, hit, visibility};
-use rtrt_core::stage::{ambient, detail, light, occlusion, share, surface};
+use rtrt_core::stage::visibility::directions;
 
 /// Words of a hit.
 pub const HIT: usize = 5;
@@ -41,7 +47,7 @@ pub struct Rays<'a> {
     /// See [`cells`], where penumbras are filtered.
     pub cells: &'a mut [u32],
     /// In frames that ask for light from all around.
-    pub ambient: &'a mut [ambient::Record],
+    pub ambient: &'a mut [Record],
     /// The ray whose color each takes, in frames where [`Frame::is_shared`] is 1.
     pub shaded: &'a mut [u8],
 }
@@ -226,22 +232,8 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
     fn run(&mut self, step: Step, frame: &Frame, rays: &mut Rays<'_>, records: Option<&mut Records<'_>>) {
         let context = Context { frame, ..self.context.trace };
         match step.pass {
-            Pass::Visibility => {
-                let (token, ray) = (self.token, self.ray);
-                self.closest = L::outlined(
-                    token,
-                    #[inline(always)]
-                    || visibility::<L, G>(token, &context, ray),
-                );
-            }
-            Pass::Peel => {
-                let (token, ray, last) = (self.token, self.ray, &self.closest);
-                self.closest = L::outlined(
-                    token,
-                    #[inline(always)]
-                    || peel::<L, G>(token, &context, ray, last),
-                );
-            }
+            Pass::Visibility => self.visibility(&context),
+            Pass::Peel => self.peel(&context),
             Pass::Share => self.share(rays.shaded),
             Pass::EndCovered => self.end_covered(rays.colors),
             Pass::Surface => self.surface(),
@@ -316,288 +308,6 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
             );
         }
     }
-
-    #[inline(always)]
-    fn surface(&mut self) {
-        let FrameContext { trace, attributes, .. } = self.context;
-        let (camera, geometry) = (trace.camera(), &trace.geometry);
-        let Self { directions, closest, surfaces, groups, .. } = self;
-        L::outlined(
-            self.token,
-            #[inline(always)]
-            || {
-                for g in 0..*groups {
-                    surfaces[g] = surface::surface(camera, geometry, attributes, directions[g], &closest[g]);
-                }
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn detail(&mut self) {
-        let FrameContext { trace, attributes, maps } = self.context;
-        let (frame, vertices) = (trace.frame, trace.vertices(attributes));
-        let Self { closest, surfaces, groups, .. } = self;
-        L::outlined(
-            self.token,
-            #[inline(always)]
-            || {
-                for g in 0..*groups {
-                    surfaces[g] = detail::detail(frame, maps, &vertices, &closest[g], &surfaces[g]);
-                }
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn occlusion(&mut self, context: &Context<'_>) {
-        self.more_masks.clear();
-        for word in 0..context.frame.mask_words {
-            let mask = L::outlined(
-                self.token,
-                #[inline(always)]
-                || occlusion::word::<L, G>(context, word, self.ray, &self.surfaces),
-            );
-            if word == 0 {
-                self.mask = mask;
-            } else {
-                self.more_masks.push(mask);
-            }
-        }
-    }
-
-    /// Where the shadow rays of the packet start, and which of them are cast to a light.
-    #[inline(always)]
-    fn potentially_lit(&self, context: &Context<'_>, light: u32) -> ([V3<L>; G], [L::Bits; G]) {
-        let origins = groups(
-            #[inline(always)]
-            |g| self.surfaces[g].origin,
-        );
-        let active = groups(
-            #[inline(always)]
-            |g| {
-                let first = RayIndex(self.ray.0 + (g * L::WIDTH) as u32);
-                occlusion::potentially_lit(context.frame, context.views, light, first, &self.surfaces[g])
-            },
-        );
-        (origins, active)
-    }
-
-    #[inline(always)]
-    fn transmittance(&self, context: &Context<'_>, transmittance: &mut [u32]) {
-        // Loops, not iterators: a callback is not compiled for the instruction set.
-        for light in 0..context.frame.lights {
-            let (origins, active) = self.potentially_lit(context, light);
-            let arrivals = L::outlined(
-                self.token,
-                #[inline(always)]
-                || occlusion::transmittance::<L, false, G>(context, light, self.ray, &origins, &active),
-            );
-            let plane = light as usize * RAYS + self.first;
-            for (g, arrival) in arrivals.into_iter().enumerate() {
-                L::store(arrival.transmittance, &mut transmittance[plane + g * L::WIDTH..]);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn blocker_search(&self, context: &Context<'_>, cells: &mut [u32]) {
-        for g in 0..G {
-            let (origin, normal) = (self.surfaces[g].origin, self.surfaces[g].normal);
-            for (first, V3 { x, y, z }) in [(cells::ORIGIN, origin), (cells::NORMAL, normal)] {
-                for (plane, number) in (first..).zip([x, y, z]) {
-                    L::store(number.to_bits(), &mut cells[plane * RAYS + self.first + g * L::WIDTH..]);
-                }
-            }
-        }
-        for light in 0..context.frame.lights {
-            let (origins, active) = self.potentially_lit(context, light);
-            let arrivals = L::outlined(
-                self.token,
-                #[inline(always)]
-                || occlusion::transmittance::<L, true, G>(context, light, self.ray, &origins, &active),
-            );
-            let light = light as usize;
-            let (to, radii) = (cells::transmittance(light) * RAYS, cells::radius(light) * RAYS);
-            for (g, Arrival { transmittance, penumbra_radius }) in arrivals.into_iter().enumerate() {
-                let at = self.first + g * L::WIDTH;
-                L::store(transmittance, &mut cells[to + at..]);
-                L::store(penumbra_radius.to_bits(), &mut cells[radii + at..]);
-            }
-        }
-    }
-
-    /// Leaves what a search finds for rays that ask for no light.
-    #[inline(always)]
-    fn clear(&self, cells: &mut [u32]) {
-        let range = self.first..self.first + G * L::WIDTH;
-        for (transmittance, radii) in cells::lights_mut(cells) {
-            transmittance[range.clone()].fill(0);
-            radii[range.clone()].fill((-1.0_f32).to_bits());
-        }
-    }
-
-    /// A word of the shadow mask, where shadows are bits.
-    #[inline(always)]
-    fn mask(&self, word: u32, g: usize) -> L::Bits {
-        if word == 0 { self.mask[g] } else { self.more_masks[word as usize - 1][g] }
-    }
-
-    #[inline(always)]
-    fn light(&mut self, frame: &Frame, transmittance: &[u32]) {
-        let FrameContext { trace, maps, .. } = self.context;
-        let Self { token, ray, first, directions, surfaces, incoming, mask, more_masks, groups, .. } = self;
-        let (token, first) = (*token, *first);
-        L::outlined(
-            token,
-            #[inline(always)]
-            || {
-                for g in 0..*groups {
-                    let terms = ShadowTerms::new(
-                        #[inline(always)]
-                        |word| if word == 0 { mask[g] } else { more_masks[word as usize - 1][g] },
-                        #[inline(always)]
-                        |light| {
-                            L::load(token, &transmittance[light as usize * RAYS + first + g * L::WIDTH..])
-                        },
-                    );
-                    let ray = RayIndex(ray.0 + (g * L::WIDTH) as u32);
-                    incoming[g] =
-                        light::light(frame, trace.views, maps, &terms, ray, directions[g], &surfaces[g]);
-                }
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn ambient(&self, context: &Context<'_>, records: &mut [ambient::Record]) {
-        let (surfaces, first) = (&self.surfaces, self.first);
-        L::outlined(
-            self.token,
-            #[inline(always)]
-            || {
-                let found = ambient::ambient::<L, G>(context, self.ray, surfaces);
-                for g in 0..G {
-                    let [open, total] = [found[g][0].row(), found[g][1].row()];
-                    for lane in 0..L::WIDTH {
-                        let found = [open.at(lane), total.at(lane)];
-                        records[first + g * L::WIDTH + lane] =
-                            ambient::record(found, &surfaces[g].lane(lane));
-                    }
-                }
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn shade(&self, step: Step, frame: &Frame, colors: &mut [[f32; 4]], ambient: &[ambient::Record]) {
-        let Self { directions, surfaces, incoming, token, .. } = self;
-        let maps = &self.context.maps;
-        L::outlined(
-            *token,
-            #[inline(always)]
-            || {
-                for g in 0..self.groups {
-                    let at = |number: u32| number as usize * RAYS + self.first + g * L::WIDTH;
-                    let share = ambient::share::<L>(
-                        *token,
-                        frame,
-                        (self.first + g * L::WIDTH) as u32,
-                        #[inline(always)]
-                        |ray| ambient[ray as usize],
-                    );
-                    let direction = directions[g];
-                    let mut before = LayerSum::new(direction);
-                    if step.pass == Pass::Blend {
-                        let mut records = [before.color; Frame::RECORDS];
-                        for number in 0..frame.records() {
-                            let from = &colors[at(number)..];
-                            [records[number as usize]] = L::gather_fours(
-                                *token,
-                                #[inline(always)]
-                                |lane| [from[lane]],
-                            );
-                        }
-                        before = LayerSum::load(frame, direction, records);
-                    }
-                    let (beyond, incoming) = (&before.beyond, &incoming[g]);
-                    let shaded = shade(frame, maps, direction, beyond, &surfaces[g], incoming, share);
-                    if !frame.has_layers() {
-                        store(&shaded.record(), &mut colors[at(0)..]);
-                        continue;
-                    }
-                    let sum = before.blend(frame, &shaded);
-                    for number in 0..frame.records() {
-                        store(&sum.record(number), &mut colors[at(number)..]);
-                    }
-                }
-            },
-        );
-    }
-
-    /// Writes the records of the layer.
-    #[inline(always)]
-    fn record(&self, layer: u32, transmittance: &[u32], records: &mut Records<'_>) {
-        let frame = self.context.trace.frame;
-        let none = L::splat(self.token, 0.0).broadcast_bits(0);
-        for g in 0..G {
-            let first = self.first + g * L::WIDTH;
-            for lane in 0..L::WIDTH {
-                let (at, mut found) = (first + lane, hit(&self.closest[g], lane));
-                if frame.is_shared == 1 {
-                    found.triangle = self.closest[g].triangle.lane(lane);
-                }
-                if layer > 0 {
-                    records.layers[at * frame.layers_behind() as usize + layer as usize - 1] = found;
-                    continue;
-                }
-                records.hits[at] = found;
-                records.surfaces[at] = self.surfaces[g].lane(lane);
-                records.lit[at] = self.incoming[g].lane(lane);
-                let (words, lights) = (frame.mask_words, frame.transmittance_words());
-                for (word, to) in (0..).zip(of_ray(records.masks, at, words)) {
-                    let mask = if lights == 0 {
-                        self.mask(word, g)
-                    } else {
-                        occlusion::mask(
-                            frame,
-                            word,
-                            none,
-                            #[inline(always)]
-                            |light| self.transmittance_of(light, transmittance, g),
-                        )
-                    };
-                    *to = mask.lane(lane);
-                }
-                for (light, to) in (0..).zip(of_ray(records.transmittance, at, lights)) {
-                    *to = self.transmittance_of(light, transmittance, g).lane(lane);
-                }
-            }
-        }
-    }
-
-    /// The transmittance of a light at a group.
-    #[inline(always)]
-    fn transmittance_of(&self, light: u32, transmittance: &[u32], g: usize) -> L::Bits {
-        L::load(self.token, &transmittance[light as usize * RAYS + self.first + g * L::WIDTH..])
-    }
-}
-
-/// Writes the records of a group, lane after lane.
-#[inline(always)]
-fn store<L: Lane>(numbers: &[L; 4], records: &mut [[f32; 4]]) {
-    let [red, green, blue, alpha] = groups(
-        #[inline(always)]
-        |channel| numbers[channel].row(),
-    );
-    for (lane, record) in records[..L::WIDTH].iter_mut().enumerate() {
-        *record = [red.at(lane), green.at(lane), blue.at(lane), alpha.at(lane)];
-    }
-}
-
-/// The words of a ray, among those of rays that follow one another.
-fn of_ray(words: &mut [u32], ray: usize, count: u32) -> &mut [u32] {
-    &mut words[ray * count as usize..][..count as usize]
 }
 
 /// What is known of surfaces before any is found.

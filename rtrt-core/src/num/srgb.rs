@@ -17,16 +17,23 @@ const BYTE_SLOPE: f32 = DECODE_SLOPE / 255.0;
 pub fn srgb_encode<L: Lane>(linear: L) -> L {
     // NaN would be white through `clamp`; it is black.
     let c = linear.gt(linear.broadcast(FLOOR)).select(linear, linear.broadcast(0.0));
-    let (c, least) = (c.min(c.broadcast(1.0)), c.broadcast(0.003_130_8));
+    encode_up_to_white(c).min(c.broadcast(1.0))
+}
+
+/// The encoding of light from 0 on; of more than 1 that of 1, which may be 2⁻²⁰ above 1.
+#[inline(always)]
+fn encode_up_to_white<L: Lane>(linear: L) -> L {
+    let (c, least) = (linear.min(linear.broadcast(1.0)), linear.broadcast(0.003_130_8));
     let curve = encode_power(c.max(least)) - 0.055;
-    c.le(least).select(c * 12.92, curve).min(c.broadcast(1.0))
+    c.le(least).select(c * 12.92, curve)
 }
 
 /// The byte that stands for linear light in sRGB: the nearest step of [`srgb_encode`]; in the middle between two, the even
 /// one.
 #[inline(always)]
 pub fn srgb_byte_encode<L: Lane>(linear: L) -> L::Bits {
-    to_integer(srgb_encode(linear) * 255.0)
+    // As in `srgb_encode`, but for what the nearest byte does not show: denormals, and what is above white. NaN is black.
+    to_integer(encode_up_to_white(linear.max(linear.broadcast(0.0))) * 255.0)
 }
 
 /// `1.055 c^(1/2.4)` of a number within 2⁻⁹ ..= 1.
@@ -115,6 +122,15 @@ mod tests {
             assert!((f64::from(encoded) - exact).abs() < 2f64.powi(-20), "{linear}");
             assert!(encoded >= last, "{linear}");
             last = encoded;
+        }
+    }
+
+    #[test]
+    fn a_byte_is_the_nearest_to_the_encoding() {
+        let numbers = (0..1 << 16).map(|high| f32::from_bits(high << 16 | 0x5a5a));
+        for linear in numbers.chain([f32::INFINITY, -0.0, 1.0, 0.003_130_8]) {
+            let nearest = libm::rint(f64::from(srgb_encode(linear)) * 255.0);
+            assert_eq!(f64::from(srgb_byte_encode(linear).0), nearest, "{linear:e}");
         }
     }
 

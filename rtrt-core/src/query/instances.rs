@@ -10,6 +10,7 @@ use crate::layout::{Instance, NONE};
 use crate::scene::{Bounds, Bvh, Join};
 use alloc::vec;
 use alloc::vec::Vec;
+use glam::Vec4;
 
 /// A tree over fewer instances is built again for each that is new.
 const FEW: usize = 64;
@@ -286,7 +287,7 @@ fn split(place: u32) -> (usize, usize) {
 
 /// The largest of some slacks.
 fn largest(slacks: &[f32; WIDTH]) -> f32 {
-    slacks.iter().fold(0.0, |most, slack| most.max(*slack))
+    Vec4::from_slice(slacks).max(Vec4::from_slice(&slacks[4..])).max_element()
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use crate::lane::{Lane, Mask, Row};
 use crate::scene::Bounds;
 use alloc::vec;
 use alloc::vec::Vec;
+use glam::Vec4;
 
 /// Children of a node.
 pub(crate) const WIDTH: usize = 8;
@@ -127,12 +128,36 @@ impl WideNode {
 
     /// Half of the surfaces of the boxes of all children, summed.
     pub fn area(&self) -> f64 {
-        (0..WIDTH).map(|slot| f64::from(self.bounds(slot).area())).sum()
+        let area = |half: usize| {
+            let size = |axis: usize| (self.plane(3 + axis)[half] - self.plane(axis)[half]).max(Vec4::ZERO);
+            let [x, y, z] = [size(0), size(1), size(2)];
+            (x * y + y * z + z * x).as_dvec4().element_sum()
+        };
+        area(0) + area(1)
     }
 
     /// The box of all children.
     pub fn all_bounds(&self) -> Bounds {
-        (0..WIDTH).fold(Bounds::EMPTY, |all, slot| all.union(&self.bounds(slot)))
+        if self.is_empty() {
+            return Bounds::EMPTY;
+        }
+        let low = |axis: usize| {
+            let [a, b] = self.plane(axis);
+            a.min(b).min_element()
+        };
+        let high = |axis: usize| {
+            let nowhere = Vec4::splat(NOWHERE);
+            let there = |planes: Vec4| Vec4::select(planes.cmpeq(nowhere), Vec4::NEG_INFINITY, planes);
+            let [a, b] = self.plane(3 + axis);
+            there(a).max(there(b)).max_element()
+        };
+        Bounds { low: [low(0), low(1), low(2)], high: [high(0), high(1), high(2)] }
+    }
+
+    /// One of the planes of each child, by fours.
+    fn plane(&self, number: usize) -> [Vec4; 2] {
+        let planes = &self.planes[number];
+        [Vec4::from_slice(planes), Vec4::from_slice(&planes[4..])]
     }
 }
 
@@ -376,5 +401,30 @@ impl WideTree {
     pub fn blocks(&self) -> usize {
         let leaves = self.nodes.iter().flat_map(|node| node.count).filter(|count| *count != INNER);
         leaves.map(|count| count.div_ceil(WIDTH as u32) as usize).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::query::fixture::Random;
+
+    #[test]
+    fn the_box_of_a_node_is_around_those_of_its_children() {
+        let mut random = Random(3);
+        for there in 0..1_u32 << WIDTH {
+            let (mut node, mut all, mut area) = (WideNode::EMPTY, Bounds::EMPTY, 0.0);
+            for slot in (0..WIDTH).filter(|slot| there >> slot & 1 == 1) {
+                let low = random.vector(10.0);
+                let high = low + random.vector(3.0).abs();
+                let bounds = Bounds { low: low.to_array(), high: high.to_array() };
+                node.set_child(slot, &Child::Leaf(0, 1), &bounds);
+                all = all.union(&bounds);
+                area += f64::from(bounds.area());
+            }
+            let found = node.all_bounds();
+            assert_eq!((found.low, found.high), (all.low, all.high));
+            assert!((node.area() - area).abs() <= 1e-9 * area, "{there:b}");
+        }
     }
 }

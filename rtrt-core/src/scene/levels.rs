@@ -34,7 +34,7 @@ impl Scene {
         instance: InstanceIndex,
         levels: &[(f32, MeshIndex)],
     ) -> Result<(), SceneError> {
-        let (_, own) = self.instance(instance)?;
+        let own = &self.instances()[self.instance(instance)?];
         let material = MaterialIndex { number: own.material, scene: self.family() };
         let levels: Vec<_> = levels.iter().map(|&(from, mesh)| (from, mesh, material)).collect();
         self.set_levels_with(instance, &levels)
@@ -49,14 +49,17 @@ impl Scene {
         instance: InstanceIndex,
         levels: &[(f32, MeshIndex, MaterialIndex)],
     ) -> Result<(), SceneError> {
-        let (index, own) = self.instance(instance)?;
+        let index = self.instance(instance)?;
         let mut found = Vec::with_capacity(levels.len());
         for &(from, mesh, material) in levels {
             if !(from > 0.0 && from.is_finite()) {
                 return Err(SceneError::Distance { value: from });
             }
-            let mut placed =
-                place(self.indexed_mesh(mesh)?, self.instance_material(material)?, matrix(&own))?;
+            let mut placed = place(
+                self.indexed_mesh(mesh)?,
+                self.instance_material(material)?,
+                matrix(&self.instances()[index]),
+            )?;
             placed.transparency = self.transparency(mesh.number, material.number)?;
             found.push(LodLevel { from, mesh, placed });
         }
@@ -70,14 +73,18 @@ impl Scene {
         Ok(())
     }
 
-    /// The levels of an instance with another transform.
-    pub(super) fn moved_levels(&self, instance: usize, to_world: Mat4) -> Result<Vec<LodLevel>, SceneError> {
-        let levels = self.levels.get(&(instance as u32)).map_or(&[][..], |levels| levels);
+    /// The levels of an instance with another transform; `None` if it has no levels.
+    pub(super) fn moved_levels(
+        &self,
+        instance: usize,
+        to_world: Mat4,
+    ) -> Result<Option<Vec<LodLevel>>, SceneError> {
+        let Some(levels) = self.levels.get(&(instance as u32)) else { return Ok(None) };
         let moved = levels.iter().map(|level| {
             let placed = place(self.mesh(level.mesh.number)?, InstanceMaterial::of(&level.placed), to_world)?;
             Ok(LodLevel { placed, ..*level })
         });
-        moved.collect()
+        moved.collect::<Result<_, _>>().map(Some)
     }
 
     /// The levels of all instances that use this mesh as a level, after its shape changed to `stored`.

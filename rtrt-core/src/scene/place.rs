@@ -1,11 +1,12 @@
 //! The range of a mesh in the scene's arrays, and the instance that places the mesh in the world.
 
 use crate::layout::{Instance, Kind, MaterialRecord, NONE};
-use crate::num::flush;
+use crate::num::{FLOOR, flush};
 use crate::scene::bvh::Bounds;
 use crate::scene::camera::single;
 use crate::scene::{Bvh, COORDINATE_LIMIT, SceneError};
-use glam::{DMat3, DMat4, DVec3, DVec4, Mat4};
+use bytemuck::Zeroable;
+use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec4};
 
 /// The range of a mesh in the scene's arrays.
 #[derive(Debug, Clone, Copy)]
@@ -103,19 +104,31 @@ pub(super) fn matrix(instance: &Instance) -> Mat4 {
     from_rows(&instance.to_world).as_mat4()
 }
 
-/// The instance of a mesh placed in the world, computed in `f64`.
+/// The instance of a mesh placed in the world.
 pub(crate) fn place(
     mesh: &Stored,
     instance_material: InstanceMaterial,
     to_world: Mat4,
 ) -> Result<Instance, SceneError> {
+    let mut placed = Instance::zeroed();
+    place_in(&mut placed, mesh, instance_material, to_world)?;
+    Ok(placed)
+}
+
+/// Makes this the instance of a mesh placed in the world, computed in `f64`. It stays as it is where that cannot be.
+pub(crate) fn place_in(
+    instance: &mut Instance,
+    mesh: &Stored,
+    instance_material: InstanceMaterial,
+    to_world: Mat4,
+) -> Result<(), SceneError> {
     // Placing an instance again by its stored transform gives the same instance.
-    let to_world = Mat4::from_cols_array(&to_world.to_cols_array().map(flush));
+    let to_world = flushed(&to_world);
     let m = to_world.as_dmat4();
-    let affine = to_world.row(3) == glam::Vec4::W;
+    let affine = to_world.row(3) == Vec4::W;
     let inverse = DMat3::from_mat4(m).inverse();
-    let to_object = rows(&DMat4 { w_axis: m.w_axis, ..DMat4::from_mat3(inverse) });
-    if !affine || !to_object.as_flattened().iter().all(|v| v.is_finite()) {
+    let to_object = DMat4 { w_axis: m.w_axis, ..DMat4::from_mat3(inverse) }.as_mat4();
+    if !affine || !to_object.is_finite() {
         return Err(SceneError::Transform);
     }
     let mut corners = around(&m, &mesh.bounds);
@@ -133,9 +146,9 @@ pub(crate) fn place(
     let center = m.transform_point3(mesh.center);
     let stretch = [m.x_axis, m.y_axis, m.z_axis].iter().map(|axis| axis.length_squared()).sum::<f64>();
     let radius = (mesh.radius * libm::sqrt(stretch)).min(half_diagonal(&corners).max(0.0));
-    Ok(Instance {
-        to_object,
-        to_world: core::array::from_fn(|row| to_world.row(row).to_array()),
+    *instance = Instance {
+        to_object: rows(&flushed(&to_object)),
+        to_world: rows(&to_world),
         low: corners.low,
         root: mesh.root,
         start: mesh.root,
@@ -154,7 +167,8 @@ pub(crate) fn place(
         transparency: instance_material.transparency,
         kind: mesh.kind as u32,
         double_sided: instance_material.double_sided,
-    })
+    };
+    Ok(())
 }
 
 /// The instance with the bounds of one of its parts: `bounds` in object space, placed by `matrix`, the
@@ -195,9 +209,17 @@ pub(crate) fn from_rows(rows: &[[f32; 4]; 3]) -> DMat4 {
     DMat4::from_cols(row(&rows[0]), row(&rows[1]), row(&rows[2]), DVec4::W).transpose()
 }
 
-/// The upper three rows, without denormals.
-fn rows(m: &DMat4) -> [[f32; 4]; 3] {
-    core::array::from_fn(|row| m.row(row).to_array().map(|v| flush(v as f32)))
+/// The upper three rows.
+fn rows(m: &Mat4) -> [[f32; 4]; 3] {
+    let Mat4 { x_axis, y_axis, z_axis, .. } = m.transpose();
+    [x_axis, y_axis, z_axis].map(|row| row.to_array())
+}
+
+/// [`flush`] of each number.
+fn flushed(m: &Mat4) -> Mat4 {
+    let [x, y, z, w] = [m.x_axis, m.y_axis, m.z_axis, m.w_axis]
+        .map(|axis| Vec4::select(axis.abs().cmplt(Vec4::splat(FLOOR)), Vec4::ZERO, axis));
+    Mat4::from_cols(x, y, z, w)
 }
 
 /// The factor by which errors grow on the way to object space and back: the largest row sum of

@@ -425,12 +425,11 @@ impl Scene {
         InstanceIndex { number, generation: self.tags[number as usize].generation, scene: self.family() }
     }
 
-    /// The index of an instance in the arrays, and its transform.
-    pub(super) fn instance(&self, instance: InstanceIndex) -> Result<(usize, Instance), SceneError> {
-        let index = instance.number as usize;
+    /// The index of an instance in the arrays.
+    pub(super) fn instance(&self, instance: InstanceIndex) -> Result<usize, SceneError> {
         let missing = SceneError::Index { what: "instance", index: instance.number };
         let is_here = self.instance_index(instance.number) == Some(instance);
-        if is_here { Ok((index, self.instances[index])) } else { Err(missing) }
+        if is_here { Ok(instance.number as usize) } else { Err(missing) }
     }
 
     /// Sets the groups that an instance belongs to, one a bit: a [`Ray`](crate::query::Ray) meets it if their
@@ -439,7 +438,7 @@ impl Scene {
     /// # Errors
     /// There is no such instance.
     pub fn set_ray_mask(&mut self, instance: InstanceIndex, mask: u32) -> Result<(), SceneError> {
-        let (index, _) = self.instance(instance)?;
+        let index = self.instance(instance)?;
         self.tags[index].mask = mask;
         // Trees keep it.
         let bounds = *self.places.bounds(index);
@@ -453,7 +452,7 @@ impl Scene {
     /// # Errors
     /// There is no such instance.
     pub fn set_user_data(&mut self, instance: InstanceIndex, user: u32) -> Result<(), SceneError> {
-        let (index, _) = self.instance(instance)?;
+        let index = self.instance(instance)?;
         self.tags[index].user = user;
         Ok(())
     }
@@ -607,7 +606,7 @@ impl Scene {
     /// the BVH's leaves. `None` if there is no such triangle. For an instance with levels of detail, the
     /// triangle is one of its own mesh.
     pub fn source_triangle(&self, instance: InstanceIndex, triangle: u32) -> Option<u32> {
-        let (index, _) = self.instance(instance).ok()?;
+        let index = self.instance(instance).ok()?;
         let mesh = &self.meshes[self.object_meshes[index] as usize];
         let sources = &self.sources[mesh.first_source..][..mesh.triangles as usize];
         sources.get(triangle as usize).copied()

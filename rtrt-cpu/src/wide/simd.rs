@@ -12,6 +12,20 @@ use fearless_simd::{
 use fearless_simd::{f32x16, mask32x16, u32x16};
 use rtrt_core::lane::{Bits, Lane, Mask, Select};
 
+/// Work that runs as a function of its own. As a method of the work, it is compiled in the unit of the module
+/// where the work is written: a function of this module would have all stages in one unit.
+trait Outline<R> {
+    /// Runs it with these instructions.
+    fn outline<S: Simd>(self, token: S) -> R;
+}
+
+impl<R, W: FnOnce() -> R> Outline<R> for W {
+    #[inline(never)]
+    fn outline<S: Simd>(self, token: S) -> R {
+        token.vectorize(self)
+    }
+}
+
 /// Implements an operator by the same operator of the inner type.
 macro_rules! pass {
     ($type:ident: $($operator:ident $name:ident $($right:ident)?;)*) => {$(
@@ -162,9 +176,9 @@ macro_rules! lane {
 
             const WIDTH: usize = $width;
 
-            #[inline(never)]
+            #[inline(always)]
             fn outlined<R>(token: S, work: impl FnOnce() -> R) -> R {
-                token.vectorize(work)
+                work.outline(token)
             }
             #[inline(always)]
             fn splat(token: S, value: f32) -> Self {

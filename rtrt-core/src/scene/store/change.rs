@@ -4,7 +4,7 @@ use super::{InstanceIndex, MeshIndex, Scene, SceneError};
 use crate::layout::{Kind, Node};
 use crate::scene::Mesh;
 use crate::scene::bvh::{Bounds, refit};
-use crate::scene::place::{InstanceMaterial, Stored, matrix, place, sphere};
+use crate::scene::place::{InstanceMaterial, Stored, matrix, place, place_in, sphere};
 use alloc::vec;
 use glam::{DVec3, Mat4};
 
@@ -26,24 +26,27 @@ impl Scene {
         &mut self,
         moved: impl IntoIterator<Item = (InstanceIndex, Mat4)>,
     ) -> Result<(), SceneError> {
-        let result = moved.into_iter().try_for_each(|(instance, to_world)| {
-            let (index, old) = self.instance(instance)?;
-            let stored = self.mesh(self.object_meshes[index])?;
-            let mut placed = place(stored, InstanceMaterial::of(&old), to_world)?;
-            if let Some((light, _)) = self.shown.iter().find(|(_, sphere)| **sphere == instance.number) {
-                placed.kind = Kind::Light as u32 + light;
-            }
-            let levels = self.moved_levels(index, to_world)?;
-            self.instances[index] = placed;
-            if !levels.is_empty() {
-                self.levels.insert(instance.number, levels);
-            }
-            let bounds = self.seen_bounds(index);
-            self.places.set(index, &bounds);
-            Ok(())
-        });
+        let result =
+            moved.into_iter().try_for_each(|(instance, to_world)| self.place_again(instance, to_world));
         self.moved([]);
         result
+    }
+
+    /// Moves an instance. [`Scene::moved`] must follow.
+    fn place_again(&mut self, instance: InstanceIndex, to_world: Mat4) -> Result<(), SceneError> {
+        let index = self.instance(instance)?;
+        let levels = self.moved_levels(index, to_world)?;
+        let stored = &self.meshes[self.object_meshes[index] as usize];
+        let placed = &mut self.instances[index];
+        place_in(placed, stored, InstanceMaterial::of(placed), to_world)?;
+        if let Some((light, _)) = self.shown.iter().find(|(_, sphere)| **sphere == instance.number) {
+            placed.kind = Kind::Light as u32 + light;
+        }
+        self.places.set(index, &Bounds { low: placed.low, high: placed.high });
+        if let Some(levels) = levels {
+            self.levels.insert(instance.number, levels);
+        }
+        Ok(())
     }
 
     /// Hides an instance until it gets a transform again.
@@ -51,7 +54,7 @@ impl Scene {
     /// # Errors
     /// There is no such instance.
     pub fn hide(&mut self, instance: InstanceIndex) -> Result<(), SceneError> {
-        let (index, old) = self.instance(instance)?;
+        let index = self.instance(instance)?;
         let stored = self.mesh(self.object_meshes[index])?;
         // The empty leaf beside the mesh's root: no ray hits it.
         let nothing = Stored {
@@ -63,7 +66,8 @@ impl Scene {
             radius: 0.0,
             ..*stored
         };
-        self.instances[index] = place(&nothing, InstanceMaterial::of(&old), Mat4::IDENTITY)?;
+        let placed = &mut self.instances[index];
+        place_in(placed, &nothing, InstanceMaterial::of(placed), Mat4::IDENTITY)?;
         self.moved([index]);
         Ok(())
     }

@@ -25,8 +25,8 @@ impl Scene {
 
     /// The material of an instance; `None` for an index of another scene.
     pub fn material_of(&self, instance: InstanceIndex) -> Option<MaterialIndex> {
-        let (_, found) = self.instance(instance).ok()?;
-        Some(MaterialIndex { number: found.material, scene: self.family() })
+        let index = self.instance(instance).ok()?;
+        Some(MaterialIndex { number: self.instances[index].material, scene: self.family() })
     }
 
     /// Changes a material, and so the look of all instances that have it.

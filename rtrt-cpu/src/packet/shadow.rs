@@ -1,0 +1,99 @@
+//! What lies between surfaces and lights.
+
+use super::PacketState;
+use crate::cells::{self, RAYS};
+use crate::wide::Wide;
+use rtrt_core::grid::RayIndex;
+use rtrt_core::lane::{V3, groups};
+use rtrt_core::stage::context::Context;
+use rtrt_core::stage::occlusion::{self, Arrival};
+
+impl<L: Wide, const G: usize> PacketState<'_, L, G> {
+    #[inline(always)]
+    pub(super) fn occlusion(&mut self, context: &Context<'_>) {
+        self.more_masks.clear();
+        for word in 0..context.frame.mask_words {
+            let mask = L::outlined(
+                self.token,
+                #[inline(always)]
+                || occlusion::word::<L, G>(context, word, self.ray, &self.surfaces),
+            );
+            if word == 0 {
+                self.mask = mask;
+            } else {
+                self.more_masks.push(mask);
+            }
+        }
+    }
+
+    /// Where the shadow rays of the packet start, and which of them are cast to a light.
+    #[inline(always)]
+    fn potentially_lit(&self, context: &Context<'_>, light: u32) -> ([V3<L>; G], [L::Bits; G]) {
+        let origins = groups(
+            #[inline(always)]
+            |g| self.surfaces[g].origin,
+        );
+        let active = groups(
+            #[inline(always)]
+            |g| {
+                let first = RayIndex(self.ray.0 + (g * L::WIDTH) as u32);
+                occlusion::potentially_lit(context.frame, context.views, light, first, &self.surfaces[g])
+            },
+        );
+        (origins, active)
+    }
+
+    #[inline(always)]
+    pub(super) fn transmittance(&self, context: &Context<'_>, transmittance: &mut [u32]) {
+        // Loops, not iterators: a callback is not compiled for the instruction set.
+        for light in 0..context.frame.lights {
+            let (origins, active) = self.potentially_lit(context, light);
+            let arrivals = L::outlined(
+                self.token,
+                #[inline(always)]
+                || occlusion::transmittance::<L, false, G>(context, light, self.ray, &origins, &active),
+            );
+            let plane = light as usize * RAYS + self.first;
+            for (g, arrival) in arrivals.into_iter().enumerate() {
+                L::store(arrival.transmittance, &mut transmittance[plane + g * L::WIDTH..]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn blocker_search(&self, context: &Context<'_>, cells: &mut [u32]) {
+        for g in 0..G {
+            let (origin, normal) = (self.surfaces[g].origin, self.surfaces[g].normal);
+            for (first, V3 { x, y, z }) in [(cells::ORIGIN, origin), (cells::NORMAL, normal)] {
+                for (plane, number) in (first..).zip([x, y, z]) {
+                    L::store(number.to_bits(), &mut cells[plane * RAYS + self.first + g * L::WIDTH..]);
+                }
+            }
+        }
+        for light in 0..context.frame.lights {
+            let (origins, active) = self.potentially_lit(context, light);
+            let arrivals = L::outlined(
+                self.token,
+                #[inline(always)]
+                || occlusion::transmittance::<L, true, G>(context, light, self.ray, &origins, &active),
+            );
+            let light = light as usize;
+            let (to, radii) = (cells::transmittance(light) * RAYS, cells::radius(light) * RAYS);
+            for (g, Arrival { transmittance, penumbra_radius }) in arrivals.into_iter().enumerate() {
+                let at = self.first + g * L::WIDTH;
+                L::store(transmittance, &mut cells[to + at..]);
+                L::store(penumbra_radius.to_bits(), &mut cells[radii + at..]);
+            }
+        }
+    }
+
+    /// Leaves what a search finds for rays that ask for no light.
+    #[inline(always)]
+    pub(super) fn clear(&self, cells: &mut [u32]) {
+        let range = self.first..self.first + G * L::WIDTH;
+        for (transmittance, radii) in cells::lights_mut(cells) {
+            transmittance[range.clone()].fill(0);
+            radii[range.clone()].fill((-1.0_f32).to_bits());
+        }
+    }
+}
