@@ -49,8 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rows = sizes.map(|size| (f64::from(size[0]) * f64::from(size[1]), frame(&hall, size, threads)));
     plot(&folder, "pixels", "pixels", &rows)?;
 
-    let rows =
-        [1, 4, 16, 64, 256].map(|lights| (f64::from(lights), frame(&balls(1000, lights), SIZE, threads)));
+    let rows = [1, 4, 16, 64, 256, 1024]
+        .map(|lights| (f64::from(lights), frame(&balls(1000, lights), SIZE, threads)));
     plot(&folder, "lights", "lights that reach a sixth of the scene", &rows)?;
 
     let rows: Vec<Row> = (1..=threads).map(|n| (n as f64, frame(&hall, SIZE, n))).collect();

@@ -180,6 +180,18 @@ pub trait Lane:
     fn max(self, other: Self) -> Self {
         self.gt(other).select(self, other)
     }
+    /// What is set in any lane of `bits`.
+    #[inline(always)]
+    fn union(bits: Self::Bits) -> u32 {
+        let row = bits.row();
+        let mut union = row.at(0);
+        let mut lane = 1;
+        while lane < Self::WIDTH {
+            union |= row.at(lane);
+            lane += 1;
+        }
+        union
+    }
     /// The smallest of the lanes, none of which may be NaN.
     #[inline(always)]
     fn smallest(self) -> f32 {

@@ -48,6 +48,15 @@ impl<L: Lane, O: Lane> Ray<L, O> {
     }
 }
 
+impl<L: Lane> Ray<L> {
+    /// Rays that are not traced.
+    #[inline(always)]
+    pub(crate) fn idle(token: L::Token) -> Self {
+        let zero = V3::splat(token, [0.0; 3]);
+        Self { origin: zero, direction: zero, inverse: zero, shear: Shear::idle(token) }
+    }
+}
+
 #[cfg(feature = "alloc")]
 impl Ray<f32> {
     /// The same ray in all lanes.

@@ -27,6 +27,13 @@ pub struct Shear<L> {
 }
 
 impl<L: Lane> Shear<L> {
+    /// That of rays that are not traced.
+    #[inline(always)]
+    pub(crate) fn idle(token: L::Token) -> Self {
+        let zero = L::splat(token, 0.0);
+        Self { x: zero, y: zero, axis: 0 }
+    }
+
     /// That of rays in this direction, with these reciprocals.
     #[inline(always)]
     pub fn new(d: V3<L>, inverse: V3<L>) -> Self {

@@ -250,7 +250,15 @@ fn answered<L: Lane>(
             transmittance(light)
         } else {
             let lit = mask(light / LIGHTS_PER_WORD) >> (light % LIGHTS_PER_WORD);
-            lit & lit.broadcast(1)
+            // The next light of the word that reaches any lane.
+            let ahead = L::union(lit);
+            if ahead == 0 {
+                light = (light / LIGHTS_PER_WORD + 1) * LIGHTS_PER_WORD;
+                continue;
+            }
+            let ahead = ahead.trailing_zeros();
+            light += ahead;
+            (lit >> ahead) & lit.broadcast(1)
         };
         sum = receiver.add(frame, &views[frame.light_view(light) as usize], transmittance, &sum);
         light += 1;

@@ -35,6 +35,7 @@ mod tests {
     use crate::layout::Wrap;
     use crate::request::Shadows;
     use crate::scene::{Image, Light, Material, Scene};
+    use crate::stage::occlusion::OriginBox;
     use glam::Vec3;
     use std::vec::Vec;
 
@@ -46,7 +47,7 @@ mod tests {
         let all = (0..frame.rays).map(RayIndex).map(|ray| {
             let ([closest], [seen]) = (closest::<L, 1>(prepared, ray), surfaces::<L, 1>(prepared, ray));
             let [direction] = super::visibility::directions::<L, 1>((), frame, camera, ray);
-            let [lit] = super::occlusion::word::<L, 1>(&context, 0, ray, &[seen]);
+            let [lit] = super::occlusion::word::<L, 1>(&context, 0, ray, &[seen], &OriginBox::new(&[seen]));
             let shadows = super::light::ShadowTerms::new(|_| lit, |_| lit);
             let incoming = super::light::light(frame, context.views, &maps, &shadows, ray, direction, &seen);
             let color = {

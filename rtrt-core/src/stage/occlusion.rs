@@ -27,14 +27,59 @@ pub fn place(frame: &Frame, ray: u32, light: u32) -> (u32, u32) {
     (ray * frame.mask_words + light / LIGHTS_PER_WORD, light % LIGHTS_PER_WORD)
 }
 
+/// The box around the origins of surfaces: lights are asked by it before the surfaces are.
+#[derive(Debug, Clone, Copy)]
+pub struct OriginBox {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl OriginBox {
+    /// That of the surfaces that are there.
+    #[inline(always)]
+    pub fn new<L: Lane, const G: usize>(surfaces: &[Surfaces<L>; G]) -> Self {
+        let token = surfaces[0].footprint.token();
+        let (mut low, mut high) = (V3::splat(token, [f32::MAX; 3]), V3::splat(token, [-f32::MAX; 3]));
+        let mut g = 0;
+        while g < G {
+            let Surfaces { origin, material, .. } = surfaces[g];
+            let is_there = material.gt(material.broadcast(0));
+            low = V3::select(is_there, low.min(origin), low);
+            high = V3::select(is_there, high.max(origin), high);
+            g += 1;
+        }
+        Self {
+            low: [low.x.smallest(), low.y.smallest(), low.z.smallest()],
+            high: [high.x.largest(), high.y.largest(), high.z.largest()],
+        }
+    }
+
+    /// Whether any of the surfaces may be within a light's reach. It is false only where [`limit`] refuses all of them: the
+    /// same operations find the distance to the box, and the result of each, rounded, is not above that for any surface.
+    #[inline(always)]
+    pub fn is_within_reach(&self, light: &View) -> bool {
+        if light.kind == ViewKind::Sun as u32 || light.disc != 0.0 {
+            return true;
+        }
+        let away = |axis: usize| {
+            let (below, above) = (self.low[axis] - light.center[axis], light.center[axis] - self.high[axis]);
+            Lane::max(Lane::max(below, above), 0.0)
+        };
+        let [x, y, z] = [away(0), away(1), away(2)];
+        x * x + y * y + z * z < light.reach_squared
+    }
+}
+
 /// One word of the shadow mask for each group of surfaces: bit `i` is 1 in the lanes that
-/// light `word · 32 + i` reaches. The rays that hit the surfaces are numbered from `first` on.
+/// light `word · 32 + i` reaches. The rays that hit the surfaces are numbered from `first` on; `around` is their
+/// [`OriginBox`].
 #[inline(always)]
 pub fn word<L: Lane, const G: usize>(
     context: &Context<'_>,
     word: u32,
     first: RayIndex,
     surfaces: &[Surfaces<L>; G],
+    around: &OriginBox,
 ) -> [L::Bits; G] {
     let mut mask: [L::Bits; G] = groups(
         #[inline(always)]
@@ -43,11 +88,13 @@ pub fn word<L: Lane, const G: usize>(
     let mut light = word * LIGHTS_PER_WORD;
     let mut bit = 0;
     while bit < LIGHTS_PER_WORD && light < context.frame.lights {
-        let lit = occlusion::<L, G>(context, light, first, surfaces);
-        let mut g = 0;
-        while g < G {
-            mask[g] = mask[g] | (lit[g] << bit);
-            g += 1;
+        if around.is_within_reach(context.light(light)) {
+            let lit = occlusion::<L, G>(context, light, first, surfaces);
+            let mut g = 0;
+            while g < G {
+                mask[g] = mask[g] | (lit[g] << bit);
+                g += 1;
+            }
         }
         light += 1;
         bit += 1;
@@ -146,9 +193,15 @@ fn shadow_rays<L: Lane, F: HitFilter<L>, const G: usize>(
     if frame.shadows == 0 || !any_pending(&pending) {
         return lit;
     }
+    let idle = Ray::idle(origins[0].x.token());
     let rays: [Ray<L>; G] = groups(
         #[inline(always)]
-        |g| Ray::new(origins[g], to_light(frame, light, group::<L>(first, g), origins[g]).0),
+        |g| {
+            if G > 1 && !is_any_pending(pending[g]) {
+                return idle;
+            }
+            Ray::new(origins[g], to_light(frame, light, group::<L>(first, g), origins[g]).0)
+        },
     );
     let ends = trace_by_block(context, light, origins, &rays, &pending, filters);
     let mut g = 0;
@@ -174,7 +227,12 @@ pub(super) fn trace_by_block<L: Lane, F: HitFilter<L>, const G: usize>(
 ) -> [L; G] {
     let blocks: [L::Bits; G] = groups(
         #[inline(always)]
-        |g| light_block(view, origins[g]),
+        |g| {
+            if G > 1 && !is_any_pending(limits[g]) {
+                return limits[g].broadcast_bits(0);
+            }
+            light_block(view, origins[g])
+        },
     );
     let (mut pending, mut ends) = (*limits, *limits);
     let mut local_rays = *rays;
@@ -289,7 +347,7 @@ fn group<L: Lane>(first: RayIndex, group: usize) -> RayIndex {
 fn any_pending<L: Lane, const G: usize>(pending: &[L; G]) -> bool {
     let mut g = 0;
     while g < G {
-        if pending[g].gt(pending[g].broadcast(0.0)).any() {
+        if is_any_pending(pending[g]) {
             return true;
         }
         g += 1;
@@ -297,12 +355,18 @@ fn any_pending<L: Lane, const G: usize>(pending: &[L; G]) -> bool {
     false
 }
 
+/// Whether any ray of a group is still to be traced.
+#[inline(always)]
+fn is_any_pending<L: Lane>(pending: L) -> bool {
+    pending.gt(pending.broadcast(0.0)).any()
+}
+
 /// The block of the first ray that is still to be traced.
 #[inline(always)]
 fn first_pending<L: Lane, const G: usize>(pending: &[L; G], blocks: &[L::Bits; G]) -> Option<u32> {
     let mut g = 0;
     while g < G {
-        if pending[g].gt(pending[g].broadcast(0.0)).any() {
+        if is_any_pending(pending[g]) {
             let (limits, blocks) = (pending[g].row(), blocks[g].row());
             let mut lane = 0;
             while lane < L::WIDTH {
@@ -397,6 +461,56 @@ mod tests {
             assert_eq!(lit::<Plain<8>, 32>(&prepared), single);
             assert_eq!(lit::<Plain<16>, 16>(&prepared), single);
         }
+    }
+
+    #[test]
+    fn no_light_within_reach_is_left_out() {
+        let mut seed = 11_u32;
+        let mut number = |low: f32, high: f32| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            low + (high - low) * (seed >> 8) as f32 / (1 << 24) as f32
+        };
+        let mut lights: Vec<_> = (0..300)
+            .map(|_| {
+                let place = [number(-12.0, 12.0), number(-12.0, 12.0), number(-3.0, 6.0)];
+                Light::point(place).reach(number(0.2, 6.0))
+            })
+            .collect();
+        lights.push(Light::sun([0.0, 0.0, -1.0]));
+        lights.push(Light::point([4.5, 3.5, 1.5]));
+        let mut scene = Scene::new();
+        add_square(&mut scene, Material::default(), square_at(6.0, [0.0; 3]));
+        add_square(&mut scene, Material::default(), square_at(1.0, [0.0, 0.0, 2.0]));
+        lights.iter().for_each(|&light| scene.add_light(light));
+        let prepared = Prepared::new(scene, |request: Request<'_>| request.shadows(Shadows::Hard));
+        let context = prepared.context();
+        let mut views: Vec<View> = (0..302).map(|light| *context.light(light)).collect();
+        // The last is right above where a ray meets the floor: with reaches from just too short to just long enough.
+        let below = |ray: &u32| prepared.frame().grid().ray(RayIndex(*ray)) == [12, 4];
+        let seen = surfaces::<f32, 1>(&prepared, RayIndex((0..256).find(below).unwrap()))[0].origin;
+        let squared = (1.5 - seen.z) * (1.5 - seen.z);
+        let last = views.pop().unwrap();
+        views.extend((0..9).map(|step| {
+            let reach_squared = f32::from_bits(squared.to_bits() - 4 + step);
+            View { center: [seen.x, seen.y, 1.5], reach_squared, ..last }
+        }));
+        let (mut left_out, mut lit) = (0, [0; 310]);
+        for first in (0..256).step_by(16).map(RayIndex) {
+            let surfaces = surfaces::<f32, 16>(&prepared, first);
+            let around = OriginBox::new(&surfaces);
+            for (view, lit) in views.iter().zip(&mut lit) {
+                let is_lit =
+                    (0..16).any(|g| limit(context.frame, view, group::<f32>(first, g), &surfaces[g]) > 0.0);
+                let is_within_reach = around.is_within_reach(view);
+                assert!(is_within_reach || !is_lit, "{first:?} {view:?}");
+                (left_out, *lit) = (left_out + usize::from(!is_within_reach), *lit + usize::from(is_lit));
+            }
+        }
+        assert!(left_out > 16 * 200, "{left_out}");
+        assert!(lit[..300].iter().filter(|lit| **lit > 0).count() > 20);
+        // Nine of the 16 tiles have part of the floor, at least.
+        assert!(lit[300] >= 9);
+        assert_eq!(lit[301..], [0, 0, 0, 0, 0, 1, 1, 1, 1]);
     }
 
     #[test]

@@ -6,17 +6,18 @@ use crate::wide::Wide;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::lane::{V3, groups};
 use rtrt_core::stage::context::Context;
-use rtrt_core::stage::occlusion::{self, Arrival};
+use rtrt_core::stage::occlusion::{self, OriginBox};
 
 impl<L: Wide, const G: usize> PacketState<'_, L, G> {
     #[inline(always)]
     pub(super) fn occlusion(&mut self, context: &Context<'_>) {
         self.more_masks.clear();
+        let around = OriginBox::new(&self.surfaces);
         for word in 0..context.frame.mask_words {
             let mask = L::outlined(
                 self.token,
                 #[inline(always)]
-                || occlusion::word::<L, G>(context, word, self.ray, &self.surfaces),
+                || occlusion::word::<L, G>(context, word, self.ray, &self.surfaces, &around),
             );
             if word == 0 {
                 self.mask = mask;
@@ -46,14 +47,19 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
     #[inline(always)]
     pub(super) fn transmittance(&self, context: &Context<'_>, transmittance: &mut [u32]) {
         // Loops, not iterators: a callback is not compiled for the instruction set.
+        let around = OriginBox::new(&self.surfaces);
         for light in 0..context.frame.lights {
+            let plane = light as usize * RAYS + self.first;
+            if !around.is_within_reach(context.light(light)) {
+                transmittance[plane..plane + G * L::WIDTH].fill(0);
+                continue;
+            }
             let (origins, active) = self.potentially_lit(context, light);
             let arrivals = L::outlined(
                 self.token,
                 #[inline(always)]
                 || occlusion::transmittance::<L, false, G>(context, light, self.ray, &origins, &active),
             );
-            let plane = light as usize * RAYS + self.first;
             for (g, arrival) in arrivals.into_iter().enumerate() {
                 L::store(arrival.transmittance, &mut transmittance[plane + g * L::WIDTH..]);
             }
@@ -70,19 +76,22 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
                 }
             }
         }
-        for light in 0..context.frame.lights {
+        let around = OriginBox::new(&self.surfaces);
+        for (light, (transmittance, radii)) in (0..).zip(cells::lights_mut(cells)) {
+            if !around.is_within_reach(context.light(light)) {
+                self.clear_light(transmittance, radii);
+                continue;
+            }
             let (origins, active) = self.potentially_lit(context, light);
             let arrivals = L::outlined(
                 self.token,
                 #[inline(always)]
                 || occlusion::transmittance::<L, true, G>(context, light, self.ray, &origins, &active),
             );
-            let light = light as usize;
-            let (to, radii) = (cells::transmittance(light) * RAYS, cells::radius(light) * RAYS);
-            for (g, Arrival { transmittance, penumbra_radius }) in arrivals.into_iter().enumerate() {
+            for (g, arrival) in arrivals.into_iter().enumerate() {
                 let at = self.first + g * L::WIDTH;
-                L::store(transmittance, &mut cells[to + at..]);
-                L::store(penumbra_radius.to_bits(), &mut cells[radii + at..]);
+                L::store(arrival.transmittance, &mut transmittance[at..]);
+                L::store(arrival.penumbra_radius.to_bits(), &mut radii[at..]);
             }
         }
     }
@@ -90,10 +99,16 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
     /// Leaves what a search finds for rays that ask for no light.
     #[inline(always)]
     pub(super) fn clear(&self, cells: &mut [u32]) {
-        let range = self.first..self.first + G * L::WIDTH;
         for (transmittance, radii) in cells::lights_mut(cells) {
-            transmittance[range.clone()].fill(0);
-            radii[range.clone()].fill((-1.0_f32).to_bits());
+            self.clear_light(transmittance, radii);
         }
+    }
+
+    /// Leaves that for one light.
+    #[inline(always)]
+    fn clear_light(&self, transmittance: &mut [u32], radii: &mut [u32]) {
+        let range = self.first..self.first + G * L::WIDTH;
+        transmittance[range.clone()].fill(0);
+        radii[range].fill((-1.0_f32).to_bits());
     }
 }
