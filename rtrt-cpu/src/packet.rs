@@ -1,5 +1,6 @@
-//! The steps of a packet, which need no other packet. Each runs outlined, so that it is compiled once for
-//! each instruction set, and is a file, so that it is a unit of compilation ([`Lane::outlined`]).
+//! The steps of a packet, which need no other packet. Those that trace or shade run outlined, so that they are compiled once
+//! for each instruction set, and are spread over files, each of which can be a unit of compilation
+//! (`Outline` in `wide/simd.rs`).
 
 mod ambient;
 mod light;
@@ -44,7 +45,7 @@ pub struct Rays<'a> {
     pub transmittance: &'a mut [u32],
     /// [`HIT`] planes, where blocks wait for one another.
     pub hits: &'a mut [u32],
-    /// See [`cells`], where penumbras are filtered.
+    /// See [`cells`](crate::cells), where penumbras are filtered.
     pub cells: &'a mut [u32],
     /// In frames that ask for light from all around.
     pub ambient: &'a mut [Record],

@@ -154,6 +154,12 @@ pub(crate) fn groups_of_tile<L: Lane, const G: usize>(tile: usize) -> (usize, us
     if G == 1 { (0, 1) } else { Tiles::<L, G>::groups(tile) }
 }
 
+/// The tile of a group.
+#[inline(always)]
+pub(crate) fn tile_of_group<L: Lane, const G: usize>(group: usize) -> usize {
+    group / groups_of_tile::<L, G>(0).1
+}
+
 /// The first tile of a set that is not empty. A packet of one group has only one.
 #[inline(always)]
 pub(crate) fn first_tile<const G: usize>(tiles: u32) -> usize {

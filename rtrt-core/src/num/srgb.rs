@@ -20,7 +20,7 @@ pub fn srgb_encode<L: Lane>(linear: L) -> L {
     encode_up_to_white(c).min(c.broadcast(1.0))
 }
 
-/// The encoding of light from 0 on; of more than 1 that of 1, which may be 2⁻²⁰ above 1.
+/// The encoding of light from 0 on; of more than 1 that of 1, which may be 2⁻²² above 1.
 #[inline(always)]
 fn encode_up_to_white<L: Lane>(linear: L) -> L {
     let (c, least) = (linear.min(linear.broadcast(1.0)), linear.broadcast(0.003_130_8));

@@ -258,6 +258,9 @@ fn answered<L: Lane>(
             }
             let ahead = ahead.trailing_zeros();
             light += ahead;
+            if light >= frame.lights {
+                break;
+            }
             (lit >> ahead) & lit.broadcast(1)
         };
         sum = receiver.add(frame, &views[frame.light_view(light) as usize], transmittance, &sum);
@@ -445,6 +448,39 @@ mod tests {
         assert!(near(sent(lamp([3.0, 0.0, -4.0]), 1, 0).diffuse, 0.0));
         let sun = View { kind: ViewKind::Sun as u32, along: [0.0, -3.0, -4.0], ..View::zeroed() };
         assert!(near(sent(sun, 1, 0).diffuse, 0.8));
+    }
+
+    #[test]
+    fn the_lights_of_a_mask_count_in_their_order_and_no_others() {
+        let frame = Frame { lights: 70, mask_words: 3, ..Frame::zeroed() };
+        let mut views = [View::zeroed(); 421];
+        for light in 0..70_u8 {
+            let color = [f32::from(light) + 0.1, 1.0 / (f32::from(light) + 3.0), 0.3];
+            views[frame.light_view(light.into()) as usize] = View { color, ..lamp([0.0, 0.0, 4.0]) };
+        }
+        let materials = [MaterialRecord { roughness: 1.0, ..MaterialRecord::zeroed() }];
+        let maps = Maps { materials: &materials, texels: &[] };
+        let lit = |mask: [u32; 3]| {
+            let words = |word: u32| Word(mask[word as usize]);
+            light_of(&frame, &views, &maps, &ShadowTerms::new(words, words)).diffuse
+        };
+        let alone =
+            |light: u32| lit([0, 1, 2].map(|word| if word == light / 32 { 1 << (light % 32) } else { 0 }));
+        let masks = [
+            [0, 0, 0],
+            [1 << 31, 0, 0b10_0001],
+            [0, 1 << 31 | 1, 0],
+            [0x8421_0003, 0xffff_ffff, 0b11_1111],
+            // Bits behind the last light.
+            [0, 0b100, 0xffff_ff80],
+            [0, 0, 0xffff_ffff],
+        ];
+        for mask in masks {
+            let lights = (0..70).filter(|light| mask[*light as usize / 32] >> (light % 32) & 1 == 1);
+            let sum =
+                lights.map(alone).fold([0.0; 3], |sum, light| [0, 1, 2].map(|i: usize| sum[i] + light[i]));
+            assert_eq!(lit(mask), sum, "{mask:x?}");
+        }
     }
 
     #[test]

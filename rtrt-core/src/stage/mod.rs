@@ -13,6 +13,7 @@ pub(crate) mod fixture;
 pub mod inspect;
 pub mod light;
 pub mod occlusion;
+pub mod origin_box;
 pub mod peel;
 pub mod penumbra_blocks;
 pub mod penumbra_filter;
@@ -35,7 +36,7 @@ mod tests {
     use crate::layout::Wrap;
     use crate::request::Shadows;
     use crate::scene::{Image, Light, Material, Scene};
-    use crate::stage::occlusion::OriginBox;
+    use crate::stage::origin_box::OriginBox;
     use glam::Vec3;
     use std::vec::Vec;
 

@@ -5,7 +5,7 @@ use crate::kernel::area::light_offset;
 use crate::kernel::closest_hit::ClosestHit;
 use crate::kernel::cone::cone;
 use crate::kernel::hit_filter::{Any, HitFilter};
-use crate::kernel::packet::PacketHits;
+use crate::kernel::packet::{PacketHits, tile_of_group};
 use crate::kernel::penumbra::penumbra_radius;
 use crate::kernel::ray::Ray;
 use crate::kernel::transmittance::Transmittance;
@@ -14,6 +14,7 @@ use crate::lane::{Bits, Lane, Mask, Row, Select, V3, groups};
 use crate::layout::{Frame, View, ViewKind};
 use crate::num::normalize;
 use crate::stage::context::Context;
+use crate::stage::origin_box::OriginBox;
 use crate::stage::surface::Surfaces;
 use crate::stage::visibility::trace;
 
@@ -25,49 +26,6 @@ pub const LIGHTS_PER_WORD: u32 = 32;
 #[inline(always)]
 pub fn place(frame: &Frame, ray: u32, light: u32) -> (u32, u32) {
     (ray * frame.mask_words + light / LIGHTS_PER_WORD, light % LIGHTS_PER_WORD)
-}
-
-/// The box around the origins of surfaces: lights are asked by it before the surfaces are.
-#[derive(Debug, Clone, Copy)]
-pub struct OriginBox {
-    low: [f32; 3],
-    high: [f32; 3],
-}
-
-impl OriginBox {
-    /// That of the surfaces that are there.
-    #[inline(always)]
-    pub fn new<L: Lane, const G: usize>(surfaces: &[Surfaces<L>; G]) -> Self {
-        let token = surfaces[0].footprint.token();
-        let (mut low, mut high) = (V3::splat(token, [f32::MAX; 3]), V3::splat(token, [-f32::MAX; 3]));
-        let mut g = 0;
-        while g < G {
-            let Surfaces { origin, material, .. } = surfaces[g];
-            let is_there = material.gt(material.broadcast(0));
-            low = V3::select(is_there, low.min(origin), low);
-            high = V3::select(is_there, high.max(origin), high);
-            g += 1;
-        }
-        Self {
-            low: [low.x.smallest(), low.y.smallest(), low.z.smallest()],
-            high: [high.x.largest(), high.y.largest(), high.z.largest()],
-        }
-    }
-
-    /// Whether any of the surfaces may be within a light's reach. It is false only where [`limit`] refuses all of them: the
-    /// same operations find the distance to the box, and the result of each, rounded, is not above that for any surface.
-    #[inline(always)]
-    pub fn is_within_reach(&self, light: &View) -> bool {
-        if light.kind == ViewKind::Sun as u32 || light.disc != 0.0 {
-            return true;
-        }
-        let away = |axis: usize| {
-            let (below, above) = (self.low[axis] - light.center[axis], light.center[axis] - self.high[axis]);
-            Lane::max(Lane::max(below, above), 0.0)
-        };
-        let [x, y, z] = [away(0), away(1), away(2)];
-        x * x + y * y + z * z < light.reach_squared
-    }
 }
 
 /// One word of the shadow mask for each group of surfaces: bit `i` is 1 in the lanes that
@@ -182,7 +140,7 @@ fn shadow_rays<L: Lane, F: HitFilter<L>, const G: usize>(
 ) -> [L::Bits; G] {
     let (frame, light) = (context.frame, context.light(light));
     let none = active[0].broadcast(0);
-    let pending: [L; G] = groups(
+    let limits: [L; G] = groups(
         #[inline(always)]
         |g| {
             let limit = arrival(light, origins[g]);
@@ -190,24 +148,25 @@ fn shadow_rays<L: Lane, F: HitFilter<L>, const G: usize>(
         },
     );
     let mut lit = *active;
-    if frame.shadows == 0 || !any_pending(&pending) {
+    let tiles = pending_tiles(&limits);
+    if frame.shadows == 0 || tiles == 0 {
         return lit;
     }
     let idle = Ray::idle(origins[0].x.token());
     let rays: [Ray<L>; G] = groups(
         #[inline(always)]
         |g| {
-            if G > 1 && !is_any_pending(pending[g]) {
+            if tiles >> tile_of_group::<L, G>(g) & 1 == 0 {
                 return idle;
             }
             Ray::new(origins[g], to_light(frame, light, group::<L>(first, g), origins[g]).0)
         },
     );
-    let ends = trace_by_block(context, light, origins, &rays, &pending, filters);
+    let ends = trace_by_block(context, light, origins, &rays, &limits, filters);
     let mut g = 0;
     while g < G {
-        let zero = pending[g].broadcast(0.0);
-        let ended = pending[g].gt(zero) & ends[g].lt(zero);
+        let zero = limits[g].broadcast(0.0);
+        let ended = limits[g].gt(zero) & ends[g].lt(zero);
         lit[g] = ended.select(none, lit[g]);
         g += 1;
     }
@@ -228,7 +187,7 @@ pub(super) fn trace_by_block<L: Lane, F: HitFilter<L>, const G: usize>(
     let blocks: [L::Bits; G] = groups(
         #[inline(always)]
         |g| {
-            if G > 1 && !is_any_pending(limits[g]) {
+            if G > 1 && !is_pending(limits[g]) {
                 return limits[g].broadcast_bits(0);
             }
             light_block(view, origins[g])
@@ -342,22 +301,20 @@ fn group<L: Lane>(first: RayIndex, group: usize) -> RayIndex {
     RayIndex(first.0 + (group * L::WIDTH) as u32)
 }
 
-/// Whether any ray is still to be traced.
+/// The tiles with a ray to be traced; of a packet of one group, its tile.
 #[inline(always)]
-fn any_pending<L: Lane, const G: usize>(pending: &[L; G]) -> bool {
-    let mut g = 0;
+fn pending_tiles<L: Lane, const G: usize>(limits: &[L; G]) -> u32 {
+    let (mut tiles, mut g) = (0, 0);
     while g < G {
-        if is_any_pending(pending[g]) {
-            return true;
-        }
+        tiles |= (is_pending(limits[g]) as u32) << tile_of_group::<L, G>(g);
         g += 1;
     }
-    false
+    tiles
 }
 
 /// Whether any ray of a group is still to be traced.
 #[inline(always)]
-fn is_any_pending<L: Lane>(pending: L) -> bool {
+fn is_pending<L: Lane>(pending: L) -> bool {
     pending.gt(pending.broadcast(0.0)).any()
 }
 
@@ -366,7 +323,7 @@ fn is_any_pending<L: Lane>(pending: L) -> bool {
 fn first_pending<L: Lane, const G: usize>(pending: &[L; G], blocks: &[L::Bits; G]) -> Option<u32> {
     let mut g = 0;
     while g < G {
-        if is_any_pending(pending[g]) {
+        if is_pending(pending[g]) {
             let (limits, blocks) = (pending[g].row(), blocks[g].row());
             let mut lane = 0;
             while lane < L::WIDTH {
@@ -461,56 +418,6 @@ mod tests {
             assert_eq!(lit::<Plain<8>, 32>(&prepared), single);
             assert_eq!(lit::<Plain<16>, 16>(&prepared), single);
         }
-    }
-
-    #[test]
-    fn no_light_within_reach_is_left_out() {
-        let mut seed = 11_u32;
-        let mut number = |low: f32, high: f32| {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            low + (high - low) * (seed >> 8) as f32 / (1 << 24) as f32
-        };
-        let mut lights: Vec<_> = (0..300)
-            .map(|_| {
-                let place = [number(-12.0, 12.0), number(-12.0, 12.0), number(-3.0, 6.0)];
-                Light::point(place).reach(number(0.2, 6.0))
-            })
-            .collect();
-        lights.push(Light::sun([0.0, 0.0, -1.0]));
-        lights.push(Light::point([4.5, 3.5, 1.5]));
-        let mut scene = Scene::new();
-        add_square(&mut scene, Material::default(), square_at(6.0, [0.0; 3]));
-        add_square(&mut scene, Material::default(), square_at(1.0, [0.0, 0.0, 2.0]));
-        lights.iter().for_each(|&light| scene.add_light(light));
-        let prepared = Prepared::new(scene, |request: Request<'_>| request.shadows(Shadows::Hard));
-        let context = prepared.context();
-        let mut views: Vec<View> = (0..302).map(|light| *context.light(light)).collect();
-        // The last is right above where a ray meets the floor: with reaches from just too short to just long enough.
-        let below = |ray: &u32| prepared.frame().grid().ray(RayIndex(*ray)) == [12, 4];
-        let seen = surfaces::<f32, 1>(&prepared, RayIndex((0..256).find(below).unwrap()))[0].origin;
-        let squared = (1.5 - seen.z) * (1.5 - seen.z);
-        let last = views.pop().unwrap();
-        views.extend((0..9).map(|step| {
-            let reach_squared = f32::from_bits(squared.to_bits() - 4 + step);
-            View { center: [seen.x, seen.y, 1.5], reach_squared, ..last }
-        }));
-        let (mut left_out, mut lit) = (0, [0; 310]);
-        for first in (0..256).step_by(16).map(RayIndex) {
-            let surfaces = surfaces::<f32, 16>(&prepared, first);
-            let around = OriginBox::new(&surfaces);
-            for (view, lit) in views.iter().zip(&mut lit) {
-                let is_lit =
-                    (0..16).any(|g| limit(context.frame, view, group::<f32>(first, g), &surfaces[g]) > 0.0);
-                let is_within_reach = around.is_within_reach(view);
-                assert!(is_within_reach || !is_lit, "{first:?} {view:?}");
-                (left_out, *lit) = (left_out + usize::from(!is_within_reach), *lit + usize::from(is_lit));
-            }
-        }
-        assert!(left_out > 16 * 200, "{left_out}");
-        assert!(lit[..300].iter().filter(|lit| **lit > 0).count() > 20);
-        // Nine of the 16 tiles have part of the floor, at least.
-        assert!(lit[300] >= 9);
-        assert_eq!(lit[301..], [0, 0, 0, 0, 0, 1, 1, 1, 1]);
     }
 
     #[test]

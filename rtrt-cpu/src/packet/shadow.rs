@@ -6,7 +6,8 @@ use crate::wide::Wide;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::lane::{V3, groups};
 use rtrt_core::stage::context::Context;
-use rtrt_core::stage::occlusion::{self, OriginBox};
+use rtrt_core::stage::occlusion;
+use rtrt_core::stage::origin_box::OriginBox;
 
 impl<L: Wide, const G: usize> PacketState<'_, L, G> {
     #[inline(always)]
@@ -46,8 +47,8 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
 
     #[inline(always)]
     pub(super) fn transmittance(&self, context: &Context<'_>, transmittance: &mut [u32]) {
-        // Loops, not iterators: a callback is not compiled for the instruction set.
         let around = OriginBox::new(&self.surfaces);
+        // A loop, not an iterator: a callback is not compiled for the instruction set.
         for light in 0..context.frame.lights {
             let plane = light as usize * RAYS + self.first;
             if !around.is_within_reach(context.light(light)) {
