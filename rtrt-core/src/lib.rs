@@ -5,13 +5,14 @@
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
+//! use rtrt_core::glam::Mat4;
 //! use rtrt_core::query::{Ray, Shapes, Tree};
 //! use rtrt_core::scene::Sequential;
 //!
 //! let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! let mut shapes = Shapes::new();
 //! let mesh = shapes.add_mesh(&positions, &[0, 1, 2], &Sequential)?;
-//! shapes.add_instance(mesh, glam::Mat4::IDENTITY)?;
+//! shapes.add_instance(mesh, Mat4::IDENTITY)?;
 //! let mut tree = Tree::default();
 //! let hit = tree.world(&shapes).closest(&Ray::new([0.25, 0.25, 3.0], [0.0, 0.0, -1.0]))?;
 //! assert!(hit.is_some_and(|hit| (hit.t - 3.0).abs() < 1e-6));
@@ -20,7 +21,8 @@
 //! ```
 //!
 //! All queries and their errors: [`query`]. A scene with materials, lights and spheres: [`scene`]. Transforms
-//! and colors are types of `glam`, which programs add themselves.
+//! and colors are types of [`glam`], which is a part of this crate's interface: `rtrt_core::glam`, or version 0.33 of the
+//! crate itself.
 //!
 //! # Who needs what
 //!
@@ -56,6 +58,8 @@
 //! Limits: coordinates within ±2³⁰, meshes of at most 2²⁵ triangles.
 #![no_std]
 #![forbid(unsafe_code)]
+
+pub use glam;
 
 #[cfg(feature = "alloc")]
 extern crate alloc;

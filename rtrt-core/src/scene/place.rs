@@ -232,7 +232,8 @@ fn condition(m: &DMat4, inverse: &DMat3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene::{COORDINATE_LIMIT, Material, Scene, SceneError};
+    use crate::layout::Attribute;
+    use crate::scene::{Bvh, COORDINATE_LIMIT, Light, Material, Mesh, Scene, SceneError, Sequential};
     use glam::{Mat4, Vec3, Vec4};
 
     #[test]
@@ -250,5 +251,52 @@ mod tests {
         let far = |x| Mat4::from_translation(Vec3::new(x, 0.0, 0.0));
         assert!(matches!(place(far(2.0 * COORDINATE_LIMIT)), Err(SceneError::Coordinate { .. })));
         assert!(place(far(0.5 * COORDINATE_LIMIT)).is_ok());
+    }
+
+    #[test]
+    fn what_cannot_be_moved_and_all_after_it_stay_where_they_were() {
+        let mut scene = Scene::new();
+        let white = scene.add_material(Material::default()).unwrap();
+        let at = |x| Mat4::from_translation(Vec3::new(x, 0.0, 0.0));
+        let lamp = Light::point([9.0, 0.0, 0.0]).radius(0.5);
+        scene.add_light(lamp);
+        let shown = scene.show_light(0).unwrap().unwrap();
+        let [a, b, c] = [0.0, 1.0, 2.0].map(|x| scene.add_sphere(white, at(x)).unwrap());
+        let before = scene.instances().to_vec();
+        let flat = Mat4::from_scale(Vec3::ZERO);
+        assert!(scene.set_transforms([(a, at(5.0)), (b, flat), (c, at(6.0))]).is_err());
+        let after = scene.instances();
+        assert_eq!(after[a.number() as usize].center, [5.0, 0.0, 0.0]);
+        for stayed in [shown, b, c] {
+            let [old, new] = [&before, after].map(|all| bytemuck::bytes_of(&all[stayed.number() as usize]));
+            assert_eq!(old, new);
+        }
+        // A sphere that shows a light goes on to be one.
+        scene.set_transform(shown, at(7.0)).unwrap();
+        let moved = &scene.instances()[shown.number() as usize];
+        assert_eq!((moved.kind, moved.center), (before[shown.number() as usize].kind, [7.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn an_instance_whose_levels_cannot_be_moved_stays_with_them() {
+        let mut scene = Scene::new();
+        let white = scene.add_material(Material::default()).unwrap();
+        let at = |x| Mat4::from_translation(Vec3::new(x, 0.0, 0.0));
+        let sphere = scene.add_sphere(white, at(1.0)).unwrap();
+        let mut far = |x: f32| {
+            let attribute = Attribute { normal: [0.0; 3], uv: [0.0; 2], color: Attribute::WHITE };
+            let corners = [[x, 0.0, 0.0], [x, 1.0, 0.0], [x, 0.0, 1.0]].to_vec();
+            let mesh = Mesh::new(corners, [attribute; 3].to_vec(), [0, 1, 2].to_vec()).unwrap();
+            scene.add_mesh(&mesh, &Bvh::build(&mesh, &Sequential)).unwrap()
+        };
+        let level = far(0.75 * COORDINATE_LIMIT);
+        scene.set_levels(sphere, &[(4.0, level)]).unwrap();
+        let before = scene.instances()[0];
+        assert!(matches!(
+            scene.set_transform(sphere, at(0.5 * COORDINATE_LIMIT)),
+            Err(SceneError::Coordinate { .. })
+        ));
+        assert_eq!(bytemuck::bytes_of(&scene.instances()[0]), bytemuck::bytes_of(&before));
+        assert!(scene.set_transform(sphere, at(-5.0)).is_ok());
     }
 }

@@ -42,14 +42,14 @@ fn is_scene(argument: &OsStr) -> bool {
             || Path::new(argument).exists())
 }
 
-/// Whether the arguments ask for results; without a window they always do.
+/// Whether the arguments ask for results.
 fn wants_results(arguments: &[OsString]) -> bool {
     let asks = |argument: &OsString| {
         let text = argument.to_string_lossy();
         let name = text.split_once('=').map_or(&*text, |(name, _)| name);
         RESULTS.contains(&name) || (text.starts_with("-o") && !text.starts_with("--"))
     };
-    cfg!(not(feature = "viewer")) || arguments.iter().any(asks)
+    arguments.iter().any(asks)
 }
 
 /// The defaults as arguments of a subcommand: those that it has, and that neither the command line nor the
@@ -94,10 +94,9 @@ mod tests {
 
     #[test]
     fn a_scene_alone_is_a_command() {
-        let alone = if cfg!(feature = "viewer") { "view" } else { "render" };
         for (line, command) in [
-            ("rtrt a.glb", alone),
-            ("rtrt demo:glass --size 8x8", alone),
+            ("rtrt a.glb", "view"),
+            ("rtrt demo:glass --size 8x8", "view"),
             ("rtrt a.glb -o x.png", "render"),
             ("rtrt a.glb --output=x.png", "render"),
             ("rtrt - --hash", "render"),

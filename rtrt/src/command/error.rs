@@ -143,6 +143,10 @@ pub enum Error {
         /// The error of the system.
         source: io::Error,
     },
+    /// The program has no window.
+    #[cfg(not(feature = "viewer"))]
+    #[error("no window: this program was built without the feature `viewer`")]
+    NoWindow,
     /// No window could be opened.
     #[cfg(feature = "viewer")]
     #[error("cannot open a window: {}: {why}", scene.display())]
@@ -253,6 +257,8 @@ impl Error {
             Self::Replay { .. } => 3,
             #[cfg(feature = "viewer")]
             Self::Window { .. } => 4,
+            #[cfg(not(feature = "viewer"))]
+            Self::NoWindow => 4,
             Self::Choose(_) | Self::GpuRequired { .. } | Self::NothingCompared => 4,
             Self::Disagree { .. } | Self::Structure { .. } | Self::Size { .. } | Self::Differs { .. } => 5,
             Self::Render { source: RenderError::Setup(error), .. } => match error {
@@ -310,6 +316,10 @@ impl Error {
             Self::Window { .. } => {
                 "a window needs a display (on Linux X11, or XWayland, with DISPLAY set); \
                  `rtrt render` needs none"
+            }
+            #[cfg(not(feature = "viewer"))]
+            Self::NoWindow => {
+                "`rtrt render SCENE -o FILE` needs none; `cargo run --release -- SCENE` builds the window too"
             }
             Self::Render { .. } => "try a smaller --size, fewer --samples, or other --light",
             Self::Encode { .. } => "try another format: .png or .exr",

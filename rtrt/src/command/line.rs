@@ -38,6 +38,13 @@ pub enum Command {
     #[cfg(feature = "viewer")]
     #[command(after_long_help = keys())]
     View(ViewOptions),
+    /// Show a scene in a window, in a program that was built with the feature `viewer`; this one was not
+    #[cfg(not(feature = "viewer"))]
+    View {
+        /// A scene, and options
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<std::ffi::OsString>,
+    },
     /// List adapters, instruction sets, and the choice of --backend auto
     Doctor(DoctorOptions),
     /// Print a script that completes commands in a shell

@@ -54,13 +54,23 @@ pub fn run(command: &Command) -> Result<(), Error> {
         Command::Bench(options) => bench::run(options),
         #[cfg(feature = "viewer")]
         Command::View(options) => view::run(options),
+        #[cfg(not(feature = "viewer"))]
+        Command::View { .. } => Err(Error::NoWindow),
         Command::Doctor(options) => doctor::run(options),
         Command::Completions { shell } => {
             let mut script = vec![];
             clap_complete::generate(*shell, &mut Command::command(), "rtrt", &mut script);
-            output::print_bytes(&script)
+            read_in_part(output::print_bytes(&script))
         }
-        Command::Man => Ok(manual(&mut io::stdout())?),
+        Command::Man => read_in_part(manual(&mut io::stdout()).map_err(Error::from)),
+    }
+}
+
+/// Who reads a text may stop before its end, as `head` does.
+fn read_in_part(printed: Result<(), Error>) -> Result<(), Error> {
+    match printed {
+        Err(Error::Print(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        printed => printed,
     }
 }
 

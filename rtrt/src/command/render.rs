@@ -405,7 +405,9 @@ fn check(options: &RenderOptions, poses: &[Pose], scenes: &[&Path]) -> Result<()
         return Err(Error::Usage("every frame needs a file of its own: add {frame} or {n} to the names"));
     }
     if many && !singles().all(|path| has_camera(path) || (options.frames == 1 && is_numbered(path))) {
-        return Err(Error::Usage("every view needs a file of its own: add {camera} to the names"));
+        return Err(Error::Usage(
+            "every view needs a file of its own: add {camera}, {frame} or {n} to the names",
+        ));
     }
     let name = |path: &Path, scene: &Path| filled(path, scene, "camera", 0);
     for path in singles() {

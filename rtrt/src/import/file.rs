@@ -87,10 +87,9 @@ impl Files {
 pub(super) fn read(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if !metadata.is_file() {
-        return Err(io::Error::new(
-            io::ErrorKind::InvalidInput,
-            "it is a folder, a pipe or a device, not a file",
-        ));
+        let what =
+            if metadata.is_dir() { "it is a folder, not a file" } else { "it is a device, not a file" };
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
     }
     if metadata.len() > limit {
         return Err(io::Error::new(
