@@ -59,6 +59,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "alloc")]
 pub use glam;
 
 #[cfg(feature = "alloc")]
