@@ -470,6 +470,7 @@ mod tests {
             [0, 0, 0],
             [1 << 31, 0, 0b10_0001],
             [0, 1 << 31 | 1, 0],
+            [1 << 5, 1, 1 << 2],
             [0x8421_0003, 0xffff_ffff, 0b11_1111],
             // Bits behind the last light.
             [0, 0b100, 0xffff_ff80],

@@ -1,4 +1,4 @@
-//! Lights far from a packet: they are asked by a box around all of its surfaces before the surfaces are.
+//! A box around the surfaces of a packet, which tells the lights that reach none of them.
 
 use crate::lane::{Bits, Lane, V3};
 use crate::layout::{View, ViewKind};

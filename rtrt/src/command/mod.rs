@@ -82,3 +82,15 @@ fn manual(to: &mut impl io::Write) -> io::Result<()> {
     let mut parts = command.get_subcommands().filter(|part| part.get_name() != "help");
     parts.try_for_each(|part| clap_mangen::Man::new(part.clone()).render(to))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reader_may_stop_and_a_full_disk_is_an_error() {
+        let ended = |kind: io::ErrorKind| read_in_part(Err(Error::from(io::Error::from(kind))));
+        assert!(ended(io::ErrorKind::BrokenPipe).is_ok());
+        assert!(matches!(ended(io::ErrorKind::StorageFull), Err(Error::Print(_))));
+    }
+}

@@ -130,4 +130,10 @@ mod tests {
         assert_eq!(files.beside(&[&obj, &mtl], "no\\such.png"), folder.join("no/such.png"));
         std::fs::remove_dir_all(&folder).unwrap();
     }
+
+    #[test]
+    fn what_is_no_file_is_named() {
+        let error = read(&std::env::temp_dir(), 8).unwrap_err();
+        assert_eq!(error.to_string(), "it is a folder, not a file");
+    }
 }
