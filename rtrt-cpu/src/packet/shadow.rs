@@ -6,7 +6,7 @@ use crate::wide::Wide;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::lane::{V3, groups};
 use rtrt_core::stage::context::Context;
-use rtrt_core::stage::occlusion;
+use rtrt_core::stage::occlusion::{self, Arrival};
 use rtrt_core::stage::origin_box::OriginBox;
 
 impl<L: Wide, const G: usize> PacketState<'_, L, G> {
@@ -28,9 +28,9 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
         }
     }
 
-    /// Where the shadow rays of the packet start, and which of them are cast to a light.
+    /// What arrives of a light at the packet.
     #[inline(always)]
-    fn potentially_lit(&self, context: &Context<'_>, light: u32) -> ([V3<L>; G], [L::Bits; G]) {
+    fn arrivals<const BLOCKER: bool>(&self, context: &Context<'_>, light: u32) -> [Arrival<L>; G] {
         let origins = groups(
             #[inline(always)]
             |g| self.surfaces[g].origin,
@@ -42,7 +42,11 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
                 occlusion::potentially_lit(context.frame, context.views, light, first, &self.surfaces[g])
             },
         );
-        (origins, active)
+        L::outlined(
+            self.token,
+            #[inline(always)]
+            || occlusion::transmittance::<L, BLOCKER, G>(context, light, self.ray, &origins, &active),
+        )
     }
 
     #[inline(always)]
@@ -55,12 +59,7 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
                 transmittance[plane..plane + G * L::WIDTH].fill(0);
                 continue;
             }
-            let (origins, active) = self.potentially_lit(context, light);
-            let arrivals = L::outlined(
-                self.token,
-                #[inline(always)]
-                || occlusion::transmittance::<L, false, G>(context, light, self.ray, &origins, &active),
-            );
+            let arrivals = self.arrivals::<false>(context, light);
             for (g, arrival) in arrivals.into_iter().enumerate() {
                 L::store(arrival.transmittance, &mut transmittance[plane + g * L::WIDTH..]);
             }
@@ -83,12 +82,7 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
                 self.clear_light(transmittance, radii);
                 continue;
             }
-            let (origins, active) = self.potentially_lit(context, light);
-            let arrivals = L::outlined(
-                self.token,
-                #[inline(always)]
-                || occlusion::transmittance::<L, true, G>(context, light, self.ray, &origins, &active),
-            );
+            let arrivals = self.arrivals::<true>(context, light);
             for (g, arrival) in arrivals.into_iter().enumerate() {
                 let at = self.first + g * L::WIDTH;
                 L::store(arrival.transmittance, &mut transmittance[at..]);
