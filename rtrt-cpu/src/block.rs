@@ -1,24 +1,26 @@
 //! A block, on one thread: the steps from one barrier of the frame to the next, so that what a step
 //! leaves for another stays in the first-level cache.
 
-use crate::cells::{self, RAYS};
 use crate::clock::Clock;
 use crate::context::FrameContext;
 use crate::instant::Instant;
 use crate::instruction_set::LaneTask;
 use crate::packet::{HIT, PacketState, Rays};
-use crate::planes::{Planes, Rows};
 use crate::records::Records;
+use crate::shadows::{NO_PENUMBRA, Shadows};
 use crate::wide::Wide;
 use alloc::vec::Vec;
-use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, RayIndex, first_rays, number};
-use rtrt_core::lane::{Bits, Row};
+use rtrt_core::grid::{BLOCK_RAYS, Grid, RayIndex, first_rays, number};
 use rtrt_core::layout::{Frame, ShadowKind};
 use rtrt_core::schedule::{Pass, Step, Unit};
-use rtrt_core::stage::context::Context;
-use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, common, edges_at};
-use rtrt_core::stage::penumbra_filter::filter_penumbra;
+use rtrt_core::stage::ambient::Record;
+use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, common};
 use rtrt_core::stage::resolve::{average, resolve};
+
+/// Rays in a block.
+pub const RAYS: usize = BLOCK_RAYS as usize;
+/// Planes of places: the origins of shadow rays, then the normals there.
+pub const PLACES: usize = 6;
 
 /// What a block leaves from one barrier to the next. Words of rays are plane after plane: the first word
 /// of all of its rays, then the second.
@@ -26,13 +28,12 @@ use rtrt_core::stage::resolve::{average, resolve};
 pub struct Block {
     /// Its pixels.
     pub tile: Vec<u32>,
-    /// A plane a light, where shadows are not bits.
-    pub transmittance: Vec<u32>,
-    /// In frames with penumbras, the hits of the last layer, and the records of rays.
+    /// Where they are not bits.
+    pub shadows: Shadows,
+    /// In frames with penumbras, the hits of the last layer, the records of rays, and [`PLACES`].
     hits: Vec<u32>,
     colors: Vec<[f32; 4]>,
-    /// What the penumbra filter reads: see [`cells`].
-    pub cells: Vec<u32>,
+    pub places: Vec<u32>,
     /// One a light.
     pub summaries: Vec<PenumbraSummary>,
     /// Whether all rays are done.
@@ -44,14 +45,26 @@ impl Block {
     pub fn begin(&mut self, frame: &Frame) {
         let pixels = frame.grid().block_pixels();
         self.tile.resize((pixels * pixels) as usize, 0);
-        self.transmittance.resize(RAYS * frame.transmittance_words() as usize, 0);
+        self.shadows.begin(frame);
         let penumbras = usize::from(frame.shadow_kind() == ShadowKind::Penumbra);
         self.hits.resize(penumbras * RAYS * HIT, 0);
         self.colors.resize(penumbras * Frame::RECORDS * RAYS, [0.0; 4]);
-        self.cells.resize(penumbras * RAYS * cells::count(frame), 0);
+        self.places.resize(penumbras * RAYS * PLACES, 0);
         self.summaries.resize(penumbras * frame.lights as usize, PenumbraSummary::NONE);
         self.is_done = false;
     }
+}
+
+/// What steps leave for others between the same barriers. Blocks that follow one another on a thread use the same.
+pub struct Scratch {
+    colors: [[f32; 4]; Frame::RECORDS * RAYS],
+    ambient: [Record; RAYS],
+    shaded: [u8; RAYS],
+}
+
+impl Scratch {
+    pub const EMPTY: Self =
+        Self { colors: [[0.0; 4]; Frame::RECORDS * RAYS], ambient: [[0.0; 8]; RAYS], shaded: [0; RAYS] };
 }
 
 /// Runs steps on a block.
@@ -61,23 +74,14 @@ pub struct RunBlock<'a, 'b> {
     pub steps: &'a [Step],
     pub index: u32,
     pub block: &'a mut Block,
+    pub scratch: &'a mut Scratch,
     pub records: Option<&'a mut Records<'b>>,
-    pub filter: PenumbraFilter<'a>,
-}
-
-/// What the penumbra filter reads.
-#[derive(Clone, Copy)]
-pub struct PenumbraFilter<'a> {
-    pub planes: &'a Planes,
-    /// Whether it may change the shadows of a block and light.
-    pub blocks: &'a [u32],
 }
 
 /// Whether packets run it one after another.
 fn is_of_packet(step: &Step) -> bool {
     match step.pass {
         Pass::Share => true,
-        Pass::FilterPenumbra => false,
         _ => matches!(step.unit(), Unit::Ray | Unit::RayAndLight),
     }
 }
@@ -87,16 +91,12 @@ impl LaneTask for RunBlock<'_, '_> {
 
     #[inline(always)]
     fn run<L: Wide, const G: usize>(self, token: L::Token) -> Clock {
-        let Self { context, steps, index, block, mut records, filter } = self;
-        let Block { tile, transmittance, hits, colors, cells, summaries, is_done } = block;
-        let mut local = [[0.0; 4]; Frame::RECORDS * RAYS];
-        // Where no step waits for other blocks, colors need no memory but the stack's.
+        let Self { context, steps, index, block, scratch, mut records } = self;
+        let Block { tile, shadows, hits, colors, places, summaries, is_done } = block;
+        let Scratch { colors: local, ambient, shaded } = scratch;
+        // Where no step waits for other blocks, colors need no memory of their own.
         let colors = if colors.is_empty() { &mut local[..] } else { colors };
-        // Rays ask and shade between the same barriers.
-        let mut ambient = [[0.0; 8]; RAYS];
-        let mut shaded = [0; RAYS];
-        let mut rays =
-            Rays { colors, transmittance, hits, cells, ambient: &mut ambient, shaded: &mut shaded };
+        let mut rays = Rays { colors, shadows, hits, places, ambient, shaded };
         let was_done = *is_done;
         let (mut clock, mut start) = (Clock::default(), Instant::now());
         for steps in steps.chunk_by(|a, b| is_of_packet(a) && is_of_packet(b)) {
@@ -109,14 +109,10 @@ impl LaneTask for RunBlock<'_, '_> {
                     }
                 }
                 _ if was_done => {}
-                Pass::FilterPenumbra => {
-                    let trace = Context { frame: &context.trace.frame.of_layer(step.layer), ..context.trace };
-                    filter.run::<L>(token, &trace, index, rays.cells, rays.transmittance);
-                }
                 Pass::SummarizePenumbras => {
-                    summarize_penumbras(context.trace.frame.grid(), index, rays.cells, summaries);
+                    summarize_penumbras(context.trace.frame.grid(), index, rays.shadows, summaries);
                     if let Some(records) = records.as_mut().filter(|_| step.layer == 0) {
-                        records.raw_shadows(rays.cells);
+                        records.raw_shadows(rays.shadows);
                     }
                 }
                 _ => {
@@ -135,51 +131,20 @@ impl LaneTask for RunBlock<'_, '_> {
     }
 }
 
-impl PenumbraFilter<'_> {
-    /// Filters the shadows of a block. Those of lights that the filter would not change are copied.
-    #[inline(always)]
-    fn run<L: Wide>(
-        self,
-        token: L::Token,
-        context: &Context<'_>,
-        index: u32,
-        cells: &[u32],
-        transmittance: &mut [u32],
-    ) {
-        let frame = context.frame;
-        let [left, top] = frame.grid().ray(RayIndex(index * BLOCK_RAYS));
-        for (light, transmittance) in transmittance.chunks_mut(RAYS).enumerate() {
-            if self.blocks[edges_at(frame, index, light as u32)] == 0 {
-                transmittance.copy_from_slice(&cells[cells::transmittance(light) * RAYS..][..RAYS]);
-                continue;
-            }
-            for y in 0..BLOCK {
-                for x in (0..BLOCK).step_by(L::WIDTH) {
-                    let rows = Rows::new(token, self.planes, [left + x, top + y], light as u32);
-                    let words = L::outlined(
-                        token,
-                        #[inline(always)]
-                        || filter_penumbra::<L, _>(frame, context.views, &rows, light as u32),
-                    );
-                    let words = words.row();
-                    for lane in 0..L::WIDTH {
-                        transmittance[number([x + lane as u32, y]) as usize] = words.at(lane);
-                    }
-                }
-            }
-        }
-    }
-}
-
 /// Summarizes the penumbras of each light in a block.
 #[inline(always)]
-fn summarize_penumbras(grid: Grid, index: u32, cells: &[u32], summaries: &mut [PenumbraSummary]) {
-    for ((transmittance, radii), summary) in cells::lights(cells).zip(summaries) {
+fn summarize_penumbras(grid: Grid, index: u32, shadows: &Shadows, summaries: &mut [PenumbraSummary]) {
+    for (light, summary) in (0..).zip(summaries) {
+        if !shadows.is_reached(light) {
+            *summary = PenumbraSummary::of(0, NO_PENUMBRA);
+            continue;
+        }
+        let planes = shadows.both(light);
         *summary = common(
             grid,
             RayIndex(index * BLOCK_RAYS),
             #[inline(always)]
-            |ray| PenumbraSummary::of(transmittance[ray as usize], f32::from_bits(radii[ray as usize])),
+            |ray| PenumbraSummary::of(planes[0][ray as usize], f32::from_bits(planes[1][ray as usize])),
         );
     }
 }

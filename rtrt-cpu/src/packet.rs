@@ -10,11 +10,12 @@ mod shadow;
 mod surface;
 mod trace;
 
-use crate::cells::RAYS;
+use crate::block::RAYS;
 use crate::clock::Clock;
 use crate::context::FrameContext;
 use crate::instant::Instant;
 use crate::records::Records;
+use crate::shadows::Shadows;
 use crate::wide::Wide;
 use alloc::vec::Vec;
 use rtrt_core::grid::{BLOCK_RAYS, RayIndex};
@@ -41,24 +42,23 @@ pub type Found = [[u32; RAYS]; HIT + 3];
 pub struct Rays<'a> {
     /// [`Frame::RECORDS`] planes.
     pub colors: &'a mut [[f32; 4]],
-    /// A plane a light, where shadows are not bits.
-    pub transmittance: &'a mut [u32],
+    /// Where they are not bits.
+    pub shadows: &'a mut Shadows,
     /// [`HIT`] planes, where blocks wait for one another.
     pub hits: &'a mut [u32],
-    /// See [`cells`](crate::cells), where penumbras are filtered.
-    pub cells: &'a mut [u32],
+    /// [`PLACES`](crate::block::PLACES) planes, where penumbras are filtered.
+    pub places: &'a mut [u32],
     /// In frames that ask for light from all around.
     pub ambient: &'a mut [Record],
     /// The ray whose color each takes, in frames where [`Frame::is_shared`] is 1.
     pub shaded: &'a mut [u8],
 }
 
-impl Rays<'_> {
-    /// For steps that leave nothing.
-    pub fn nothing() -> Self {
+impl<'a> Rays<'a> {
+    /// For steps that leave nothing but shadows.
+    pub fn nothing(shadows: &'a mut Shadows) -> Self {
         let (colors, ambient) = (&mut [][..], &mut [][..]);
-        let (transmittance, hits, cells) = (&mut [][..], &mut [][..], &mut [][..]);
-        Self { colors, transmittance, hits, cells, ambient, shaded: &mut [] }
+        Self { colors, shadows, hits: &mut [], places: &mut [], ambient, shaded: &mut [] }
     }
 }
 
@@ -180,7 +180,7 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
                 clock.lap(step.stage(), start);
             } else if step.pass == Pass::BlockerSearch {
                 // Neighbors read what a search finds, though it be nothing.
-                self.clear(rays.cells);
+                rays.shadows.clear_all(self.range());
             }
         }
     }
@@ -240,14 +240,14 @@ impl<'a, L: Wide, const G: usize> PacketState<'a, L, G> {
             Pass::Surface => self.surface(),
             Pass::Detail => self.detail(),
             Pass::Occlusion => self.occlusion(&context),
-            Pass::Transmittance => self.transmittance(&context, rays.transmittance),
-            Pass::BlockerSearch => self.blocker_search(&context, rays.cells),
+            Pass::Transmittance => self.transmittance(&context, rays.shadows),
+            Pass::BlockerSearch => self.blocker_search(&context, rays),
             Pass::Ambient => self.ambient(&context, rays.ambient),
-            Pass::Light => self.light(frame, rays.transmittance),
+            Pass::Light => self.light(frame, rays.shadows),
             Pass::Shade | Pass::Blend => {
                 self.shade(step, frame, rays.colors, rays.ambient);
                 if let Some(records) = records {
-                    self.record(step.layer, rays.transmittance, records);
+                    self.record(step.layer, rays.shadows, records);
                 }
             }
             // Records hold the mask: it is found when they are written.

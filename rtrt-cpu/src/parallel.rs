@@ -31,14 +31,15 @@ pub fn sum_parts<T: Send, S: Default + Send>(
 }
 
 /// The sum of what `work` gives for each item with its index, and with the item at the same place of `others`, which
-/// has as many or none.
-pub fn sum<T: Send, U: Send, S: Default + Send>(
+/// has as many or none. Items that follow one another on a thread share a `scratch`.
+pub fn sum<T: Send, U: Send, M, S: Default + Send>(
     items: &mut [T],
     others: &mut [U],
-    work: impl Fn(usize, &mut T, Option<&mut U>) -> S + Sync,
+    scratch: impl Fn() -> M + Send + Sync,
+    work: impl Fn(&mut M, usize, &mut T, Option<&mut U>) -> S + Send + Sync,
     plus: impl Fn(S, S) -> S + Send + Sync,
 ) -> S {
-    imp::sum(items, others, work, plus)
+    imp::sum(items, others, scratch, work, plus)
 }
 
 #[cfg(feature = "threads")]
@@ -98,18 +99,22 @@ mod imp {
         parts.map(|(index, part)| work(index, part)).reduce(S::default, plus)
     }
 
-    pub fn sum<T: Send, U: Send, S: Default + Send>(
+    pub fn sum<T: Send, U: Send, M, S: Default + Send>(
         items: &mut [T],
         others: &mut [U],
-        work: impl Fn(usize, &mut T, Option<&mut U>) -> S + Sync,
+        scratch: impl Fn() -> M + Send + Sync,
+        work: impl Fn(&mut M, usize, &mut T, Option<&mut U>) -> S + Send + Sync,
         plus: impl Fn(S, S) -> S + Send + Sync,
     ) -> S {
         let items = items.par_iter_mut().enumerate();
         if others.is_empty() {
-            return items.map(|(index, item)| work(index, item, None)).reduce(S::default, plus);
+            let sums = items.map_init(scratch, |scratch, (index, item)| work(scratch, index, item, None));
+            return sums.reduce(S::default, plus);
         }
         let pairs = items.zip(others.par_iter_mut());
-        pairs.map(|((index, item), other)| work(index, item, Some(other))).reduce(S::default, plus)
+        let sums = pairs
+            .map_init(scratch, |scratch, ((index, item), other)| work(scratch, index, item, Some(other)));
+        sums.reduce(S::default, plus)
     }
 }
 
@@ -169,16 +174,18 @@ mod imp {
         parts.fold(S::default(), |sum, (index, part)| plus(sum, work(index, part)))
     }
 
-    pub fn sum<T: Send, U: Send, S: Default + Send>(
+    pub fn sum<T: Send, U: Send, M, S: Default + Send>(
         items: &mut [T],
         others: &mut [U],
-        work: impl Fn(usize, &mut T, Option<&mut U>) -> S + Sync,
+        scratch: impl Fn() -> M + Send + Sync,
+        work: impl Fn(&mut M, usize, &mut T, Option<&mut U>) -> S + Send + Sync,
         plus: impl Fn(S, S) -> S + Send + Sync,
     ) -> S {
-        let mut others = others.iter_mut();
-        items
-            .iter_mut()
-            .enumerate()
-            .fold(S::default(), |sum, (index, item)| plus(sum, work(index, item, others.next())))
+        let (mut others, mut scratch) = (others.iter_mut(), scratch());
+        let mut sum = S::default();
+        for (index, item) in items.iter_mut().enumerate() {
+            sum = plus(sum, work(&mut scratch, index, item, others.next()));
+        }
+        sum
     }
 }

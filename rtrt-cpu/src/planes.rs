@@ -1,11 +1,12 @@
-//! What the penumbra filter reads, in planes of whole rows of the frame, so that rays side by side have
-//! their neighbors side by side.
+//! What the penumbra filter reads of a light, in planes of whole rows of the frame, so that rays side by
+//! side have their neighbors side by side.
 
-use crate::cells;
+use crate::block::{Block, PLACES, RAYS};
 use crate::parallel;
+use crate::shadows::NO_PENUMBRA;
 use crate::wide::Wide;
 use alloc::vec::Vec;
-use rtrt_core::grid::{BLOCK, BLOCK_RAYS, Grid, place};
+use rtrt_core::grid::{BLOCK, Grid, place};
 use rtrt_core::lane::{Lane, V3};
 use rtrt_core::layout::Frame;
 use rtrt_core::stage::penumbra_blocks::around;
@@ -16,11 +17,21 @@ const SIDE: usize = BLOCK as usize;
 /// As many rays that follow one another lie in a row.
 const TILE: usize = 4;
 
+/// The first three planes: the origin of shadow rays.
+const ORIGIN: usize = 0;
+/// The next three: the normal there.
+const NORMAL: usize = 3;
+const TRANSMITTANCE: usize = PLACES;
+const RADIUS: usize = PLACES + 1;
+const COUNT: usize = PLACES + 2;
+
 /// The numbers of all rays: row after row of the frame, in a row number after number, and around
 /// the frame a margin as wide as the blur may look.
 #[derive(Debug, Default)]
 pub struct Planes {
     words: Vec<u32>,
+    /// The blocks whose places are there.
+    has_places: Vec<bool>,
     /// What the margin was made for.
     shape: Option<(Grid, u32)>,
     margin: usize,
@@ -30,51 +41,61 @@ pub struct Planes {
 }
 
 impl Planes {
-    /// Takes over the numbers of the blocks that are needed: `cells` gives those of a block, number after
-    /// number.
-    pub fn fill<'a>(&mut self, frame: &Frame, cells: impl Fn(usize) -> &'a [u32] + Sync, is_needed: &[bool]) {
+    /// Makes room for a frame, and the margin.
+    pub fn begin(&mut self, frame: &Frame) {
         let grid = frame.grid();
-        self.reshape(frame);
+        self.has_places.clear();
+        self.has_places.resize(grid.blocks() as usize, false);
+        let around = around(frame);
+        if self.shape.replace((grid, around)) == Some((grid, around)) {
+            return;
+        }
+        self.margin = (around * BLOCK) as usize;
+        self.row = grid.blocks_x() as usize * SIDE + 2 * self.margin;
+        self.pitch = self.row * COUNT;
+        let rows = grid.blocks_y() as usize * SIDE + 2 * self.margin;
+        self.words.clear();
+        self.words.resize(rows * self.pitch, 0);
+        for row in self.words.chunks_mut(self.pitch) {
+            row[TRANSMITTANCE * self.row..][..self.row].fill(MISSING);
+            row[RADIUS * self.row..][..self.row].fill(NO_PENUMBRA.to_bits());
+        }
+    }
+
+    /// Takes over the numbers of a light, and the places of rays, from the blocks that are read.
+    pub fn fill(&mut self, frame: &Frame, blocks: &[Block], light: u32, is_read: &[bool]) {
+        let grid = frame.grid();
         let (margin, row, pitch) = (self.margin, self.row, self.pitch);
         let columns = grid.blocks_x() as usize;
+        let has_places = &self.has_places[..];
         let above = &mut self.words[margin * pitch..];
         parallel::each_part(above, SIDE * pitch, 1, |y, rows| {
             // None below the frame.
-            let is_needed = is_needed.chunks(columns).nth(y).unwrap_or_default();
+            let is_read = is_read.chunks(columns).nth(y).unwrap_or_default();
             let below = (grid.height * grid.side) as usize - y * SIDE;
-            for (x, _) in is_needed.iter().enumerate().filter(|(_, is_needed)| **is_needed) {
+            for (x, _) in is_read.iter().enumerate().filter(|(_, is_read)| **is_read) {
                 let right = (grid.width * grid.side) as usize - x * SIDE;
-                for (number, cells) in cells(y * columns + x).chunks(BLOCK_RAYS as usize).enumerate() {
+                let (block, has_places) = (&blocks[y * columns + x], has_places[y * columns + x]);
+                let places = block.places.as_chunks::<RAYS>().0.iter().enumerate();
+                let places = places.take(if has_places { 0 } else { PLACES });
+                for (number, plane) in places.chain((TRANSMITTANCE..).zip(block.shadows.both(light))) {
                     let first = number * row + margin + x * SIDE;
-                    for (part, cells) in cells.chunks(TILE).enumerate() {
+                    for (part, plane) in plane.as_chunks::<TILE>().0.iter().enumerate() {
                         let [x, y] = place((part * TILE) as u32).map(|at| at as usize);
                         if y < below && x < right {
-                            let (at, width) = (first + y * pitch + x, (right - x).min(TILE));
-                            rows[at..at + width].copy_from_slice(&cells[..width]);
+                            let row = &mut rows[first + y * pitch + x..];
+                            match row.first_chunk_mut() {
+                                // Of a length that is known: no call.
+                                Some(row) if x + TILE <= right => *row = *plane,
+                                _ => row[..right - x].copy_from_slice(&plane[..right - x]),
+                            }
                         }
                     }
                 }
             }
         });
-    }
-
-    /// Makes room for a frame, and the margin.
-    fn reshape(&mut self, frame: &Frame) {
-        let (grid, lights) = (frame.grid(), frame.lights);
-        if self.shape.replace((grid, lights)) == Some((grid, lights)) {
-            return;
-        }
-        self.margin = (around(frame) * BLOCK) as usize;
-        self.row = grid.blocks_x() as usize * SIDE + 2 * self.margin;
-        self.pitch = self.row * cells::count(frame);
-        let rows = grid.blocks_y() as usize * SIDE + 2 * self.margin;
-        self.words.clear();
-        self.words.resize(rows * self.pitch, 0);
-        for row in self.words.chunks_mut(self.pitch) {
-            for light in 0..lights as usize {
-                row[cells::transmittance(light) * self.row..][..self.row].fill(MISSING);
-                row[cells::radius(light) * self.row..][..self.row].fill((-1.0_f32).to_bits());
-            }
+        for (has_places, is_read) in self.has_places.iter_mut().zip(is_read) {
+            *has_places |= is_read;
         }
     }
 }
@@ -85,15 +106,14 @@ pub struct Rows<'a, L: Lane> {
     planes: &'a Planes,
     /// Where the first of the rays is.
     first: usize,
-    light: usize,
 }
 
 impl<'a, L: Lane> Rows<'a, L> {
     /// The rays from this column and row on.
     #[inline(always)]
-    pub fn new(token: L::Token, planes: &'a Planes, [x, y]: [u32; 2], light: u32) -> Self {
+    pub fn new(token: L::Token, planes: &'a Planes, [x, y]: [u32; 2]) -> Self {
         let first = (y as usize + planes.margin) * planes.pitch + x as usize + planes.margin;
-        Self { token, planes, first, light: light as usize }
+        Self { token, planes, first }
     }
 }
 
@@ -122,18 +142,18 @@ impl<L: Wide> Neighborhood<L> for Rows<'_, L> {
     }
     #[inline(always)]
     fn transmittance(&self, place: usize) -> L::Bits {
-        self.number(place, cells::transmittance(self.light))
+        self.number(place, TRANSMITTANCE)
     }
     #[inline(always)]
     fn penumbra_radius(&self, place: usize) -> L {
-        L::from_bits(self.number(place, cells::radius(self.light)))
+        L::from_bits(self.number(place, RADIUS))
     }
     #[inline(always)]
     fn origin(&self, place: usize) -> V3<L> {
-        self.vector(place, cells::ORIGIN)
+        self.vector(place, ORIGIN)
     }
     #[inline(always)]
     fn normal(&self, place: usize) -> V3<L> {
-        self.vector(place, cells::NORMAL)
+        self.vector(place, NORMAL)
     }
 }

@@ -1,6 +1,7 @@
 //! The deferred buffers, block by block.
 
-use crate::cells::{self, RAYS};
+use crate::block::RAYS;
+use crate::shadows::Shadows;
 use alloc::vec::Vec;
 use rtrt_core::backend::Deferred;
 use rtrt_core::layout::{Frame, Hit, Lit, Surface};
@@ -20,12 +21,13 @@ pub struct Records<'a> {
 
 impl Records<'_> {
     /// Writes the shadows before they are filtered.
-    pub fn raw_shadows(&mut self, cells: &[u32]) {
+    pub fn raw_shadows(&mut self, shadows: &Shadows) {
         let lights = self.raw_transmittance.len() / RAYS;
-        for (light, (transmittance, radii)) in cells::lights(cells).enumerate() {
+        for light in 0..lights {
             for ray in 0..RAYS {
-                self.raw_transmittance[ray * lights + light] = transmittance[ray];
-                self.penumbra_radii[ray * lights + light] = f32::from_bits(radii[ray]);
+                let [transmittance, radius] = [0, 1].map(|plane| shadows.both(light as u32)[plane][ray]);
+                self.raw_transmittance[ray * lights + light] = transmittance;
+                self.penumbra_radii[ray * lights + light] = f32::from_bits(radius);
             }
         }
     }

@@ -1,15 +1,14 @@
 //! Blocks of frames in which sub-rays that meet one triangle are shaded as one: few rays of a block are shaded, so those of
 //! several blocks fill packets together.
 
-use crate::block::{Block, resolve_block};
-use crate::cells::RAYS;
+use crate::block::{Block, RAYS, resolve_block};
 use crate::clock::Clock;
 use crate::context::FrameContext;
 use crate::instant::Instant;
 use crate::instruction_set::LaneTask;
 use crate::packet::{Found, HIT, PacketState, Rays};
+use crate::shadows::Shadows;
 use crate::wide::Wide;
-use alloc::vec::Vec;
 use rtrt_core::kernel::tiles::TILE;
 use rtrt_core::layout::{Frame, NONE};
 use rtrt_core::schedule::{Pass, Step};
@@ -51,15 +50,13 @@ impl LaneTask for RunShared<'_> {
         let mut shaded = [[0; RAYS]; BLOCKS];
         let mut waiting = Waiting { found: [[0; RAYS]; HIT + 3], places: [0; RAYS], count: 0 };
         let mut found: Found = [[0; RAYS]; HIT + 3];
-        let mut to = Shading {
-            shadows: core::mem::take(&mut blocks[0].transmittance),
-            colors: [[0.0; 4]; BLOCKS * RAYS],
-        };
+        let mut to =
+            Shading { shadows: core::mem::take(&mut blocks[0].shadows), colors: [[0.0; 4]; BLOCKS * RAYS] };
         let last = blocks.len();
         for (block, shaded) in (0..last).zip(&mut shaded) {
             for ray in (0..RAYS).step_by(L::WIDTH * G) {
                 let mut packet = PacketState::<L, G>::new(token, context, first + block as u32, ray);
-                let mut nothing = Rays::nothing();
+                let mut nothing = Rays::nothing(&mut to.shadows);
                 packet.run_all(search, &mut nothing, None, &mut clock, &mut start);
                 packet.leave(&mut found);
             }
@@ -81,14 +78,14 @@ impl LaneTask for RunShared<'_> {
         if let Some(resolve) = steps.iter().find(|step| is_last(step)) {
             clock.lap(resolve.stage(), &mut start);
         }
-        blocks[0].transmittance = to.shadows;
+        blocks[0].shadows = to.shadows;
         clock
     }
 }
 
-/// What packets leave: shadows of the lights, plane after plane, and the colors of all blocks' rays.
+/// What packets leave: shadows of the lights, and the colors of all blocks' rays.
 struct Shading {
-    shadows: Vec<u32>,
+    shadows: Shadows,
     colors: [[f32; 4]; BLOCKS * RAYS],
 }
 
@@ -121,7 +118,7 @@ impl Waiting {
         }
         let mut colors = [[0.0; 4]; RAYS];
         let mut packet = PacketState::<L, G>::of(token, context, &self.found, count);
-        let mut rays = Rays { colors: &mut colors, transmittance: &mut to.shadows, ..Rays::nothing() };
+        let mut rays = Rays { colors: &mut colors, ..Rays::nothing(&mut to.shadows) };
         packet.run_steps(steps.iter().copied(), &mut rays, None, clock, start);
         for (color, place) in colors[..count].iter().zip(&self.places) {
             to.colors[usize::from(*place)] = *color;

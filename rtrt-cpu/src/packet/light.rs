@@ -1,8 +1,8 @@
 //! Light that comes from lamps.
 
 use super::PacketState;
-use crate::cells::RAYS;
 use crate::context::FrameContext;
+use crate::shadows::Shadows;
 use crate::wide::Wide;
 use rtrt_core::grid::RayIndex;
 use rtrt_core::layout::Frame;
@@ -10,7 +10,7 @@ use rtrt_core::stage::light::{self, ShadowTerms};
 
 impl<L: Wide, const G: usize> PacketState<'_, L, G> {
     #[inline(always)]
-    pub(super) fn light(&mut self, frame: &Frame, transmittance: &[u32]) {
+    pub(super) fn light(&mut self, frame: &Frame, shadows: &Shadows) {
         let FrameContext { trace, maps, .. } = self.context;
         let Self { token, ray, first, directions, surfaces, incoming, mask, more_masks, groups, .. } = self;
         let (token, first) = (*token, *first);
@@ -23,9 +23,7 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
                         #[inline(always)]
                         |word| if word == 0 { mask[g] } else { more_masks[word as usize - 1][g] },
                         #[inline(always)]
-                        |light| {
-                            L::load(token, &transmittance[light as usize * RAYS + first + g * L::WIDTH..])
-                        },
+                        |light| L::load(token, &shadows.transmittance(light)[first + g * L::WIDTH..]),
                     );
                     let ray = RayIndex(ray.0 + (g * L::WIDTH) as u32);
                     incoming[g] =

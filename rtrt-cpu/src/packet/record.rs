@@ -1,8 +1,8 @@
 //! Records, for who asks what each stage has found.
 
 use super::PacketState;
-use crate::cells::RAYS;
 use crate::records::Records;
+use crate::shadows::Shadows;
 use crate::wide::Wide;
 use rtrt_core::lane::Bits;
 use rtrt_core::stage::occlusion;
@@ -11,7 +11,7 @@ use rtrt_core::stage::visibility::hit;
 impl<L: Wide, const G: usize> PacketState<'_, L, G> {
     /// Writes the records of the layer.
     #[inline(always)]
-    pub(super) fn record(&self, layer: u32, transmittance: &[u32], records: &mut Records<'_>) {
+    pub(super) fn record(&self, layer: u32, shadows: &Shadows, records: &mut Records<'_>) {
         let frame = self.context.trace.frame;
         let none = L::splat(self.token, 0.0).broadcast_bits(0);
         for g in 0..G {
@@ -38,13 +38,13 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
                             word,
                             none,
                             #[inline(always)]
-                            |light| self.transmittance_of(light, transmittance, g),
+                            |light| self.transmittance_of(light, shadows, g),
                         )
                     };
                     *to = mask.lane(lane);
                 }
                 for (light, to) in (0..).zip(of_ray(records.transmittance, at, lights)) {
-                    *to = self.transmittance_of(light, transmittance, g).lane(lane);
+                    *to = self.transmittance_of(light, shadows, g).lane(lane);
                 }
             }
         }
@@ -52,8 +52,8 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
 
     /// The transmittance of a light at a group.
     #[inline(always)]
-    fn transmittance_of(&self, light: u32, transmittance: &[u32], g: usize) -> L::Bits {
-        L::load(self.token, &transmittance[light as usize * RAYS + self.first + g * L::WIDTH..])
+    fn transmittance_of(&self, light: u32, shadows: &Shadows, g: usize) -> L::Bits {
+        L::load(self.token, &shadows.transmittance(light)[self.first + g * L::WIDTH..])
     }
 
     /// A word of the shadow mask, where shadows are bits.

@@ -1,7 +1,7 @@
 //! Colors.
 
 use super::PacketState;
-use crate::cells::RAYS;
+use crate::block::RAYS;
 use crate::wide::Wide;
 use rtrt_core::lane::{Lane, Row, groups};
 use rtrt_core::layout::Frame;

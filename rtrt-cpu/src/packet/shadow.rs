@@ -1,10 +1,12 @@
 //! What lies between surfaces and lights.
 
-use super::PacketState;
-use crate::cells::{self, RAYS};
+use super::{PacketState, Rays};
+use crate::block::RAYS;
+use crate::shadows::Shadows;
 use crate::wide::Wide;
+use core::ops::Range;
 use rtrt_core::grid::RayIndex;
-use rtrt_core::lane::{V3, groups};
+use rtrt_core::lane::groups;
 use rtrt_core::stage::context::Context;
 use rtrt_core::stage::occlusion::{self, Arrival};
 use rtrt_core::stage::origin_box::OriginBox;
@@ -49,61 +51,52 @@ impl<L: Wide, const G: usize> PacketState<'_, L, G> {
         )
     }
 
+    /// Its rays, among those of a block.
     #[inline(always)]
-    pub(super) fn transmittance(&self, context: &Context<'_>, transmittance: &mut [u32]) {
+    pub(super) fn range(&self) -> Range<usize> {
+        self.first..self.first + G * L::WIDTH
+    }
+
+    #[inline(always)]
+    pub(super) fn transmittance(&self, context: &Context<'_>, shadows: &mut Shadows) {
         let around = OriginBox::new(&self.surfaces);
         // A loop, not an iterator: a callback is not compiled for the instruction set.
         for light in 0..context.frame.lights {
-            let plane = light as usize * RAYS + self.first;
             if !around.is_within_reach(context.light(light)) {
-                transmittance[plane..plane + G * L::WIDTH].fill(0);
+                shadows.clear(light, self.range());
                 continue;
             }
             let arrivals = self.arrivals::<false>(context, light);
+            let transmittance = &mut shadows.planes_mut(light)[0];
             for (g, arrival) in arrivals.into_iter().enumerate() {
-                L::store(arrival.transmittance, &mut transmittance[plane + g * L::WIDTH..]);
+                L::store(arrival.transmittance, &mut transmittance[self.first + g * L::WIDTH..]);
             }
         }
     }
 
     #[inline(always)]
-    pub(super) fn blocker_search(&self, context: &Context<'_>, cells: &mut [u32]) {
+    pub(super) fn blocker_search(&self, context: &Context<'_>, rays: &mut Rays<'_>) {
+        let Rays { shadows, places, .. } = rays;
         for g in 0..G {
             let (origin, normal) = (self.surfaces[g].origin, self.surfaces[g].normal);
-            for (first, V3 { x, y, z }) in [(cells::ORIGIN, origin), (cells::NORMAL, normal)] {
-                for (plane, number) in (first..).zip([x, y, z]) {
-                    L::store(number.to_bits(), &mut cells[plane * RAYS + self.first + g * L::WIDTH..]);
-                }
+            let numbers = [origin.x, origin.y, origin.z, normal.x, normal.y, normal.z];
+            for (plane, number) in numbers.into_iter().enumerate() {
+                L::store(number.to_bits(), &mut places[plane * RAYS + self.first + g * L::WIDTH..]);
             }
         }
         let around = OriginBox::new(&self.surfaces);
-        for (light, (transmittance, radii)) in (0..).zip(cells::lights_mut(cells)) {
+        for light in 0..context.frame.lights {
             if !around.is_within_reach(context.light(light)) {
-                self.clear_light(transmittance, radii);
+                shadows.clear(light, self.range());
                 continue;
             }
             let arrivals = self.arrivals::<true>(context, light);
+            let planes = shadows.planes_mut(light);
             for (g, arrival) in arrivals.into_iter().enumerate() {
                 let at = self.first + g * L::WIDTH;
-                L::store(arrival.transmittance, &mut transmittance[at..]);
-                L::store(arrival.penumbra_radius.to_bits(), &mut radii[at..]);
+                L::store(arrival.transmittance, &mut planes[0][at..]);
+                L::store(arrival.penumbra_radius.to_bits(), &mut planes[1][at..]);
             }
         }
-    }
-
-    /// Leaves what a search finds for rays that ask for no light.
-    #[inline(always)]
-    pub(super) fn clear(&self, cells: &mut [u32]) {
-        for (transmittance, radii) in cells::lights_mut(cells) {
-            self.clear_light(transmittance, radii);
-        }
-    }
-
-    /// Leaves that for one light.
-    #[inline(always)]
-    fn clear_light(&self, transmittance: &mut [u32], radii: &mut [u32]) {
-        let range = self.first..self.first + G * L::WIDTH;
-        transmittance[range.clone()].fill(0);
-        radii[range].fill((-1.0_f32).to_bits());
     }
 }
