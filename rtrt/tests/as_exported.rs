@@ -649,6 +649,19 @@ fn zeros_after_the_json_of_a_binary_file_are_padding() {
     file.extend(json);
     file.resize(20 + length as usize, 0);
     assert_eq!(loaded("padding", &[("x.glb", &file)]).scene.drawn_triangles(), 0);
+    // Binary glTF is what it is, whatever its name ends in.
+    for name in ["x.obj", "x.stl", "x.gltf", "x"] {
+        assert_eq!(loaded("padding", &[(name, &file)]).scene.drawn_triangles(), 0, "{name}");
+    }
+}
+
+#[test]
+fn a_file_that_is_no_gltf_is_refused_in_words() {
+    for name in ["x.glb", "x.gltf"] {
+        let folder = folder("no_gltf", &[(name, b"\x89PNG\r\n\x1a\n")]);
+        let said = load(&folder.join(name), &Sequential).err().unwrap().to_string();
+        assert!(said.ends_with("it begins neither as JSON does ({) nor as binary glTF (glTF)"), "{said}");
+    }
 }
 
 /// A white triangle around the origin, facing +z, a triangle somewhere else, and a lamp of 2 candela, and of 6 in

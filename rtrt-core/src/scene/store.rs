@@ -72,7 +72,7 @@ impl InstanceIndex {
 #[non_exhaustive]
 pub enum SceneError {
     /// The transform has no inverse, is not affine, or is not finite.
-    #[error("the transform of the instance cannot be inverted")]
+    #[error("the transform of the instance has a number that is not finite, or cannot be inverted")]
     Transform,
     /// The instance would reach beyond [`COORDINATE_LIMIT`](super::COORDINATE_LIMIT).
     #[error("the instance reaches to {value}, which is not within ±2^30")]

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub struct RenderOptions {
     // clap takes {n} for a line break, unless a style is inside of it.
-    #[arg(short, long, value_name = "FILE", help = "Write the picture to this file: PNG; EXR or NPY (an array of NumPy), in linear color; MP4, a film of all pictures, by ffmpeg; or -, standard output. In names of files, {scene} becomes the scene's name, {camera} the camera's, {frame} the number of the frame with at least four digits, and {\u{1b}[0mn} the number alone; where each view has one frame, it is the number of the view", value_parser = PathBufValueParser::new().try_map(picture), required_unless_present_any = ["aov", "compare", "hash", "json", "report"])]
+    #[arg(short, long, value_name = "FILE", help = "Write the picture to this file: PNG; EXR or NPY (an array of NumPy), in linear color; MP4, a film of all pictures, by ffmpeg; or -, standard output. In names of files, {scene} becomes the scene's name, {camera} the camera's, {frame} the number of the frame with at least four digits, and {\u{1b}[0mn} the number alone; where each view has one frame, it is the number of the view", value_parser = PathBufValueParser::new().try_map(picture))]
     pub output: Option<PathBuf>,
     /// Bits per channel of the PNG
     #[arg(long, default_value = "8", value_parser = one_of(["8", "16"]), allow_negative_numbers = true)]

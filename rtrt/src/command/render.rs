@@ -372,6 +372,17 @@ fn all_layers(
 fn check(options: &RenderOptions, poses: &[Pose], scenes: &[&Path]) -> Result<(), Error> {
     let output = options.output.as_deref();
     let ends = |ending| output.is_some_and(|path| ends_in(path, ending));
+    let results = [options.aov.is_some(), options.compare.is_some(), options.hash, options.common.json];
+    if output.is_none() && options.report.is_none() && !results.contains(&true) {
+        return Err(Error::Usage(
+            "nothing is asked for: name a file for the picture (-o FILE), or use --hash, --json, --aov, --report or --compare",
+        ));
+    }
+    if output.is_none() && (options.debug.is_some() || options.bits != 8) {
+        return Err(Error::Usage(
+            "--debug and --bits are for a picture, and no file is named for it (-o FILE)",
+        ));
+    }
     let is_stream = output.is_some_and(is_standard);
     if is_stream && (options.hash || options.common.json) {
         return Err(Error::Usage(

@@ -41,7 +41,7 @@ mod tests {
                 "invalid value '9' for '--bits <BITS>' [possible values: 8, 16]",
                 "--help",
             ),
-            ("render a.obj", "the following required arguments were not provided: --output <FILE>", "--help"),
+            ("render --hash", "the following required arguments were not provided: <SCENE>", "--help"),
             (
                 "render a.obj --hash --evironment x",
                 "unexpected argument '--evironment' found",

@@ -103,6 +103,8 @@ pub fn load_bytes(
     }
     let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let (cameras, animation) = match ending.as_deref() {
+        // Whatever the name ends in: no file of another format begins so.
+        _ if gltf::is_binary(bytes) => gltf::load(&mut builder, bytes)?,
         Some("glb" | "gltf") => gltf::load(&mut builder, bytes)?,
         Some("obj") => (obj::load(&mut builder, bytes)?, None),
         Some("ply") => ply::load(&mut builder, bytes).map(|()| (vec![], None))?,

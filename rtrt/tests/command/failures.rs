@@ -83,6 +83,8 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         "render scene.obj -o out.exr --bits 16",
         "render scene.obj -o out.exr --debug depth",
         "render scene.obj -o out.png --bits 16 --debug depth",
+        "render scene.obj --hash --debug depth",
+        "render scene.obj --aov out.exr --bits 16",
         "render scene.obj -o out.png --debug colors",
         "render scene.obj -o - --hash",
         "render scene.obj -o - --json",
@@ -95,6 +97,19 @@ fn wrong_usage_is_exit_code_2_and_no_panic() {
         assert_eq!(code(&folder.run(wrong)), 2, "{wrong}");
     }
     assert_eq!(folder.files(), [""; 0]);
+}
+
+#[test]
+fn a_command_that_makes_nothing_says_what_it_could_make() {
+    let folder = Folder::new("nothing");
+    let said = stderr(&folder.run("render scene.obj --size 8x8"));
+    assert!(said.starts_with("error: nothing is asked for: name a file for the picture (-o FILE)"), "{said}");
+    let said = stderr(&folder.run("render scene.obj --size 8x8 --hash --debug depth"));
+    assert!(said.starts_with("error: --debug and --bits are for a picture"), "{said}");
+    for enough in ["--hash", "--json", "--aov out.exr", "--report out.json", "-o out.png --bits 16"] {
+        let output = folder.run(&format!("render scene.obj --size 8x8 --backend cpu {enough}"));
+        assert_eq!(code(&output), 0, "{enough}: {}", stderr(&output));
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::case::{Case, look, zoom};
 use crate::cases::shadow::room;
-use crate::cases::transparency::panes;
+use crate::cases::transparency::{glass, panes};
 use crate::shape::{Build, Random, Shape};
 use rtrt_core::scene::{Light, Scene};
 
@@ -114,7 +114,30 @@ pub(super) const CASES: &[Case] = &[
         size: [37, 21],
         ..FROM_ABOVE
     },
+    Case {
+        name: "soft/lamps_that_reach_some_blocks",
+        claim: "A lamp out of reach of a block's rays, in a layer, lights none of them, whatever it lights in front.",
+        scene: lamps_of_small_reach,
+        camera: look([0.4, 2.4, 2.6], [0.0, -1.0, 0.0]),
+        size: [235, 141],
+        ..FROM_ABOVE
+    },
 ];
+
+/// Leaves over a floor, and a pane over half of it, among lamps that reach a part of each.
+fn lamps_of_small_reach() -> Scene {
+    let mut random = Random(6);
+    let leaves = Shape::soup(&mut random, 150, 0.15).bent(|[x, y, z]| [1.6 * x, 0.2 * y - 0.75, 1.6 * z]);
+    let pane = Shape::quad([-1.6, 0.2, 1.4], [1.7, 0.0, 0.0], [0.0, 0.0, -2.8]);
+    let build = Build::default().shape(Shape::floor(3.0, -1.0)).shape(leaves);
+    let build = build.shape_of(pane, glass([0.3, 0.9, 0.5], 0.4));
+    (0..9)
+        .fold(build, |build, lamp| {
+            let at = [1.1 * (lamp % 3) as f32 - 1.1, random.within(-0.6, 0.0), 1.1 * (lamp / 3) as f32 - 1.1];
+            build.light(Light::point(at).color([3.0; 3]).reach(random.within(0.7, 1.3)).radius(0.1))
+        })
+        .scene
+}
 
 /// Panes in the light of a sun and a bulb with a radius.
 fn colored(order: &[usize]) -> Scene {

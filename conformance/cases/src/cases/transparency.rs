@@ -301,7 +301,7 @@ fn copies() -> Scene {
 }
 
 /// A material that blends.
-fn glass(base: [f32; 3], alpha: f32) -> Material {
+pub(super) fn glass(base: [f32; 3], alpha: f32) -> Material {
     Material::new(base).roughness(0.4).blend(alpha)
 }
 

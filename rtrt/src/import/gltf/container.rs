@@ -25,8 +25,10 @@ pub(super) fn open<'a, J: rtrt_core::scene::Join>(
         let (json, binary) = chunks(bytes).map_err(|why| invalid(why.into()))?;
         // The padding has to be spaces; some exporters write zeros.
         (trim_zeros(json), binary)
-    } else {
+    } else if super::looks_like(bytes) {
         (bytes, None)
+    } else {
+        return Err(invalid("it begins neither as JSON does ({) nor as binary glTF (glTF)".into()));
     };
     let (mut root, warning) = parse(json).map_err(|error| invalid(format!("JSON: {error}")))?;
     warning.into_iter().for_each(|warning| builder.warn(warning));
