@@ -41,15 +41,18 @@ impl Blocks {
         let mut clock = Clock::default();
         for steps in steps.chunk_by(|_, next| !next.has_barrier()) {
             let is_last = steps.iter().any(|step| step.pass == Pass::Resolve);
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
             if !is_last && self.blocks[..count].iter().all(|block| block.is_done) {
                 continue;
             }
             let step = steps[0];
             let steps = match step.pass {
                 Pass::SelectFilterBlocks => {
-                    let start = Instant::now();
+                    let mut start = Instant::now();
                     self.penumbras.select(context.trace.frame, &self.blocks[..count]);
-                    clock.add(step.stage(), start);
+                    clock.lap_of_all(step.stage(), &mut start);
                     continue;
                 }
                 Pass::FilterPenumbra => {

@@ -1,6 +1,7 @@
 //! How long each stage takes.
 
 use crate::instant::Instant;
+use crate::parallel;
 use core::time::Duration;
 use rtrt_core::schedule::Stage;
 
@@ -17,6 +18,12 @@ impl Clock {
     pub fn lap(&mut self, stage: Stage, start: &mut Instant) {
         let now = Instant::now();
         self.0[stage as usize] += now - *start;
+        *start = now;
+    }
+    /// The same, of all threads.
+    pub fn lap_of_all(&mut self, stage: Stage, start: &mut Instant) {
+        let now = Instant::now();
+        self.0[stage as usize] += (now - *start) * parallel::threads();
         *start = now;
     }
     /// The sum of both.

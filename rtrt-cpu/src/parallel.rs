@@ -1,6 +1,6 @@
 //! Where work runs: on rayon's threads, or, without the feature `threads`, one part after another on the caller's.
 
-pub use imp::{Pool, join};
+pub use imp::{Pool, join, threads};
 
 use crate::error::Error;
 
@@ -68,6 +68,11 @@ mod imp {
         pub fn threads(&self) -> u32 {
             self.0.current_num_threads() as u32
         }
+    }
+
+    /// The threads of the pool that runs the caller.
+    pub fn threads() -> u32 {
+        rayon::current_num_threads() as u32
     }
 
     /// Runs both at once.
@@ -142,8 +147,13 @@ mod imp {
 
         /// One.
         pub fn threads(&self) -> u32 {
-            1
+            threads()
         }
+    }
+
+    /// One.
+    pub fn threads() -> u32 {
+        1
     }
 
     /// Runs one, then the other.

@@ -16,17 +16,17 @@ use rtrt_core::lane::{Bits, Row};
 use rtrt_core::layout::Frame;
 use rtrt_core::schedule::Step;
 use rtrt_core::stage::context::Context;
-use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, are_soft, edges_at, span};
+use rtrt_core::stage::penumbra_blocks::{PenumbraSummary, are_soft, span};
 use rtrt_core::stage::penumbra_filter::filter_penumbra;
 
-/// What the filter knows of a frame.
+/// What the filter knows of a layer of a frame.
 #[derive(Debug, Default)]
 pub struct Penumbras {
     planes: Planes,
-    /// Of each block and light: see [`edges_at`].
+    /// Of each block and light: see [`edges_at`](rtrt_core::stage::penumbra_blocks::edges_at).
     summaries: Vec<PenumbraSummary>,
-    /// Whether the filter may change its shadows.
-    are_filtered: Vec<u32>,
+    /// Whether the filter changes its shadows: all blocks of a light, then those of the next.
+    are_filtered: Vec<bool>,
     /// Whether the filter reads a block for a light.
     is_read: Vec<bool>,
 }
@@ -36,10 +36,15 @@ impl Penumbras {
     pub fn select(&mut self, frame: &Frame, blocks: &[Block]) {
         self.summaries.clear();
         self.summaries.extend(blocks.iter().flat_map(|block| &block.summaries));
-        self.are_filtered.resize(self.summaries.len(), 0);
+        self.are_filtered.resize(self.summaries.len(), false);
         let summaries = &self.summaries[..];
         parallel::each(&mut self.are_filtered, 256, |at, is_filtered| {
-            *is_filtered = are_soft(frame, summaries, at as u32 / frame.lights, at as u32 % frame.lights);
+            let (light, index) = ((at / blocks.len()) as u32, at % blocks.len());
+            let block = &blocks[index];
+            // A light that reaches no ray of the block leaves nothing to filter.
+            *is_filtered = !block.is_done
+                && block.shadows.is_reached(light)
+                && are_soft(frame, summaries, index as u32, light) == 1;
         });
     }
 
@@ -54,50 +59,46 @@ impl Penumbras {
     ) -> Clock {
         let frame = &context.trace.frame.of_layer(step.layer);
         let context = &Context { frame, ..context.trace };
-        let mut clock = Clock::default();
-        self.planes.begin(frame);
-        for light in 0..frame.lights {
-            let start = Instant::now();
-            if !self.find_read(frame, light) {
+        let Self { planes, are_filtered, is_read, .. } = self;
+        let (mut clock, mut start) = (Clock::default(), Instant::now());
+        planes.begin(frame);
+        for (light, are_filtered) in (0..).zip(are_filtered.chunks(blocks.len())) {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
+            if !are_filtered.contains(&true) {
                 continue;
             }
-            self.planes.fill(frame, blocks, light, &self.is_read);
-            clock.add(step.stage(), start);
-            let Self { planes, are_filtered, .. } = self;
+            find_read(frame, are_filtered, is_read);
+            planes.fill(frame, blocks, light, is_read);
+            clock.lap_of_all(step.stage(), &mut start);
             let filter = |_: &mut (), index, block: &mut Block, _: Option<&mut ()>| {
                 let (mut clock, start) = (Clock::default(), Instant::now());
-                let is_filtered = are_filtered[edges_at(frame, index as u32, light)] == 1;
-                // A light that reaches no ray of the block leaves nothing to filter.
-                let is_filtered = is_filtered && !block.is_done && block.shadows.is_reached(light);
-                if is_filtered && !stop.load(Ordering::Relaxed) {
+                if are_filtered[index] && !stop.load(Ordering::Relaxed) {
                     level.run(FilterBlock { context, planes, light, index: index as u32, block });
                     clock.add(step.stage(), start);
                 }
                 clock
             };
             clock = clock.plus(parallel::sum(blocks, &mut [], || (), filter, Clock::plus));
+            start = Instant::now();
         }
         clock
     }
+}
 
-    /// Finds the blocks that the filter reads for a light, and gives whether there are any.
-    fn find_read(&mut self, frame: &Frame, light: u32) -> bool {
-        let [columns, rows] = [frame.grid().blocks_x(), frame.grid().blocks_y()];
-        self.is_read.clear();
-        self.is_read.resize((columns * rows) as usize, false);
-        let mut is_any = false;
-        for block in 0..columns * rows {
-            if self.are_filtered[edges_at(frame, block, light)] == 0 {
-                continue;
-            }
-            is_any = true;
-            let [left, right] = span(frame, block % columns, columns);
-            let [top, bottom] = span(frame, block / columns, rows);
-            for y in top..bottom {
-                self.is_read[(y * columns + left) as usize..(y * columns + right) as usize].fill(true);
-            }
+/// Finds the blocks that are read where these are filtered.
+fn find_read(frame: &Frame, are_filtered: &[bool], is_read: &mut Vec<bool>) {
+    let columns = frame.grid().blocks_x();
+    let rows = are_filtered.len() as u32 / columns;
+    is_read.clear();
+    is_read.resize(are_filtered.len(), false);
+    for (block, _) in (0..).zip(are_filtered).filter(|(_, is_filtered)| **is_filtered) {
+        let [left, right] = span(frame, block % columns, columns);
+        let [top, bottom] = span(frame, block / columns, rows);
+        for y in top..bottom {
+            is_read[(y * columns + left) as usize..(y * columns + right) as usize].fill(true);
         }
-        is_any
     }
 }
 

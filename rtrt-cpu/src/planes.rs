@@ -30,7 +30,7 @@ const COUNT: usize = PLACES + 2;
 #[derive(Debug, Default)]
 pub struct Planes {
     words: Vec<u32>,
-    /// The blocks whose places are there.
+    /// The blocks whose places in this layer are there.
     has_places: Vec<bool>,
     /// What the margin was made for.
     shape: Option<(Grid, u32)>,
@@ -41,7 +41,7 @@ pub struct Planes {
 }
 
 impl Planes {
-    /// Makes room for a frame, and the margin.
+    /// Forgets all places; makes room and the margin where the size of the frame has changed. Called for each layer.
     pub fn begin(&mut self, frame: &Frame) {
         let grid = frame.grid();
         self.has_places.clear();
@@ -70,8 +70,10 @@ impl Planes {
         let has_places = &self.has_places[..];
         let above = &mut self.words[margin * pitch..];
         parallel::each_part(above, SIDE * pitch, 1, |y, rows| {
-            // None below the frame.
-            let is_read = is_read.chunks(columns).nth(y).unwrap_or_default();
+            let Some(is_read) = is_read.chunks(columns).nth(y) else {
+                // Below the frame.
+                return;
+            };
             let below = (grid.height * grid.side) as usize - y * SIDE;
             for (x, _) in is_read.iter().enumerate().filter(|(_, is_read)| **is_read) {
                 let right = (grid.width * grid.side) as usize - x * SIDE;

@@ -12,15 +12,15 @@ pub const NO_PENUMBRA: f32 = -1.0;
 /// The planes of a light that reaches none of the rays.
 static UNREACHED: [[u32; RAYS]; 2] = [[0; RAYS], [NO_PENUMBRA.to_bits(); RAYS]];
 
-/// The place of a light that has no planes.
+/// The first plane of a light that has none.
 const ABSENT: u32 = u32::MAX;
 
 /// The transmittance of each light and, where penumbras are filtered, their radii. A light has planes once
-/// it is in reach of a packet: so memory follows the lights that reach a block, not all of a scene.
+/// it is in reach of a packet: so planes follow the lights that reach a block, not all of a scene.
 #[derive(Debug, Default)]
 pub struct Shadows {
     /// The first of each light's planes.
-    places: Vec<u32>,
+    firsts: Vec<u32>,
     planes: Vec<[u32; RAYS]>,
     has_radii: bool,
 }
@@ -29,32 +29,32 @@ impl Shadows {
     /// Forgets all lights, and makes room for those of a frame.
     pub fn begin(&mut self, frame: &Frame) {
         self.has_radii = frame.shadow_kind() == ShadowKind::Penumbra;
-        self.places.clear();
-        self.places.resize(frame.transmittance_words() as usize, ABSENT);
+        self.firsts.clear();
+        self.firsts.resize(frame.transmittance_words() as usize, ABSENT);
         self.planes.clear();
     }
 
     /// Whether a light was in reach of a packet so far.
     #[inline(always)]
     pub fn is_reached(&self, light: u32) -> bool {
-        self.places[light as usize] != ABSENT
+        self.firsts[light as usize] != ABSENT
     }
 
     /// The transmittance of a light.
     #[inline(always)]
     pub fn transmittance(&self, light: u32) -> &[u32; RAYS] {
-        match self.places[light as usize] {
+        match self.firsts[light as usize] {
             ABSENT => &UNREACHED[0],
-            place => &self.planes[place as usize],
+            first => &self.planes[first as usize],
         }
     }
 
     /// The transmittance of a light, and the radii of its penumbras.
     #[inline(always)]
     pub fn both(&self, light: u32) -> &[[u32; RAYS]] {
-        match self.places[light as usize] {
+        match self.firsts[light as usize] {
             ABSENT => &UNREACHED,
-            place => &self.planes[place as usize..][..2],
+            first => &self.planes[first as usize..][..2],
         }
     }
 
@@ -65,12 +65,12 @@ impl Shadows {
             self.add(light);
         }
         let count = 1 + usize::from(self.has_radii);
-        &mut self.planes[self.places[light as usize] as usize..][..count]
+        &mut self.planes[self.firsts[light as usize] as usize..][..count]
     }
 
     #[inline(never)]
     fn add(&mut self, light: u32) {
-        self.places[light as usize] = self.planes.len() as u32;
+        self.firsts[light as usize] = self.planes.len() as u32;
         self.planes.extend(UNREACHED.iter().take(1 + usize::from(self.has_radii)));
     }
 
@@ -87,7 +87,7 @@ impl Shadows {
     /// The same for all lights.
     #[inline(always)]
     pub fn clear_all(&mut self, rays: Range<usize>) {
-        for light in 0..self.places.len() as u32 {
+        for light in 0..self.firsts.len() as u32 {
             self.clear(light, rays.clone());
         }
     }

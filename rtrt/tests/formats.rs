@@ -149,6 +149,10 @@ fn stl_as_text_and_binary_shows_a_square() {
     // Without an ending the first bytes say what it is.
     assert_eq!(quarters(&loaded("stl-nameless", &[("a", &stl(false))])), gray);
     assert_eq!(quarters(&loaded("stl-binary-nameless", &[("a.scan", &stl(true))])), gray);
+    // The first 80 bytes are free.
+    let mut converted = stl(true);
+    converted[..11].copy_from_slice(b"glTF to STL");
+    assert_eq!(quarters(&loaded("stl-converted", &[("a.stl", &converted)])), gray);
 }
 
 #[test]

@@ -44,7 +44,7 @@
 //!   ([`penumbra_blocks`](super::penumbra_blocks)).
 //! - Groups whose search meets only the transmittance of their own rays: the average of equal values is
 //!   that value, exactly.
-//! - On the CPU, blocks whose rays see nothing behind their first layers.
+//! - On the CPU, blocks whose rays see nothing behind their first layers, and those that the light does not reach.
 
 use crate::kernel::transmittance::{color, packed};
 use crate::lane::{Bits, Lane, Mask, Row, Select, V3, Word};

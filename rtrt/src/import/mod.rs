@@ -57,7 +57,7 @@ use std::path::Path;
 
 /// Loads a scene. `join` runs the two halves of a BVH build, in parallel if it has threads.
 ///
-/// The ending of the name decides on the format, else the first bytes do.
+/// Binary glTF is known by its first bytes. Otherwise the ending of the name decides on the format, else the first bytes do.
 ///
 /// # Errors
 /// The file cannot be read, cannot be drawn, or is too large; see [`ImportError`].

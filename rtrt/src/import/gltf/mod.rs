@@ -33,14 +33,14 @@ use rtrt_core::scene::Join;
 use std::collections::HashMap;
 use transform::rest_worlds;
 
-/// Whether the bytes begin as binary glTF does.
+/// Whether the bytes begin as binary glTF of a known version does.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
-    bytes.starts_with(container::MAGIC)
+    bytes.starts_with(container::MAGIC) && matches!(bytes.get(4..8), Some([1 | 2, 0, 0, 0]))
 }
 
 /// Whether the bytes begin as binary or JSON glTF does.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
-    is_binary(bytes) || bytes.trim_ascii_start().starts_with(b"{")
+    bytes.starts_with(container::MAGIC) || bytes.trim_ascii_start().starts_with(b"{")
 }
 
 /// Adds the content of a file to the scene, and returns its cameras and animations.
