@@ -92,7 +92,9 @@ fn byte_order_marks_are_no_part_of_the_text() {
     let scene = loaded("bom", &[("a.obj", &obj), ("m.mtl", &mark(b"newmtl t\nKd 1 0 0\n"))]);
     assert_eq!(quarters(&scene), [rgb(RED); 4]);
     // The first line is a vertex.
-    let scene = loaded("bom-v", &[("a.obj", &mark(b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n"))]);
+    let text = mark(b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n");
+    assert_eq!(loaded("bom-nameless", &[("a", &text)]).scene.drawn_triangles(), 1);
+    let scene = loaded("bom-v", &[("a.obj", &text)]);
     assert_eq!(scene.scene.positions().len(), 3);
 }
 
@@ -652,6 +654,10 @@ fn zeros_after_the_json_of_a_binary_file_are_padding() {
     // Binary glTF is what it is, whatever its name ends in.
     for name in ["x.obj", "x.stl", "x.gltf", "x"] {
         assert_eq!(loaded("padding", &[(name, &file)]).scene.drawn_triangles(), 0, "{name}");
+    }
+    // And text that begins so is neither OBJ nor PLY.
+    for name in ["x.obj", "x.ply"] {
+        assert_eq!(loaded("padding", &[(name, json)]).scene.drawn_triangles(), 0, "{name}");
     }
 }
 

@@ -339,8 +339,13 @@ pub fn light(text: &str) -> Result<Light, String> {
         ["sun", place, radius] => sun(place, radius),
         _ => Err(FORMS.into()),
     };
+    let mut seen = Vec::new();
     more.into_iter().try_fold(light?, |light, what| {
         let (key, value) = what.split_once('=').unwrap_or_default();
+        if seen.contains(&key) {
+            return Err(format!("the light has two values of {key}"));
+        }
+        seen.push(key);
         with(light, key, value)
     })
 }
@@ -363,7 +368,14 @@ fn with(mut light: Light, key: &str, value: &str) -> Result<Light, String> {
             let angle = angle.ok().filter(|angle| (0.0..=light.outer).contains(angle));
             light.inner = angle.ok_or("the inner angle is not within 0 and the outer one")?;
         }
-        _ => return Err(format!("this light has no {key}; the properties are color, reach, fade and inner")),
+        _ => {
+            let (kind, known) = match light.kind {
+                LightKind::Sun => ("sun", "color"),
+                LightKind::Point => ("point light", "color, reach and fade"),
+                LightKind::Spot => ("spot light", "color, reach, fade and inner"),
+            };
+            return Err(format!("a {kind} has no {key}; it may have {known}"));
+        }
     }
     Ok(light)
 }
@@ -397,12 +409,13 @@ pub fn sun(place: &str, size: &str) -> Result<Light, String> {
 /// of glTF.
 pub fn spot(position: &str, direction: &str, outer: &str, size: &str) -> Result<Light, String> {
     let (position, direction) = (place(position)?, vector(direction)?);
-    let (outer, radius) = (angle(outer)?, radius(size)?);
+    let refused = "the spot light's angle is not a number above 0 and up to 90";
+    let (outer, radius) = (angle(outer).map_err(|_| refused)?, radius(size)?);
     if direction.abs().max_element() < 1e-18 {
         return Err("the spot light has no direction".into());
     }
     if outer > core::f32::consts::FRAC_PI_2 {
-        return Err("the spot light's angle is above 90".into());
+        return Err(refused.into());
     }
     let light = Light::spot(position, direction, outer).color(LIGHT_COLOR);
     Ok(light.inverse_square(true).radius(radius))
@@ -549,6 +562,7 @@ mod tests {
         let spot = spot.color(LIGHT_COLOR).inverse_square(true);
         assert_eq!(light("spot:0,1,0:0,-1,0:30:inner=20"), Ok(spot));
         assert!(light("sun:1,2,3:color=0,0,1").is_ok());
+        assert_eq!(light("sun:1,2,3:reach=2").unwrap_err(), "a sun has no reach; it may have color");
         for bad in [
             "point:1,2,3:color=1,2",
             "point:1,2,3:color=-1,0,0",
@@ -557,6 +571,7 @@ mod tests {
             "point:1,2,3:reach=0",
             "point:1,2,3:fade=cubic",
             "point:1,2,3:inner=3",
+            "point:1,2,3:reach=1:reach=2",
             "sun:1,2,3:reach=4",
             "spot:0,1,0:0,-1,0:30:inner=31",
             "point:1,2,3:shape=round",

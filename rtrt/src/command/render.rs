@@ -392,8 +392,13 @@ fn check(options: &RenderOptions, poses: &[Pose], scenes: &[&Path]) -> Result<()
     if options.stream != Stream::Png && !is_stream {
         return Err(Error::Usage("--stream is for pictures on standard output (-o -)"));
     }
-    if (ends("exr") || ends("npy")) && (options.debug.is_some() || options.bits != 8) {
-        return Err(Error::Usage("--debug and --bits are for PNG, but the picture is linear light"));
+    if ends("exr") || ends("npy") {
+        if options.debug.is_some() {
+            return Err(Error::Usage("--debug is for PNG, but the picture is linear light"));
+        }
+        if options.bits != 8 {
+            return Err(Error::Usage("--bits is for PNG, but the picture is linear light"));
+        }
     }
     if options.bits != 8 && (ends("mp4") || options.stream != Stream::Png) {
         return Err(Error::Usage("--bits is for PNG; films and raw pixels have 8 bits a channel"));
@@ -416,9 +421,11 @@ fn check(options: &RenderOptions, poses: &[Pose], scenes: &[&Path]) -> Result<()
         return Err(Error::Usage("every frame needs a file of its own: add {frame} or {n} to the names"));
     }
     if many && !singles().all(|path| has_camera(path) || (options.frames == 1 && is_numbered(path))) {
-        return Err(Error::Usage(
-            "every view needs a file of its own: add {camera}, {frame} or {n} to the names",
-        ));
+        return Err(Error::Usage(if options.frames == 1 {
+            "every view needs a file of its own: add {camera}, {frame} or {n} to the names"
+        } else {
+            "every view needs a file of its own for each frame: add {camera} to the names"
+        }));
     }
     let name = |path: &Path, scene: &Path| filled(path, scene, "camera", 0);
     for path in singles() {

@@ -57,7 +57,8 @@ use std::path::Path;
 
 /// Loads a scene. `join` runs the two halves of a BVH build, in parallel if it has threads.
 ///
-/// Binary glTF is known by its first bytes. Otherwise the ending of the name decides on the format, else the first bytes do.
+/// Binary glTF is known by its first bytes, and so is text that no OBJ or PLY file begins with. Otherwise the ending of the
+/// name decides on the format, else the first bytes do.
 ///
 /// # Errors
 /// The file cannot be read, cannot be drawn, or is too large; see [`ImportError`].
@@ -106,13 +107,14 @@ pub fn load_bytes(
         // Whatever the name ends in: no file of another format begins so.
         _ if gltf::is_binary(bytes) => gltf::load(&mut builder, bytes)?,
         Some("glb" | "gltf") => gltf::load(&mut builder, bytes)?,
+        Some("obj" | "ply") if gltf::looks_like(bytes) => gltf::load(&mut builder, bytes)?,
         Some("obj") => (obj::load(&mut builder, bytes)?, None),
         Some("ply") => ply::load(&mut builder, bytes).map(|()| (vec![], None))?,
         Some("stl") => stl::load(&mut builder, bytes).map(|()| (vec![], None))?,
         _ if gltf::looks_like(bytes) => gltf::load(&mut builder, bytes)?,
         _ if ply::looks_like(bytes) => ply::load(&mut builder, bytes).map(|()| (vec![], None))?,
         _ if stl::looks_like(bytes) => stl::load(&mut builder, bytes).map(|()| (vec![], None))?,
-        _ if obj::looks_like(bytes) => (obj::load(&mut builder, bytes)?, None),
+        _ if obj::looks_like(&text::utf8(bytes)) => (obj::load(&mut builder, bytes)?, None),
         _ => return Err(ImportError::Format { path: path.to_owned() }),
     };
     builder.warn_of_coarse_meshes();

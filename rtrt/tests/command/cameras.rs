@@ -248,7 +248,10 @@ fn all_cameras_an_orbit_and_several_scenes() {
         ("square.gltf scene.obj -o out.png", "two pictures have one name: out.png"),
         ("square.gltf --orbit 2 -o out.png", "every view needs a file of its own"),
         ("square.gltf --camera all --orbit 2", "--orbit goes around one camera"),
-        ("square.gltf --orbit 2 --frames 2 -o {n}.png", "every view needs a file of its own"),
+        (
+            "square.gltf --orbit 2 --frames 2 -o {n}.png",
+            "every view needs a file of its own for each frame: add {camera} to the names",
+        ),
         ("square.gltf --orbit 0", "invalid value '0' for '--orbit <N>'"),
     ] {
         let output = folder.run(&format!("render {line} {LINE} --hash"));
