@@ -24,10 +24,10 @@ impl Records<'_> {
     pub fn raw_shadows(&mut self, shadows: &Shadows) {
         let lights = self.raw_transmittance.len() / RAYS;
         for light in 0..lights {
+            let planes = shadows.both(light as u32);
             for ray in 0..RAYS {
-                let [transmittance, radius] = [0, 1].map(|plane| shadows.both(light as u32)[plane][ray]);
-                self.raw_transmittance[ray * lights + light] = transmittance;
-                self.penumbra_radii[ray * lights + light] = f32::from_bits(radius);
+                self.raw_transmittance[ray * lights + light] = planes[0][ray];
+                self.penumbra_radii[ray * lights + light] = f32::from_bits(planes[1][ray]);
             }
         }
     }

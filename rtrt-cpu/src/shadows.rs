@@ -22,13 +22,14 @@ pub struct Shadows {
     /// The first of each light's planes.
     firsts: Vec<u32>,
     planes: Vec<[u32; RAYS]>,
-    has_radii: bool,
+    /// Planes of a light: its transmittance and, where penumbras are filtered, the radii.
+    count: usize,
 }
 
 impl Shadows {
     /// Forgets all lights, and makes room for those of a frame.
     pub fn begin(&mut self, frame: &Frame) {
-        self.has_radii = frame.shadow_kind() == ShadowKind::Penumbra;
+        self.count = 1 + usize::from(frame.shadow_kind() == ShadowKind::Penumbra);
         self.firsts.clear();
         self.firsts.resize(frame.transmittance_words() as usize, ABSENT);
         self.planes.clear();
@@ -64,14 +65,13 @@ impl Shadows {
         if !self.is_reached(light) {
             self.add(light);
         }
-        let count = 1 + usize::from(self.has_radii);
-        &mut self.planes[self.firsts[light as usize] as usize..][..count]
+        &mut self.planes[self.firsts[light as usize] as usize..][..self.count]
     }
 
     #[inline(never)]
     fn add(&mut self, light: u32) {
         self.firsts[light as usize] = self.planes.len() as u32;
-        self.planes.extend(UNREACHED.iter().take(1 + usize::from(self.has_radii)));
+        self.planes.extend(UNREACHED.iter().take(self.count));
     }
 
     /// Leaves these rays without light.

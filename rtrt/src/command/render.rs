@@ -375,7 +375,7 @@ fn check(options: &RenderOptions, poses: &[Pose], scenes: &[&Path]) -> Result<()
     let results = [options.aov.is_some(), options.compare.is_some(), options.hash, options.common.json];
     if output.is_none() && options.report.is_none() && !results.contains(&true) {
         return Err(Error::Usage(
-            "nothing is asked for: name a file for the picture (-o FILE), or use --hash, --json, --aov, --report or --compare",
+            "no result is asked for: add -o FILE, --hash, --json, --aov FILE, --report FILE or --compare FILE",
         ));
     }
     if output.is_none() && (options.debug.is_some() || options.bits != 8) {
