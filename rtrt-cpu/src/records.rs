@@ -25,9 +25,9 @@ impl Records<'_> {
         let lights = self.raw_transmittance.len() / RAYS;
         for light in 0..lights {
             let planes = shadows.both(light as u32);
-            for ray in 0..RAYS {
-                self.raw_transmittance[ray * lights + light] = planes[0][ray];
-                self.penumbra_radii[ray * lights + light] = f32::from_bits(planes[1][ray]);
+            for (ray, (transmittance, radius)) in planes[0].iter().zip(&planes[1]).enumerate() {
+                self.raw_transmittance[ray * lights + light] = *transmittance;
+                self.penumbra_radii[ray * lights + light] = f32::from_bits(*radius);
             }
         }
     }
